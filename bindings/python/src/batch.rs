@@ -99,6 +99,7 @@ fn trace_many<'py>(
     let batch = Batch {
         list: list.map_err(|error| refused(&error))?,
         settings,
+        reads: Vec::new(),
         out,
         jobs: jobs_of(jobs)?,
         json: None,

@@ -96,8 +96,10 @@ pub struct Summary {
     pub traced: usize,
     /// Traces that could not be made.
     pub failed: usize,
-    /// Traces that were made or failed now; the others were kept from earlier.
+    /// Traces that were made or failed now.
     pub computed: usize,
+    /// Traces that an earlier run has kept.
+    pub kept: usize,
     /// Recordings that are in several traces, in words.
     pub shared: Vec<String>,
     /// What it took, s.

@@ -42,6 +42,8 @@ pub struct Batch {
     pub list: List,
     /// What all of them are made with.
     pub settings: Settings,
+    /// Other files that were read for it, as a law is: no output may replace them.
+    pub reads: Vec<PathBuf>,
     /// The folder of the tables and of the traces. What an earlier run left there is taken up.
     pub out: PathBuf,
     /// Traces that are made at the same time. Each holds its recordings in memory.
@@ -98,6 +100,7 @@ impl Batch {
         let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, PAGE, JOURNAL];
         let mut outputs = Plan::new()
             .reads(&self.list.file)
+            .reads(&self.reads)
             .reads(self.list.tasks.iter().flat_map(Task::paths))
             .fills(self.out.as_path(), names)
             .writes(&self.json)
@@ -115,6 +118,7 @@ impl Batch {
                 holders: BTreeMap::new(),
                 failed: 0,
                 computed: 0,
+                kept: 0,
                 done: 0,
             }),
             started,
@@ -186,6 +190,7 @@ struct State {
     holders: BTreeMap<Content, Vec<(usize, PathBuf)>>,
     failed: usize,
     computed: usize,
+    kept: usize,
     done: usize,
 }
 
@@ -236,7 +241,7 @@ impl Running<'_> {
                 return false;
             }
             let settings = &self.batch.settings;
-            match state.journal.outcome(id) {
+            let is_wanted = match state.journal.outcome(id) {
                 None => true,
                 Some(Outcome::Traced(found)) => {
                     !one::is_there(&self.batch.out.join(&found.folder), settings)
@@ -244,15 +249,23 @@ impl Running<'_> {
                 Some(Outcome::Failed(failure)) => {
                     let limit = settings.reading.limit.file();
                     let may_pass = failure.read_limit.is_some_and(|known| known != limit);
-                    state.failed += usize::from(!may_pass);
-                    may_pass
+                    // Its words are about a file that may have another name now.
+                    let is_renamed = !task
+                        .paths()
+                        .any(|path| failure.error.contains(&path.display().to_string()));
+                    let is_wanted = may_pass || is_renamed;
+                    state.failed += usize::from(!is_wanted);
+                    is_wanted
                 }
-            }
+            };
+            state.kept += usize::from(!is_wanted);
+            is_wanted
         })
     }
 
     fn make(&self, task: &Task, id: &str, contents: &[Content]) -> Result<(), InputError> {
-        let folder = format!("{TRACES}/{}-{}", short_name(&task.name), &id[..8]);
+        // Files of many folders have one name; 16 digits are the same of two in 10⁵ of them once in 10⁹ batches.
+        let folder = format!("{TRACES}/{}-{}", short_name(&task.name), &id[..16]);
         let made = match one::twice(task, contents) {
             Some(failure) => Err(failure),
             None => one::trace(task, &self.batch.settings, folder.clone()),
@@ -332,6 +345,7 @@ impl Running<'_> {
             traced: traces.len() - failed,
             failed,
             computed: state.computed,
+            kept: state.kept,
             shared,
             seconds: self.started.elapsed().as_secs_f64(),
             traces,

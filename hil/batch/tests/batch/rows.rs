@@ -20,6 +20,7 @@ pub fn batch(list: &Path, out: &Path) -> Batch {
     Batch {
         list: List::read(list, ReadLimit::default()).unwrap(),
         settings: Settings::default(),
+        reads: Vec::new(),
         out: out.to_owned(),
         jobs: NonZeroUsize::new(2).unwrap(),
         json: None,

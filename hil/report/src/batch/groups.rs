@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::Estimate;
+use mesh_damper_identify::trace::result::{Estimate, Verdict};
 
-use super::{BatchRow, VERDICTS, outcomes, pictures, word};
+use super::{BatchEffect, BatchRow, VERDICTS, outcomes, pictures, word};
 use crate::html::{figure, table};
 use crate::text;
 
@@ -18,12 +18,26 @@ pub struct Group<'a> {
     pub rows: Vec<&'a BatchRow>,
 }
 
+impl<'a> Group<'a> {
+    /// The effects that traces found: of an ambiguous one nobody knows which it is.
+    fn found(&self) -> impl Iterator<Item = &'a BatchEffect> {
+        let done = self.rows.iter().filter_map(|row| row.outcome.as_ref().ok());
+        done.filter(|one| one.verdict != Verdict::Ambiguous)
+            .flat_map(|one| &one.effects)
+    }
+}
+
 /// The groups by name; of many the largest, and the others as one.
 pub fn groups(rows: &[BatchRow]) -> Vec<Group<'_>> {
+    let without = if rows.iter().any(|row| row.group.is_some()) {
+        "without a group"
+    } else {
+        "all"
+    };
     let mut by_name: BTreeMap<&str, Vec<&BatchRow>> = BTreeMap::new();
     for row in rows {
         by_name
-            .entry(row.group.as_deref().unwrap_or("without a group"))
+            .entry(row.group.as_deref().unwrap_or(without))
             .or_default()
             .push(row);
     }
@@ -80,6 +94,7 @@ pub fn verdicts(rows: &[BatchRow]) -> Markup {
 /// How often each effect was found in each group, and with which parameters; nothing where none was.
 pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     let families: BTreeSet<&str> = outcomes(rows)
+        .filter(|one| one.verdict != Verdict::Ambiguous)
         .flat_map(|one| &one.effects)
         .map(|effect| &effect.family[..])
         .collect();
@@ -88,12 +103,8 @@ pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     }
     let groups = groups(rows);
     let count = |group: &Group<'_>, family: &str| {
-        let done = group
-            .rows
-            .iter()
-            .filter_map(|row| row.outcome.as_ref().ok());
-        done.filter(|one| one.effects.iter().any(|effect| effect.family == family))
-            .count()
+        let has = |effect: &&BatchEffect| effect.family == family;
+        group.found().filter(has).count()
     };
     let head = html! { tr {
         th scope="col" { "group" } th scope="col" { "traces" }
@@ -110,7 +121,7 @@ pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     };
     let pictures = pictures::parameters(&groups);
     Some(html! {
-        p { "An effect counts where a trace found it, or cannot tell it from another." }
+        p { "An effect counts where a trace found it, and not where it cannot be told from another." }
         (table("Traces with each effect, by group", head, body))
         (parameters(&groups))
         @if !pictures.is_empty() {
@@ -127,11 +138,7 @@ pub type Parameter<'a> = (&'a str, &'a str);
 pub fn estimates<'a>(groups: &'a [Group<'_>]) -> BTreeMap<Parameter<'a>, Vec<Vec<&'a Estimate>>> {
     let mut all: BTreeMap<Parameter<'a>, Vec<Vec<&Estimate>>> = BTreeMap::new();
     for (place, group) in groups.iter().enumerate() {
-        let done = group
-            .rows
-            .iter()
-            .filter_map(|row| row.outcome.as_ref().ok());
-        for effect in done.flat_map(|one| &one.effects) {
+        for effect in group.found() {
             for (name, estimate) in &effect.parameters {
                 let of_groups = all
                     .entry((&effect.family, name))
@@ -159,16 +166,22 @@ fn parameters(groups: &[Group<'_>]) -> Markup {
                     td.text { (name.replace('_', " ")) }
                     td.text { (group.name) }
                     td { (estimates.len()) }
-                    td { (text::number(values[values.len() / 2])) }
+                    td { (text::number(median(&values))) }
                     td { (text::number(values[0])) }
                     td { (text::number(values[values.len() - 1])) }
-                    td { (text::number(halves[halves.len() / 2])) }
+                    td { (text::number(median(&halves))) }
                     td.text { (text::unit(&estimates[0].unit)) }
                 }
             }
         }
     };
     table("Parameters of the effects, by group", head, body)
+}
+
+/// Of values in order.
+fn median(sorted: &[f64]) -> f64 {
+    let half = sorted.len() / 2;
+    0.5 * (sorted[half] + sorted[(sorted.len() - 1) / 2])
 }
 
 fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {

@@ -55,7 +55,7 @@ const fn word(verdict: Verdict) -> &'static str {
         Verdict::Found => "found",
         Verdict::None => "nothing missing",
         Verdict::Ambiguous => "ambiguous",
-        Verdict::Unlisted => "unmodelled",
+        Verdict::Unlisted => "unlisted",
     }
 }
 

@@ -67,7 +67,7 @@ fn every_row_is_there_once_and_counted() {
         std::fs::write(std::path::Path::new(&directory).join("batch.html"), &page).unwrap();
     }
     crate::structure::check(&page);
-    assert!(page.contains("40 found, 40 nothing missing, 40 ambiguous, 40 unmodelled, 40 failed"));
+    assert!(page.contains("40 found, 40 nothing missing, 40 ambiguous, 40 unlisted, 40 failed"));
     assert_eq!(page.matches("href=\"reports/test-").count(), 160);
     assert_eq!(page.matches("check the load cell").count(), 40);
     for said in [
@@ -131,4 +131,39 @@ fn many_groups_are_a_table_of_the_largest() {
     assert!(groups.iter().any(|group| group.name == "g100"));
     let sum: usize = groups.iter().map(|group| group.rows.len()).sum();
     assert_eq!(sum, 300);
+}
+
+/// Of an even number of traces the median lies between two; an ambiguous one has no say.
+#[test]
+fn the_median_is_that_of_what_was_found() {
+    let mut all = rows(8);
+    let mut values = [1.0, 4.0, 100.0].into_iter();
+    all.retain(|row| row.outcome.is_ok());
+    all.truncate(3);
+    for (row, verdict) in
+        all.iter_mut()
+            .zip([Verdict::Found, Verdict::Unlisted, Verdict::Ambiguous])
+    {
+        row.group = None;
+        let Ok(outcome) = &mut row.outcome else {
+            panic!()
+        };
+        let value = values.next().unwrap();
+        let stiffness = Estimate {
+            value,
+            low: 0.9 * value,
+            high: 1.1 * value,
+            unit: "kN/mm".into(),
+        };
+        outcome.verdict = verdict;
+        outcome.effects = vec![BatchEffect {
+            family: "stick_slip".into(),
+            parameters: [("stiffness".to_owned(), stiffness)].into(),
+        }];
+    }
+    let page = batch_page(&all);
+    let cells = "<td>2</td><td>2.50</td><td>1.00</td><td>4.00</td><td>0.250</td>";
+    assert!(page.contains(cells), "{page}");
+    // Nothing is said of groups where there are none.
+    assert!(!page.contains("without a group"));
 }

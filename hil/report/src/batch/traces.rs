@@ -25,6 +25,18 @@ pub fn table(rows: &[BatchRow]) -> Option<Markup> {
         }
     };
     let groups: Vec<&str> = groups.into_iter().collect();
+    // None of one that has no groups.
+    let column = (!groups.is_empty()).then_some("group");
+    let columns = ["trace"].into_iter().chain(column);
+    let others = [
+        "verdict",
+        "effects",
+        "before",
+        "after",
+        "noise",
+        "after over noise",
+        "time, s",
+    ];
     let caption = "All traces, in the order of the batch";
     Some(html! {
         div.filters hidden {
@@ -38,17 +50,17 @@ pub fn table(rows: &[BatchRow]) -> Option<Markup> {
             table.traces {
                 caption { (caption) }
                 thead { tr {
-                    @for name in ["trace", "group", "verdict", "effects", "before", "after", "noise", "after over noise", "time, s"] {
+                    @for name in columns.chain(others) {
                         th scope="col" { (name) }
                     }
                 } }
-                tbody { @for (row, outcome) in done { (line(row, outcome)) } }
+                tbody { @for (row, outcome) in done { (line(row, outcome, column.is_some())) } }
             }
         }
     })
 }
 
-fn line(row: &BatchRow, outcome: &BatchOutcome) -> Markup {
+fn line(row: &BatchRow, outcome: &BatchOutcome, has_groups: bool) -> Markup {
     let is_drawn = pictures::is_drawn(outcome.noise, outcome.nrmse_before, outcome.nrmse_after);
     html! {
         tr data-drawn[is_drawn] {
@@ -58,7 +70,7 @@ fn line(row: &BatchRow, outcome: &BatchOutcome) -> Markup {
                     None => (row.id),
                 }
             }
-            td { (row.group.as_deref().unwrap_or("–")) }
+            @if has_groups { td { (row.group.as_deref().unwrap_or("–")) } }
             td { (word(outcome.verdict)) @if !outcome.adopted { ", not adopted" } }
             td { (effects(outcome)) }
             td { (text::percent(outcome.nrmse_before)) }

@@ -4,7 +4,10 @@
   const table = document.querySelector("table.traces");
   if (!table) return;
   const MOST = 300;
-  const NUMBERS = 4;
+  const heads = [...table.tHead.rows[0].cells];
+  // Where a column is: there is none of groups where there are no groups.
+  const column = name => heads.findIndex(head => head.textContent === name);
+  const [GROUP, VERDICT, NUMBERS] = ["group", "verdict", "before"].map(column);
   const body = table.tBodies[0];
   const number = text => {
     const found = parseFloat(text.replace(/−/g, "-"));
@@ -24,7 +27,7 @@
   const show = () => {
     const [text, group, verdict] = [chosen("text").toLowerCase().trim(), chosen("group"), chosen("verdict")];
     const fits = rows.filter(({ texts, searched }) => searched.includes(text)
-      && (!group || texts[1] === group) && (!verdict || texts[2].startsWith(verdict)));
+      && (!group || texts[GROUP] === group) && (!verdict || texts[VERDICT].startsWith(verdict)));
     const drawn = fits.slice(0, most);
     body.replaceChildren(...drawn.map(one => one.row));
     shown.textContent = drawn.length < fits.length ? `the first ${drawn.length} of ${fits.length} that fit, of ${rows.length}`
@@ -33,7 +36,6 @@
   };
 
   const collator = new Intl.Collator(undefined, { numeric: true });
-  const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
     const button = document.createElement("button");
     button.type = "button";

@@ -55,7 +55,7 @@ impl BatchCommand {
         let list = match &self.inputs[..] {
             [one] if one.as_path() == Path::new("-") => listed_on_standard_input()?,
             [one] => List::read(one, limit)?,
-            several => List::of_recordings(several),
+            several => of_recordings(several)?,
         };
         if !list.ignored.is_empty() {
             warn(&ignored(&list.ignored));
@@ -68,6 +68,7 @@ impl BatchCommand {
                 reading: self.files.said(),
                 reports: self.reports,
             },
+            reads: self.seeking.law().map(Path::to_owned).into_iter().collect(),
             out: self.out,
             jobs: self.jobs.unwrap_or(cores),
             json: self.json,
@@ -90,11 +91,32 @@ impl BatchCommand {
         match summary.failed {
             0 => Ok(()),
             failed => Err(Failure::Check(format!(
-                "{failed} of {} could not be traced; the column error of {} says why",
+                "{failed} of {} could not be traced; the column error of {} says why{}",
                 counted(summary.traces.len(), "trace"),
-                batch.out.join("outcomes.csv").display()
+                batch.out.join("outcomes.csv").display(),
+                first_error(&summary)
+                    .map_or_else(String::new, |error| format!(", of the first {error}"))
             ))),
         }
+    }
+}
+
+fn first_error(summary: &Summary) -> Option<&str> {
+    summary.traces.iter().find_map(|row| match &row.outcome {
+        Outcome::Failed(failure) => Some(failure.error.as_str()),
+        Outcome::Traced(_) => None,
+    })
+}
+
+/// The list of several inputs.
+fn of_recordings(paths: &[PathBuf]) -> Result<List, InputError> {
+    match paths.iter().find(|path| path.is_dir()) {
+        Some(folder) => Err(InputError::new(
+            folder.display().to_string(),
+            "is a folder among several inputs",
+            "give one folder alone, or the paths of recordings as a list on standard input: find DIR… -name '*.csv' | hil batch -",
+        )),
+        None => Ok(List::of_recordings(paths)),
     }
 }
 
@@ -151,8 +173,7 @@ fn counted(count: usize, what: &str) -> String {
 }
 
 fn print(summary: &Summary, out: &Path) {
-    let kept = summary.traces.len().saturating_sub(summary.computed);
-    let earlier = match kept {
+    let earlier = match summary.kept {
         0 => String::new(),
         kept => format!(", {kept} of them kept from an earlier run"),
     };
@@ -185,7 +206,7 @@ fn print(summary: &Summary, out: &Path) {
     }
     let mut families: BTreeMap<&str, usize> = BTreeMap::new();
     for effect in found
-        .filter(|found| found.verdict == Verdict::Found)
+        .filter(|found| found.verdict != Verdict::Ambiguous)
         .flat_map(|found| &found.effects)
     {
         *families.entry(&effect.family).or_default() += 1;

@@ -45,7 +45,7 @@ impl EventRow {
 
     /// In one line.
     pub(super) fn in_words(&self) -> String {
-        let kind = if self.fault { "TripCause" } else { "Normal" };
+        let kind = if self.fault { "Fault" } else { "Note" };
         format!(
             "{kind} found {:.3} s after the start, in cycle {}: {}",
             self.time,
