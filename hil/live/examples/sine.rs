@@ -18,6 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         law: "the same, 10 % stiffer".into(),
         sample_rate: RATE,
         duration: Some(seconds),
+        has_cycles: true,
     };
     let mut page = LivePage::start(port, about, Limits::default())?;
     println!("{}", page.address());

@@ -18,6 +18,8 @@ pub struct About {
     /// How long the test takes, s; none where that is not known.
     #[serde(rename = "duration_s")]
     pub duration: Option<f64>,
+    /// Whether there are cycles to come. A motion of any shape has none.
+    pub has_cycles: bool,
 }
 
 /// What was measured at one tick.

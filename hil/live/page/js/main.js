@@ -60,6 +60,11 @@ function begin(message) {
   document.title = `${about.title}: live`;
   element("title").textContent = about.title;
   element("about").textContent = [about.specimen, about.law && `law: ${about.law}`].filter(Boolean).join("; ");
+  element("no-cycles").hidden = about.has_cycles;
+  element("values").setAttribute("aria-label", about.has_cycles ? "Last steady cycle" : "What is shown");
+  for (const name of OF_CYCLES) {
+    element(`figure-${name}`).hidden = !about.has_cycles;
+  }
   const every = message.bucket_samples;
   const rate = `${number(about.sample_rate_Hz)} samples a second`;
   element("decimation").textContent =
@@ -246,12 +251,15 @@ function showValues() {
   };
   withLaw("stiffness", "law_stiffness_kN_per_mm");
   withLaw("loss-factor", "law_loss_factor");
-  set("value-error", percent(of("law_error")));
+  const hasCycles = store.about.about?.has_cycles ?? true;
+  set("value-error", percent(hasCycles ? of("law_error") : store.errorWithin(range())));
   set("value-time", seconds(view.end(store.lastTime)));
   set("value-cycle", last === undefined ? "–" : String(of("cycle")));
   set("value-temperature", number(of("temperature_degC"), 3));
 }
 
+/** Charts over cycles. */
+const OF_CYCLES = ["stiffness", "loss-factor", "error"];
 const VALUES = { stiffness: "stiffness_kN_per_mm", "loss-factor": "loss_factor" };
 
 /** For who does not see the charts. */

@@ -143,6 +143,18 @@ export class Store {
     };
   }
 
+  /** RMS of the law's error over the RMS of the measured force, of the samples of a range of times. */
+  errorWithin(times) {
+    const [from, to] = this.samples.range(times);
+    const [measured, law] = ["force_kN", "law_force_kN"].map((name) => this.samples.column(name));
+    let [error, force] = [0, 0];
+    for (let row = from; row < to; row += 1) {
+      error += (measured[row] - law[row]) ** 2;
+      force += measured[row] ** 2;
+    }
+    return Math.sqrt(error / force);
+  }
+
   /** Of the last sample, s. */
   get lastTime() {
     return this.samples.last("time_s") ?? 0;

@@ -57,6 +57,19 @@ test("ramps are left out, and a test that is over ends with its last steady loop
   assert.deepEqual(store.loopEnd(4.5), { end: 3, frequency: 5 });
 });
 
+test("without cycles the error is that of the samples shown", () => {
+  const store = new Store();
+  const rows = 100;
+  const time = Float64Array.from({ length: rows }, (_, row) => row);
+  const force = Float32Array.from(time, (at) => (at % 2 ? 4 : -4));
+  // The law is right until 50 s, and a quarter too low from then on.
+  const law = force.map((value, row) => (row < 50 ? value : 0.75 * value));
+  store.samples.append({ time_s: time, displacement_mm: force, force_kN: force, law_force_kN: law }, rows);
+  assert.equal(store.errorWithin([0, 49]), 0);
+  assert.ok(Math.abs(store.errorWithin([50, 99]) - 0.25) < 1e-6);
+  assert.ok(Number.isNaN(store.errorWithin([200, 300])));
+});
+
 test("events are bounded too", () => {
   const store = new Store();
   for (let event = 0; event < 3000; event++) {

@@ -217,6 +217,7 @@ impl RecordCommand {
                 law: format!("{}, revision {}", about.identity, about.revision),
                 sample_rate: tick_rate / f64::from(self.record_every),
                 duration: Some(times.expected).filter(|expected| expected.is_finite()),
+                has_cycles: true,
             },
             tick_rate,
         )?;

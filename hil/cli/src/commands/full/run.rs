@@ -246,6 +246,7 @@ impl RunCommand {
                     Some(motion) => motion.duration(),
                     None => setup.programme.duration(),
                 }),
+                has_cycles: setup.drive.is_none(),
             },
             self.tick_rate,
         )?;
