@@ -168,12 +168,19 @@ fn loops(result: &TraceResult, series: &[Series]) -> Section {
     Section::new("Force–displacement loops", body)
 }
 
-/// At most [`MOST_LOOPS`] blocks in order, those held out before others.
+/// At most [`MOST_LOOPS`] blocks in order, those held out before others. A single cycle is the way from block to block, and is drawn where
+/// there is nothing else: of a motion that does not repeat.
 fn chosen_blocks(series: &[Series]) -> Vec<(&Series, &SeriesBlock)> {
-    let all: Vec<(&Series, &SeriesBlock)> = series
-        .iter()
-        .flat_map(|one| one.blocks.iter().map(move |block| (one, block)))
+    let blocks = || {
+        let each = series.iter();
+        each.flat_map(|one| one.blocks.iter().map(move |block| (one, block)))
+    };
+    let mut all: Vec<(&Series, &SeriesBlock)> = blocks()
+        .filter(|(_, block)| block.cycles.len() > 1)
         .collect();
+    if all.is_empty() {
+        all = blocks().collect();
+    }
     let (held, fitted): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&i| all[i].1.held_out);
     let held = spread(&held, MOST_LOOPS);
     let fitted = spread(&fitted, MOST_LOOPS - held.len());
