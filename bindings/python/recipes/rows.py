@@ -1,7 +1,8 @@
 """The rows of many traces, kept as they come: what the recipes share.
 
 A row is a line of JSON, on the disk before the next. A run that is killed loses the traces that were under way, and no other; the next run
-with the same file makes only what is missing.
+with the same file makes only what is missing: what has no row, and what was changed since it got one. In the table a recording that lies
+there twice has one row.
 """
 
 from __future__ import annotations
@@ -20,10 +21,23 @@ def row_of(path: str) -> dict[str, Any]:
     return mesh_damper.outcome(path)
 
 
+#: What recordings' names end in.
+ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat", ".h5", ".tdms")
+
+
 def recordings(folder: str) -> list[str]:
     """The recordings of a folder."""
     paths = (str(path) for path in Path(folder).iterdir())
-    return sorted(path for path in paths if path.endswith((".csv", ".csv.gz")))
+    return sorted(path for path in paths if path.lower().endswith(ENDINGS))
+
+
+def _state(path: str) -> list[int] | None:
+    """By what a file is seen to have been changed: its size and the time of its last change."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return [found.st_size, found.st_mtime_ns]
 
 
 class Rows:
@@ -31,12 +45,14 @@ class Rows:
 
     def __init__(self, file: str) -> None:
         self.rows: dict[str, dict[str, Any]] = {}
+        self._states: dict[str, list[int] | None] = {}
         path = Path(file)
         text = path.read_bytes() if path.exists() else b""
         whole = text[: text.rfind(b"\n") + 1]
         for line in whole.splitlines():
-            row = json.loads(line)
-            self.rows[row["trace"]] = row
+            kept = json.loads(line)
+            path_of_it = kept["row"]["trace"]
+            self.rows[path_of_it], self._states[path_of_it] = kept["row"], kept["state"]
         # A line that was cut is taken off.
         self._file = path.open("r+b" if path.exists() else "w+b")
         self._file.truncate(len(whole))
@@ -44,17 +60,20 @@ class Rows:
 
     def missing(self, paths: Iterable[str]) -> list[str]:
         """The paths whose rows are still to be made."""
-        return [path for path in paths if path not in self.rows]
+        return [path for path in paths if path not in self.rows or self._states[path] != _state(path)]
 
     def keep(self, row: dict[str, Any]) -> None:
         """Keeps a row."""
-        self._file.write(json.dumps(row).encode() + b"\n")
+        state = _state(row["trace"])
+        self._file.write(json.dumps({"state": state, "row": row}).encode() + b"\n")
         self._file.flush()
         os.fsync(self._file.fileno())
-        self.rows[row["trace"]] = row
+        self.rows[row["trace"]], self._states[row["trace"]] = row, state
 
     def to_parquet(self, file: str) -> None:
         """Writes the table of all rows, whole or not at all."""
         part = f"{file}.part"
-        mesh_damper.outcomes([self.rows[path] for path in sorted(self.rows)]).to_parquet(part)
+        # A recording that could not be read has no identity, and is like no other.
+        by_identity = {self.rows[path].get("id") or path: self.rows[path] for path in sorted(self.rows, reverse=True)}
+        mesh_damper.outcomes(sorted(by_identity.values(), key=lambda row: row["trace"])).to_parquet(part)
         os.replace(part, file)

@@ -7,8 +7,14 @@ use mesh_damper_recording::files::FORMATS;
 
 use super::{List, Task, refused};
 
+/// What the commands write beside recordings.
+const WRITTEN: [&str; 2] = ["model.json", "trace.json"];
+
 /// Whether a file's name, in small letters, has an ending of a format that is read.
 fn is_recording(name: &str) -> bool {
+    if WRITTEN.contains(&name) {
+        return false;
+    }
     let mut endings = FORMATS.iter().flat_map(|format| format.endings());
     let ending = name.rsplit_once('.').map(|(_, ending)| ending);
     ending.is_some_and(|ending| endings.any(|known| *known == ending))
