@@ -54,9 +54,9 @@ class Rows:
             path_of_it = kept["row"]["trace"]
             self.rows[path_of_it], self._states[path_of_it] = kept["row"], kept["state"]
         # A line that was cut is taken off.
-        self._file = path.open("r+b" if path.exists() else "w+b")
-        self._file.truncate(len(whole))
-        self._file.seek(0, os.SEEK_END)
+        if len(whole) < len(text):
+            os.truncate(path, len(whole))
+        self._path = path
 
     def missing(self, paths: Iterable[str]) -> list[str]:
         """The paths whose rows are still to be made."""
@@ -65,9 +65,10 @@ class Rows:
     def keep(self, row: dict[str, Any]) -> None:
         """Keeps a row."""
         state = _state(row["trace"])
-        self._file.write(json.dumps({"state": state, "row": row}).encode() + b"\n")
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        with self._path.open("ab") as file:
+            file.write(json.dumps({"state": state, "row": row}).encode() + b"\n")
+            file.flush()
+            os.fsync(file.fileno())
         self.rows[row["trace"]], self._states[row["trace"]] = row, state
 
     def to_parquet(self, file: str) -> None:
