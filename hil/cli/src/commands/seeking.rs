@@ -19,7 +19,7 @@ pub struct Seeking {
     /// Seek none of these families: what the specimen cannot have
     #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
     exclude: Vec<Family>,
-    /// What the law is without effects: eq 13, a spring and a dashpot, or nothing but the effects
+    /// What the law is without effects: `mixed` (eq 13), `linear` (a spring and a dashpot), or `none` (nothing but the effects)
     #[arg(long, value_name = "LAW", default_value = BaseLaw::default().word(), value_parser = base_law)]
     baseline: BaseLaw,
     /// A model whose effects are known: they stay in the law, and more is sought. Their parameters are fitted with the law's, from those of the model

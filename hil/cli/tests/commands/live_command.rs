@@ -161,6 +161,7 @@ fn what_cannot_be_is_refused_before_the_rig_moves() {
         (&["--live", "70000"], "70000"),
         (&["--live-wait", "5"], "--live"),
         (&["--live", "--live-hold", "1e9"], "--live-hold"),
+        (&["--live", "--live-wait", "-1"], "give 0 to 86400"),
         (&["--speed", "0"], "--speed"),
     ] {
         let output = run(root.path(), arguments);

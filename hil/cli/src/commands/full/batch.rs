@@ -35,7 +35,7 @@ pub struct BatchCommand {
     #[arg(long, value_name = "DIR", default_value = "batch-out")]
     out: PathBuf,
     /// Recordings that are traced at the same time, each on one core and in memory; as many as there are cores where it is not given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = jobs)]
     jobs: Option<NonZeroUsize>,
     /// Write a report.html for each trace as well
     #[arg(long)]
@@ -99,6 +99,11 @@ impl BatchCommand {
             ))),
         }
     }
+}
+
+fn jobs(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "write a whole number of 1 or more".to_owned())
 }
 
 fn first_error(summary: &Summary) -> Option<&str> {

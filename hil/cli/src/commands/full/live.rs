@@ -25,10 +25,22 @@ pub(super) struct LiveOptions {
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     live: Option<u16>,
     /// Wait at most this many seconds until the page is open, before the rig starts
-    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "live")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.0,
+        requires = "live",
+        allow_negative_numbers = true
+    )]
     live_wait: f64,
     /// Go on serving the page for this many seconds after the results are written; Ctrl-C ends it before
-    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "live")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.0,
+        requires = "live",
+        allow_negative_numbers = true
+    )]
     live_hold: f64,
     /// Send health, cycles and events to an MQTT broker, mqtt://[USER:PASSWORD@]HOST[:PORT][/RIG]
     #[arg(long, value_name = "URL")]
