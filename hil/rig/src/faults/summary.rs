@@ -34,7 +34,7 @@ pub struct KindSummary {
     pub worst_cycles: Option<f64>,
 }
 
-/// All of it.
+/// What the monitor made of every fault that was put into the rig.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {

@@ -146,16 +146,18 @@ fn schema_of<T: Document + JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     let mut schema = settings.into_generator().into_root_schema_for::<Whole<T>>();
     schema.insert("title".into(), T::LABEL.text().into());
-    unlink(&mut schema);
+    without_code(&mut schema);
     schema
 }
 
-/// Takes the links to code out of what is said of the fields: a reader of JSON has no code.
-fn unlink(schema: &mut Schema) {
+/// Takes the links to code out of what is said of the fields, and the ends of the code's lines: a reader of JSON has no code.
+fn without_code(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
-        *text = text.replace("[`", "`").replace("`]", "`");
+        let plain = text.replace("[`", "`").replace("`]", "`");
+        let paragraphs = plain.split("\n\n").map(|text| text.replace('\n', " "));
+        *text = paragraphs.collect::<Vec<_>>().join("\n\n");
     }
-    transform_subschemas(&mut unlink, schema);
+    transform_subschemas(&mut without_code, schema);
 }
 
 /// A document with what it says of itself.
