@@ -10,7 +10,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use super::table::Clock;
 use super::{Column, Table};
 use crate::columns::is_time;
-use crate::error::InputError;
+use crate::error::{InputError, quoted};
 
 /// The most columns that a file may have. Convention: more than any bus logger writes, and little enough to hold their names.
 pub(super) const MOST_COLUMNS: usize = 1 << 17;
@@ -188,6 +188,16 @@ fn table<S>(rows: u64, members: Vec<Member<S>>) -> (Table, Vec<S>) {
         table.guesses.push(format!(
             "the times of {} are taken for those of other groups, as they are equally many",
             path.join("/")
+        ));
+    }
+    let clock = |member: &Member<S>| member.array.clock;
+    let mut clocks = members.iter().filter_map(clock);
+    if let (Some(time), Some(first)) = (time, clocks.next())
+        && clocks.any(|other| other != first)
+    {
+        table.guesses.push(format!(
+            "the times of column {} count for all columns beside it, whose own clocks differ",
+            quoted(&time.array.column.name)
         ));
     }
     let mut seen = HashMap::new();

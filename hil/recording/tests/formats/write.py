@@ -375,6 +375,23 @@ def tdms():
     save("two_rates.tdms", clocked + [slow], error=1e-15)
     half = ChannelObject("Rig", "Load", FORCE[::2], properties={"unit_string": "kN", "wf_increment": 0.002})
     save("apart.tdms", [clocked[0], half], refused=["1000 Hz", "500 Hz"])
+
+    def started(name, starts, times=None, **more):
+        made = [ChannelObject("Rig", "Time", times, properties=units["time"])] if times is not None else []
+        for key, start in zip(["displacement", "force"], starts):
+            said = {} if start is None else {"wf_start_time": np.datetime64("2026-03-01T12:00:00") + np.timedelta64(start, "ms")}
+            made.append(ChannelObject("Rig", names[key], truth[key], properties={**units[key], **wave, **said}))
+        save(name, made, error=1e-15, **more)
+
+    started("start.tdms", [0, 0])
+    started("start_apart.tdms", [0, 1000], refused=["displacement is in table", "force is in table", "sampled at different times"])
+    started("start_unsaid.tdms", [0, None], guesses=["Rig/Load says no start (wf_start_time) and is taken to start with the others"])
+    started("start_beside_times.tdms", [0, 1000], TIME, guesses=["the times of column \"Time\" count for all columns beside it"])
+    late = {"wf_start_time": np.datetime64("2026-03-01T12:00:05")}
+    halves = [ChannelObject("Rig", names[key], truth[key][:100], properties={**units[key], **wave, **start})
+              for start in [{"wf_start_time": np.datetime64("2026-03-01T12:00:00")}] for key in ["displacement", "force"]]
+    rest = [ChannelObject("Rig", names[key], truth[key][100:], properties=late) for key in ["displacement", "force"]]
+    save("start_anew.tdms", halves, rest, error=1e-15, guesses=["the clock of Rig/Load was started anew within the file"])
     step = 2e-4
     raw = {"displacement": np.round(DISPLACEMENT / step).astype(np.int16), "force": np.round((FORCE + 1) / step).astype(np.int16)}
 
