@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::arrays::{Array, arranged};
+use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
@@ -57,7 +58,7 @@ impl Format for Tdms {
             Some(values.of(&bytes))
         };
         let too_large = || limit.exceeded(&name);
-        let (mut tables, scaled) = arranged(channels.arrays, &mut |each| {
+        let (mut tables, scaled) = arranged(channels.arrays, &Beside::default(), &mut |each| {
             values(each).ok_or_else(too_large)
         })?;
         for (table, scaled) in tables.iter_mut().zip(&scaled) {
@@ -71,7 +72,7 @@ impl Format for Tdms {
         if tables.is_empty() {
             tables.push(Table::default());
         }
-        tables[0].skipped = channels.skipped;
+        tables[0].skipped.extend(channels.skipped);
         tables[0].guesses.extend(channels.guesses);
         if file.is_cut {
             let said = "its end was cut; the samples that it has in whole are read";
