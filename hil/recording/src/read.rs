@@ -149,6 +149,27 @@ impl Recording {
     }
 }
 
+/// The names of a file's columns, of which those of channels are our own, with the unit of their cells: what was found out about a file
+/// need not be found out again of what is written.
+fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
+    let channels = chosen.used.iter().map(|used| {
+        let name = format!("{}_{}", used.channel.name(), used.unit.symbol);
+        (used.column, name)
+    });
+    let controls = chosen.controls.iter();
+    let controls = controls.map(|control| (control.column, control.name.clone()));
+    let ours: Vec<(usize, String)> = channels.chain(controls).collect();
+    let named = header.iter().enumerate().map(|(column, name)| {
+        match ours.iter().find(|(place, _)| *place == column) {
+            Some((_, own)) => own.clone(),
+            // A column that would have been the channel, had the user not said another.
+            None if ours.iter().any(|(_, own)| own == name) => format!("other_{name}"),
+            None => name.to_owned(),
+        }
+    });
+    named.collect()
+}
+
 /// Dates and durations are seconds, whatever unit their name or the user says.
 fn refuse_stamps_in_other_units(
     file: &str,
@@ -327,7 +348,10 @@ impl Samples {
             controls: controls.collect(),
             comments: self.values.comments,
             units,
-            source: (self.values.cells).map(|(header, rows)| Source { header, rows }),
+            source: (self.values.cells).map(|(header, rows)| Source {
+                header: own_names(&header, &self.chosen),
+                rows,
+            }),
             lines: self.values.lines,
             guesses: self.chosen.guesses,
             assumed: self.chosen.assumed,
