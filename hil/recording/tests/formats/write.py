@@ -569,7 +569,32 @@ def xlsx():
         stamp = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(milliseconds=n)
         dated.active.append([stamp, *map(float, row)])
     # A day of Excel has 2^-37 of it to the last bit: 0.6 µs.
-    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds after the first"]))
+    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds from the first"]))
+    def saved(name, rows, *sheets, **more):
+        made = openpyxl.Workbook()
+        for place, each in enumerate([*sheets, rows]):
+            sheet = made.active if place == 0 else made.create_sheet(f"Sheet {place + 1}")
+            for row in each:
+                sheet.append(row)
+        made.save(said(name, version("openpyxl"), **{"error": 1e-15, **more}))
+
+    numbers = [[float(value) for value in row] for row in zip(TIME, DISPLACEMENT, FORCE)]
+    head = ["Time [s]", "Disp [mm]", "Force [kN]"]
+    preamble = [["Rig 4"], ["Operator", "X"], ["Limits", 1, 2, 3], [], ["Time", "Disp", "Force"], ["s", "mm", "kN"]]
+    saved("preamble.xlsx", preamble + numbers, guesses=["the names stand in line 5, the units in line 6"], comments=["Operator: X"])
+    summary = [["Cycle", "Max Load [kN]", "Max disp [mm]"]] + [[n, 1.0 + n, 2.0] for n in range(5)]
+    below = [["Max", float(max(DISPLACEMENT)), float(max(FORCE))]]
+    saved("below.xlsx", [head] + numbers + below, summary, refused=["line 202", "\"Max\" is not a number"])
+    for name, sign in [("comma_texts.xlsx", ","), ("point_texts.xlsx", ".")]:
+        texts = [[repr(value).replace(".", sign) for value in row] for row in numbers]
+        words = {",": "comma", ".": "point"}[sign]
+        saved(name, [head] + texts, guesses=[f"numbers that are texts are read with a decimal {words}"])
+    mixed = [[time, repr(y).replace(".", ","), force] for time, y, force in numbers]
+    saved("some_texts.xlsx", [head] + mixed, guesses=["numbers that are texts are read with a decimal comma"])
+    thousands = [[time, y, f"{100 + force:.3f}"] for time, y, force in numbers]
+    saved("either_texts.xlsx", [["Time [s]", "Disp [mm]", "Force [N]"]] + thousands, refused=["--decimal point or --decimal comma"])
+    away = [[], []] + [[None, None, *row] for row in [head] + numbers]
+    saved("away.xlsx", away)
     notes = book.create_sheet("Notizen")
     notes.append(["nichts"])
     book.save(said("units.xlsx", version("openpyxl"), error=1e-15, guesses=["force is read from column \"Kraft\" in kN"]))
