@@ -8,6 +8,7 @@ from typing import Any
 
 import mesh_damper
 import numpy as np
+import polars
 import pytest
 from conftest import Columns, sine_block
 from mesh_damper import DamperLaw
@@ -135,6 +136,10 @@ def test_what_is_wrong_is_said() -> None:
         DamperLaw().fit(y, force[:3], t=t)
     with pytest.raises(ValueError, match="0 is no time between samples"):
         DamperLaw().fit(y, force, t=0.0)
+    with pytest.raises(mesh_damper.InputError, match="t: 'time' is no time between samples; give one above 0, or the samples' times"):
+        DamperLaw().fit(y, force, t="time")
+    with pytest.raises(mesh_damper.InputError, match="a LazyFrame has no values yet"):
+        DamperLaw().fit(polars.LazyFrame({"y": y}), force, t=t)
     with pytest.raises(ValueError, match="no parameter is called 'depth'"):
         DamperLaw().set_params(depth=3)
 

@@ -9,6 +9,7 @@ from typing import Any
 import mesh_damper
 import numpy as np
 import pandas
+import polars
 import pytest
 from conftest import Columns, sine_block
 
@@ -20,6 +21,17 @@ SPRING = {
     "effects": [],
     "fitted_range": {"displacement": [-1.0, 1.0], "velocity": [-100.0, 100.0]},
 }
+
+
+def test_one_thing_drives_the_mass() -> None:
+    t = np.arange(0.0, 1.0, 1e-3)
+    given: dict[str, Any] = {"mass": 1.0, "t": t, "units": "mm-kN-s"}
+    with pytest.raises(mesh_damper.InputError, match="nothing drives the mass; give a force on it or a motion of its base"):
+        mesh_damper.respond(SPRING, **given)
+    with pytest.raises(mesh_damper.InputError, match="force= and base= are both given; give one, and leave the other out"):
+        mesh_damper.respond(SPRING, **given, force=np.sin(t), base=np.sin(t))
+    with pytest.raises(mesh_damper.InputError, match="a LazyFrame has no values yet"):
+        mesh_damper.respond(SPRING, **given, force=polars.LazyFrame({"force_kN": np.sin(t)}))
 
 
 def test_a_mass_on_a_spring_and_a_dashpot_moves_as_in_closed_form() -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import decimal
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import textwrap
 import threading
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +157,81 @@ def test_a_missing_sample_is_left_out_as_a_blank_cell_is(tmp_path: Path) -> None
     path = tmp_path / "blank.csv"
     write_csv(path, block)
     assert mesh_damper.trace(block).to_dict()["law"] == mesh_damper.trace(path).to_dict()["law"]
+
+
+def test_what_is_masked_is_missing() -> None:
+    # As netCDF gives arrays: under the mask stands the fill value.
+    block = sine_block()
+    gaps = np.isin(np.arange(2000), [100, 101, 700])
+    missing = {**block, "force_kN": np.where(gaps, np.nan, block["force_kN"])}
+    masked = np.ma.masked_array(np.where(gaps, 9999.0, block["force_kN"]), mask=gaps)
+    expected = mesh_damper.trace(missing).to_json()
+    assert mesh_damper.trace({**block, "force_kN": masked}).to_json() == expected
+    arrays: Any = {"time": block["time_s"], "displacement": block["displacement_mm"], "force": masked, "units": "mm-kN-s"}
+    assert mesh_damper.trace(**arrays).to_json() == expected
+    kinds = np.dtype([(name, float) for name in block])
+    records = np.ma.masked_array(np.empty(2000, kinds), mask=False)
+    for name in block:
+        records[name] = masked if name == "force_kN" else block[name]
+    assert mesh_damper.trace(records).to_json() == expected
+    fit = mesh_damper.DamperLaw(units="mm-kN-s").fit(np.ma.masked_array(block["displacement_mm"])[:, None], masked, t=block["time_s"])
+    assert fit.trace_.to_dict()["law"] == json.loads(expected)["law"]
+    # Of a matrix and of whole numbers too, and of times, which have to be there.
+    with pytest.warns(UserWarning, match="missing samples: 3 in 2 gaps"):
+        predicted = fit.predict(np.ma.masked_array(block["displacement_mm"], gaps)[:, None], t=block["time_s"])
+    assert np.array_equal(np.isnan(predicted), gaps)
+    counts = np.ma.masked_array(np.where(gaps, 30000, 1000 * block["force_kN"]).astype(np.int16), mask=gaps)
+    whole = {**missing, "force_kN": np.trunc(1000 * missing["force_kN"])}
+    assert mesh_damper.trace({**block, "force_kN": counts}).to_json() == mesh_damper.trace(whole).to_json()
+    dates = np.datetime64("2026-01-01") + (1e9 * block["time_s"]).astype("timedelta64[ns]")
+    for times in (block["time_s"], dates):
+        with pytest.raises(mesh_damper.InputError, match="is empty"):
+            mesh_damper.trace({**block, "time_s": np.ma.masked_array(times, mask=gaps)})
+
+
+def test_dates_and_durations_are_seconds_whatever_unit_is_said() -> None:
+    block = sine_block()
+    durations = (1e9 * block["time_s"]).astype("timedelta64[ns]")
+    rest = {name: block[name] for name in ("displacement_mm", "force_kN")}
+    expected = mesh_damper.trace(block).to_dict()["law"][0]["k1"]["value"]
+    for times in (durations, np.datetime64("2026-01-01") + durations):
+        for name in ("time_ms", "Time (ms)", "Zeit"):
+            with pytest.raises(mesh_damper.InputError, match=f"column {re.escape(name)}: holds dates or durations, which are seconds"):
+                mesh_damper.trace({name: times, **rest}, units={"time": "ms"})
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", mesh_damper.GuessWarning)
+                found = mesh_damper.trace({name: times, **rest}, units={"time": "s"})
+            assert found.to_dict()["law"][0]["k1"]["value"] == pytest.approx(expected, rel=1e-6)
+        # The name alone is no reason to take them for something else.
+        with pytest.raises(mesh_damper.InputError, match="the unit is not clear: ms beside s"):
+            mesh_damper.trace({"time_ms": times, **rest})
+    # A unit that is said of numbers is no matter of dates beside them.
+    both = {"Uhrzeit": durations, "time": 1e3 * block["time_s"], **rest}
+    assert mesh_damper.trace(both, units={"time": "ms"}).to_dict()["law"][0]["k1"]["value"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_texts_are_no_numbers_in_any_library() -> None:
+    block = sine_block()
+    texts = [f"{value:.6f}" for value in block["force_kN"]]
+    rest = {name: block[name] for name in ("time_s", "displacement_mm")}
+    forms: list[Any] = [
+        texts,
+        np.array(texts),
+        np.array([None, *texts[1:]], dtype=object),
+        pandas.Series(texts),
+        pandas.Series(texts, dtype=object),
+        pandas.Series(texts, dtype="category"),
+        polars.Series(texts),
+        polars.Series(texts, dtype=polars.Categorical),
+    ]
+    for form in forms:
+        with pytest.raises(mesh_damper.InputError, match="column force_kN: holds something else than numbers"):
+            mesh_damper.trace({**rest, "force_kN": form})
+    # What is a number is one, whoever keeps it.
+    exact = [decimal.Decimal(text) for text in texts]
+    numbers: list[Any] = [[float(text) for text in texts], exact, pandas.Series(exact), polars.Series(exact)]
+    said = [mesh_damper.trace({**rest, "force_kN": form}).to_json() for form in numbers]
+    assert said[1:] == said[:1] * 3
 
 
 def test_control_inputs_are_columns_with_a_unit() -> None:
@@ -327,6 +405,7 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (sine_block(), {"time": -1.0}, "is no time between samples"),
     ("recording.csv", {"force": [1.0, 2.0]}, "force= is no name of a column"),
     ("recording.csv", {"time": 0.0}, "is no time between samples"),
+    (polars.LazyFrame(sine_block()), {}, "recording: a LazyFrame has no values yet; give its .collect()"),
 ]
 
 
@@ -440,6 +519,9 @@ def test_pictures_page_and_report(found: mesh_damper.Trace, tmp_path: Path) -> N
     assert found.plot("loop", block=0).axes[0].get_title() == "Loop: 0.0999 mm, 1 Hz, held out"
     with pytest.raises(mesh_damper.InputError, match="there is no block 99"):
         found.plot("loop", block=99)
+    for ask in (found.plot, found.series):
+        with pytest.raises(mesh_damper.InputError, match="recording: there is no recording 7; give 0 to 0"):
+            ask(recording=7)
     page = found._repr_html_()
     assert len(page) < 20_000 and "stick-slip" in page and "<script" not in page
     found.report(tmp_path / "report.html")

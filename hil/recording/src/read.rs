@@ -9,7 +9,7 @@ use super::units::Units;
 use super::{Recording, Source};
 use crate::columns::{Chosen, choose_for};
 use crate::error::{InputError, Place};
-use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
+use crate::files::{self, Kept, Needs, Reading, Table, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included: its content says which, not its name. A row whose
@@ -118,6 +118,7 @@ impl Recording {
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let mut chosen = choose_for(&name, file.tables(), reading, needs)?;
+        refuse_stamps_in_other_units(&name, &file.tables()[chosen.table], &chosen)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,
@@ -146,6 +147,50 @@ impl Recording {
         }
         Ok(recording)
     }
+}
+
+/// The names of a file's columns, of which those of channels are our own, with the unit of their cells: what was found out about a file
+/// need not be found out again of what is written.
+fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
+    let channels = chosen.used.iter().map(|used| {
+        let name = format!("{}_{}", used.channel.name(), used.unit.symbol);
+        (used.column, name)
+    });
+    let controls = chosen.controls.iter();
+    let controls = controls.map(|control| (control.column, control.name.clone()));
+    let ours: Vec<(usize, String)> = channels.chain(controls).collect();
+    let named = header.iter().enumerate().map(|(column, name)| {
+        match ours.iter().find(|(place, _)| *place == column) {
+            Some((_, own)) => own.clone(),
+            // A column that would have been the channel, had the user not said another.
+            None if ours.iter().any(|(_, own)| own == name) => format!("other_{name}"),
+            None => name.to_owned(),
+        }
+    });
+    named.collect()
+}
+
+/// Dates and durations are seconds, whatever unit their name or the user says.
+fn refuse_stamps_in_other_units(
+    file: &str,
+    table: &Table,
+    chosen: &Chosen,
+) -> Result<(), InputError> {
+    for used in &chosen.used {
+        let column = &table.columns[used.column];
+        if column.is_stamp && used.unit.scale != 1.0 {
+            let unit = used.unit.symbol;
+            let problem =
+                format!("holds dates or durations, which are seconds, and {unit} is said of them");
+            let mend = format!(
+                "say --unit {}=s, or give the times as numbers",
+                used.channel.name()
+            );
+            let place = Place::Column(column.name.clone());
+            return Err(InputError::new(file, problem, mend).at(place));
+        }
+    }
+    Ok(())
 }
 
 /// The values of a recording while it is made.
@@ -303,7 +348,10 @@ impl Samples {
             controls: controls.collect(),
             comments: self.values.comments,
             units,
-            source: (self.values.cells).map(|(header, rows)| Source { header, rows }),
+            source: (self.values.cells).map(|(header, rows)| Source {
+                header: own_names(&header, &self.chosen),
+                rows,
+            }),
             lines: self.values.lines,
             guesses: self.chosen.guesses,
             assumed: self.chosen.assumed,

@@ -75,6 +75,90 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
     }
 }
 
+/// The names of the columns of a file, each with its unit.
+fn columns(name: &str, bytes: Vec<u8>) -> Vec<(String, Option<String>)> {
+    let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
+    std::fs::write(&file, bytes).unwrap();
+    let (_, opened) = mesh_damper_recording::files::open(file.path(), &Default::default()).unwrap();
+    let each = opened.tables()[0].columns.iter();
+    each.map(|column| (column.name.clone(), column.unit.clone()))
+        .collect()
+}
+
+#[test]
+fn what_was_found_out_of_a_foreign_text_need_not_be_found_out_again() {
+    let rows = |separator: char| -> String {
+        let row = |n: u32| format!("{n},{}.5,{}e-1,{},{n}\n", n % 3, n % 5, n % 2);
+        let rows: String = (0..20).map(row).collect();
+        rows.replace(',', &separator.to_string())
+    };
+    let quoted: Vec<String> = [
+        "Running Time (ms)",
+        "8800 (0,1):Position [mm]",
+        "8800 (0,1):Load [kN]",
+        "Coil current [A]",
+        "Cycle [-]",
+    ]
+    .map(|name| format!("\"{name}\""))
+    .to_vec();
+    for separator in [',', ';', '\t'] {
+        let header = quoted.join(&separator.to_string());
+        let text = format!("{header}\n{}", rows(separator));
+        let read = Recording::from_bytes(Path::new("lab.csv"), text.into_bytes()).unwrap();
+        assert!(!read.guesses().is_empty());
+        for name in names().into_iter().chain(["a.csv"]) {
+            let again = again(&read, name);
+            assert_eq!(again.time, read.time, "{name}");
+            assert_eq!(again.force, read.force, "{name}");
+            assert_eq!(again.units, read.units, "{name}");
+            assert_eq!(again.controls, read.controls, "{name}");
+            assert!(again.guesses().is_empty(), "{name}: {:?}", again.guesses());
+            let said = columns(name, read.to_file(Path::new(name)));
+            let ours = [
+                ("time_ms", "ms"),
+                ("displacement_mm", "mm"),
+                ("force_kN", "kN"),
+                ("current_A", "A"),
+            ];
+            for ((name_of, unit_of), (own, unit)) in said.iter().zip(ours) {
+                assert_eq!(name_of, own, "{name}");
+                assert!(
+                    name == "a.csv" || unit_of.as_deref() == Some(unit),
+                    "{name} {own}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn no_column_is_lost_by_its_name() {
+    let rows: String = (0..20)
+        .map(|n| format!("{n},{}.5,{n},{n},1,2\n", n % 3))
+        .collect();
+    let text = format!("time_s,displacement_mm,force_kN,A 1,A-1,units\n{rows}");
+    let read = Recording::from_bytes(Path::new("a.csv"), text.into_bytes()).unwrap();
+    let said = columns("a.mat", read.to_file(Path::new("a.mat")));
+    let names: Vec<&str> = said.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[3..], ["A_1", "A_1_2", "units_2"]);
+    // A column that the user gave no part in the recording.
+    let rows: String = (0..20)
+        .map(|n| format!("{n},{}.5,{n},{}\n", n % 3, n % 7))
+        .collect();
+    let text = format!("time_s,displacement_mm,force_kN,Load cell\n{rows}");
+    let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+    std::fs::write(&file, text).unwrap();
+    let reading = mesh_damper_recording::files::Reading {
+        channels: vec![("force".into(), "Load cell".into())],
+        units: vec![("force".into(), "kN".into())],
+        ..Default::default()
+    };
+    let read = Recording::read_as(file.path(), &reading).unwrap();
+    for name in ["a.csv", "a.mat"] {
+        assert_eq!(again(&read, name).force, read.force, "{name}");
+    }
+}
+
 #[test]
 fn a_prediction_has_the_units_of_the_recording() {
     let mut recording = recording();

@@ -60,6 +60,8 @@ class Characterization:
         """The loop of a cycle of a static test, or of a block of a dynamic one, as a figure of matplotlib."""
         from ._plot import characterized
 
+        if not -len(self._loops) <= number < len(self._loops):
+            raise InputError(f"number: there is no loop {number}; count them from 0, and there are {len(self._loops)}")
         measured, line = (np.asarray(points).reshape(-1, 2) for points in self._loops[number])
         return characterized(measured, line, "middle line" if self.kind == "static" else "averaged cycle", ax)
 

@@ -28,6 +28,8 @@ def library_of(data: object) -> Library | None:
 
 def column_names(data: Any) -> list[str] | None:
     """The names of the columns of a frame, a mapping or a record array; `None` of what is none of these."""
+    if library_of(data) == "polars" and type(data).__name__ == "LazyFrame":
+        raise InputError("recording: a LazyFrame has no values yet; give its .collect()")
     if isinstance(data, Mapping):
         return [str(name) for name in data]
     if isinstance(data, np.ndarray):
@@ -72,22 +74,23 @@ def to_array(values: Any, what: str) -> Array:
 
 
 def numbers(values: Any) -> Array:
-    """The same, and `NotNumbers` for what is none."""
-    module = type(values).__module__.split(".")[0]
+    """The same, and `NotNumbers` for what is none. Texts are none, whatever stands in them: which sign is decimal, they do not say."""
+    library = library_of(values)
     try:
-        if module == "pandas":
-            array = values.to_numpy(dtype=float, na_value=np.nan)
-        elif module == "polars":
-            array = values.cast(import_module("polars").Float64).to_numpy()
-        elif hasattr(values, "to_numpy"):
-            array = values.to_numpy()
+        if library == "polars":
+            array = _of_polars(values)
+        elif library == "pandas":
+            kind = getattr(values.dtype, "kind", "O")
+            array = values.to_numpy(dtype=float if kind in "fiub" else object, na_value=np.nan)
         else:
-            array = np.asarray(values)
+            array = _in_numpy(values)
         if array.dtype.kind not in "fiub" and array.dtype != object:
             raise TypeError(f"{array.dtype}")
+        if array.dtype == object and (text := next((each for each in array.flat if isinstance(each, (str, bytes))), None)) is not None:
+            raise TypeError(f"the text {text!r}")
         array = np.asarray(array, dtype=np.float64, order="C")
     except Exception as error:
-        if module != "polars" and not isinstance(error, (TypeError, ValueError, OverflowError)):
+        if library != "polars" and not isinstance(error, (TypeError, ValueError, OverflowError)):
             raise
         raise NotNumbers(f"holds something else than numbers ({error})") from error
     if array.ndim == 2 and array.shape[1] == 1:
@@ -95,6 +98,25 @@ def numbers(values: Any) -> Array:
     if array.ndim != 1:
         raise NotNumbers(f"has {array.ndim} dimensions")
     return array
+
+
+def _of_polars(values: Any) -> npt.NDArray[Any]:
+    polars = import_module("polars")
+    kind = values.dtype
+    if not (kind.is_numeric() or kind in (polars.Boolean, polars.Null, polars.Object)):
+        raise TypeError(f"{kind}")
+    array: npt.NDArray[Any] = (values if kind == polars.Object else values.cast(polars.Float64)).to_numpy()
+    return array
+
+
+def _in_numpy(values: Any) -> npt.NDArray[Any]:
+    """`values` as NumPy has them. What is masked is missing: under the mask stands whatever the file was filled with."""
+    array: npt.NDArray[Any] = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
+    if not isinstance(array, np.ma.MaskedArray):
+        return array
+    if array.dtype.kind in "Mm":
+        return array.filled(np.array("NaT", dtype=array.dtype))
+    return array.astype(float).filled(np.nan) if array.dtype.kind in "fiub" else array.astype(object).filled(np.nan)
 
 
 def seconds(times: Any) -> Array | None:
@@ -105,12 +127,15 @@ def seconds(times: Any) -> Array | None:
         if not dtype.is_temporal():
             return None
         array = (times.cast(polars.Duration("ns")) if dtype == polars.Time else times).to_numpy()
-    elif getattr(dtype, "kind", "") in ("M", "m"):
-        # A time zone is no matter of differences.
-        array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]") if hasattr(times, "to_numpy") else times
-    else:
+    elif getattr(dtype, "kind", "") not in ("M", "m"):
         return None
-    since = (array - array[:1]).astype("timedelta64[ns]")
+    elif library_of(times) == "pandas":
+        # A time zone is no matter of differences.
+        array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]")
+    else:
+        array = _in_numpy(times)
+    there = array[~np.isnat(array)]
+    since = (array - there[:1] if there.size else array - array).astype("timedelta64[ns]")
     return np.where(np.isnat(since), np.nan, since.astype(np.int64) / 1e9)
 
 

@@ -277,9 +277,12 @@ class DamperLaw:
         columns: dict[str, Any] = dict(zip(names, features))
         rows = len(features[0])
         if np.ndim(t) == 0:
-            step = float(t)
+            try:
+                step = float(t)
+            except (TypeError, ValueError):
+                step = np.nan
             if not (np.isfinite(step) and step > 0):
-                raise InputError(f"t: {step:g} is no time between samples; give one above 0, or the samples' times")
+                raise InputError(f"t: {repr(t) if isinstance(t, str) else t} is no time between samples; give one above 0, or the samples' times")
             t = step * np.arange(rows)
         columns["time"] = t
         if y is not None:
@@ -294,7 +297,7 @@ class DamperLaw:
         names = _frames.column_names(X)
         if names is not None:
             return [_frames.to_array(_frames.column(X, name), f"X: {name}") for name in names]
-        array: npt.NDArray[Any] = np.asarray(X)
+        array: npt.NDArray[Any] = np.asanyarray(X)
         if array.ndim == 1:
             return [_frames.to_array(X, "X")]
         if array.ndim != 2:

@@ -165,7 +165,7 @@ def _name_of(argument: str, source: ChannelLike) -> str:
 
 def _column(name: str, values: Any, is_index: bool = False) -> Column:
     try:
-        values = values if hasattr(values, "dtype") else np.asarray(values)
+        values = values if hasattr(values, "dtype") else np.asanyarray(values)
         if (seconds := _frames.seconds(values)) is not None:
             return (name, seconds, True, is_index)
         return (name, _frames.numbers(values), False, is_index)

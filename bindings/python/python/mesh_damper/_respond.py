@@ -56,8 +56,10 @@ def respond(
     array with `t`: the samples' times or the time between two.
     `controls` are control inputs that hold throughout. Units are given as to `trace`.
     """
-    if (force is None) == (base is None):
-        raise InputError("respond: give a force on the mass or a motion of the base, as force= or base=")
+    if force is None and base is None:
+        raise InputError("respond: nothing drives the mass; give a force on it or a motion of its base, as force= or base=")
+    if force is not None and base is not None:
+        raise InputError("respond: force= and base= are both given; give one, and leave the other out")
     drive, given = _drive(force if base is None else base, base is None, t, units)
     given.warn(stacklevel=2)
     columns, text = _core.respond(model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress)

@@ -153,7 +153,7 @@ class Trace:
         Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the law
         with what was found; and `measured`, which is false where a channel had a fault.
         """
-        series = self._core.series()[recording]
+        series = self._series(recording)
         names = {
             "time_s": "time",
             "displacement_mm": "displacement",
@@ -195,7 +195,7 @@ class Trace:
         """
         from ._plot import traced
 
-        series = self._core.series()[recording]
+        series = self._series(recording)
         noise = self.noise_floor * float(np.sqrt(np.mean(np.square(series["force"]))))
         return traced(series, kind, block, ax, noise)
 
@@ -231,6 +231,12 @@ class Trace:
         from ._html import trace as page
 
         return page(self)
+
+    def _series(self, recording: int) -> dict[str, Any]:
+        every = self._core.series()
+        if not isinstance(recording, (int, np.integer)) or not -len(every) <= recording < len(every):
+            raise InputError(f"recording: there is no recording {recording!r}; give 0 to {len(every) - 1}")
+        return every[recording]
 
     def _effects(self, effects: list[dict[str, Any]]) -> Any:
         rows = [

@@ -7,10 +7,12 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
+use super::beside::Beside;
+use super::runs;
 use super::table::Clock;
 use super::{Column, Table};
-use crate::columns::is_time;
-use crate::error::InputError;
+use crate::columns::{is_own, is_time};
+use crate::error::{InputError, quoted};
 
 /// The most columns that a file may have. Convention: more than any bus logger writes, and little enough to hold their names.
 pub(super) const MOST_COLUMNS: usize = 1 << 17;
@@ -35,12 +37,13 @@ pub(super) struct Array<S> {
 /// The tables that arrays make, and where the values of each of their columns are.
 pub(super) type Arranged<S> = (Vec<Table>, Vec<Vec<S>>);
 
-/// Puts arrays together into tables, in the order of the file. `values` gives an array's values.
+/// Puts arrays together into tables, in the order of the file, with what the file says `beside` them. `values` gives an array's values.
 ///
 /// # Errors
 /// Those of `values`.
-pub(super) fn arranged<S>(
+pub(super) fn arranged<S: Clone>(
     arrays: Vec<Array<S>>,
+    beside: &Beside,
     values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
 ) -> Result<Arranged<S>, InputError> {
     let mut lengths: Vec<(u64, Vec<Array<S>>)> = Vec::new();
@@ -56,9 +59,11 @@ pub(super) fn arranged<S>(
     let mut sources = Vec::new();
     for (rows, arrays) in lengths {
         for members in divided(arrays, values)? {
-            let (table, of_table) = table(rows, members);
-            tables.push(table);
-            sources.push(of_table);
+            for (name, members) in of_runs(members) {
+                let (table, of_table) = table(rows, name, members, beside);
+                tables.push(table);
+                sources.push(of_table);
+            }
         }
     }
     tell_apart(&mut tables);
@@ -74,6 +79,7 @@ enum Times {
     None,
 }
 
+#[derive(Clone)]
 struct Member<S> {
     array: Array<S>,
     /// Whether it is the table's column of times.
@@ -121,8 +127,6 @@ fn divided<S>(
             is_guessed,
         };
         match found.iter_mut().find(|(known, _)| *known == times) {
-            // The same times once more.
-            Some((_, members)) if is_time && members.iter().any(|each| each.is_time) => {}
             Some((_, members)) => members.push(member),
             None => found.push((times, vec![member])),
         }
@@ -164,7 +168,46 @@ fn mark(values: &[f64]) -> u64 {
     hasher.finish()
 }
 
-fn table<S>(rows: u64, members: Vec<Member<S>>) -> (Table, Vec<S>) {
+/// The members of each run in its order, with one column of times, and the run's name where there are several.
+fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member<S>>)> {
+    let told: Vec<runs::Member<'_>> = (members.iter())
+        .map(|member| runs::Member {
+            group: &member.array.group,
+            name: &member.array.column.name,
+            is_time: member.is_time,
+        })
+        .collect();
+    let found = runs::runs(&told);
+    let is_one = found.len() == 1;
+    let time = (0..members.len()).find(|&index| members[index].is_time);
+    let each = found.into_iter().map(|(path, mut run)| {
+        let mut has_time = false;
+        // The same times once more are none.
+        run.retain(|&index| !members[index].is_time || !std::mem::replace(&mut has_time, true));
+        if let (Some(time), false) = (time, has_time) {
+            run.insert(0, time);
+        }
+        let name = match path.join("/") {
+            _ if is_one => None,
+            name if name.is_empty() => Some("/".to_owned()),
+            name => Some(name),
+        };
+        (
+            name,
+            run.into_iter()
+                .map(|index| members[index].clone())
+                .collect(),
+        )
+    });
+    each.collect()
+}
+
+fn table<S>(
+    rows: u64,
+    name: Option<String>,
+    members: Vec<Member<S>>,
+    beside: &Beside,
+) -> (Table, Vec<S>) {
     let mut group: Option<Vec<String>> = None;
     for member in &members {
         let of_member = &member.array.group;
@@ -176,7 +219,7 @@ fn table<S>(rows: u64, members: Vec<Member<S>>) -> (Table, Vec<S>) {
     }
     let group = group.unwrap_or_default();
     let mut table = Table {
-        name: group.join("/"),
+        name: name.unwrap_or_else(|| group.join("/")),
         rows: Some(rows),
         ..Table::default()
     };
@@ -189,6 +232,30 @@ fn table<S>(rows: u64, members: Vec<Member<S>>) -> (Table, Vec<S>) {
             "the times of {} are taken for those of other groups, as they are equally many",
             path.join("/")
         ));
+    }
+    let clock = |member: &Member<S>| member.array.clock;
+    let mut clocks = members.iter().filter_map(clock);
+    if let (Some(time), Some(first)) = (time, clocks.next())
+        && clocks.any(|other| other != first)
+    {
+        table.guesses.push(format!(
+            "the times of column {} count for all columns beside it, whose own clocks differ",
+            quoted(&time.array.column.name)
+        ));
+    }
+    let path = |member: &Member<S>| {
+        let mut path = member.array.group.clone();
+        path.push(member.array.column.name.clone());
+        path
+    };
+    let paths: Vec<Vec<String>> = members.iter().map(path).collect();
+    table.guesses.extend(beside.notes(&paths));
+    if time.is_none() && members.iter().all(|member| member.array.clock.is_none()) {
+        let (clock, said) = beside.clock(&paths);
+        table.clock = clock;
+        table.guesses.extend(said);
+    } else {
+        table.skipped.extend(beside.rates(&paths));
     }
     let mut seen = HashMap::new();
     for member in &members {
@@ -229,12 +296,14 @@ fn tell_apart(tables: &mut [Table]) {
     }
 }
 
-/// The names of the columns that a two-dimensional array is taken apart into: `name[0]`, `name[1]`; of a single one, `name`.
+/// The names of the columns that a two-dimensional array is taken apart into: `name #1`, `name #2`; of a single one, `name`. Between
+/// brackets a number would be taken for a unit. A name of our own keeps its unit: `force #1 [kN]`.
 pub(super) fn name_of(name: &str, index: u64, columns: u64) -> String {
-    if columns == 1 {
-        name.to_owned()
-    } else {
-        format!("{name}[{index}]")
+    let number = index.saturating_add(1);
+    match name.split_once('_').filter(|_| is_own(name)) {
+        _ if columns == 1 => name.to_owned(),
+        Some((quantity, unit)) => format!("{quantity} #{number} [{unit}]"),
+        None => format!("{name} #{number}"),
     }
 }
 
@@ -260,7 +329,8 @@ mod tests {
 
     /// `name: column, column`, each table.
     fn said(arrays: Vec<Array<Vec<f64>>>) -> Vec<String> {
-        let (tables, sources) = arranged(arrays, &mut |values| Ok(values.clone())).unwrap();
+        let (tables, sources) =
+            arranged(arrays, &Beside::default(), &mut |values| Ok(values.clone())).unwrap();
         assert_eq!(tables.len(), sources.len());
         let each = tables.iter().zip(sources).map(|(table, sources)| {
             assert_eq!(table.columns.len(), sources.len());
@@ -296,6 +366,21 @@ mod tests {
             array("b/y", &y),
         ];
         assert_eq!(said(two), ["a: t, y", "b: t, y"]);
+        // Two runs of one test, whose times are the same: also where only one has them.
+        let runs = vec![
+            array("1/t", &t),
+            array("1/y", &y),
+            array("1/F", &y),
+            array("2/t", &t),
+            array("2/y", &y),
+            array("2/F", &y),
+        ];
+        assert_eq!(said(runs.clone()), ["1: t, y, F", "2: t, y, F"]);
+        let shared: Vec<Array<Vec<f64>>> = (runs.into_iter().enumerate())
+            .filter(|(index, _)| *index != 3)
+            .map(|(_, array)| array)
+            .collect();
+        assert_eq!(said(shared), ["1: t, y, F", "2: t, y, F"]);
         // Times in a group of their own.
         let apart = vec![
             array("x/time", &t),

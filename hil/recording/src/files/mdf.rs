@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use falcon_mdf::{Channel, ChannelGroup, Mf4Error, Mf4File, OpenOptions, SignalValues, ValueKind};
 
 use super::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, arranged, name_of};
+use super::beside::Beside;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Tables};
@@ -79,7 +80,8 @@ fn open<'a>(
         limit,
     };
     let (arrays, skipped) = mdf.arrays()?;
-    let (mut tables, places) = arranged(arrays, &mut |&place| mdf.values(place))?;
+    let (mut tables, places) =
+        arranged(arrays, &Beside::default(), &mut |&place| mdf.values(place))?;
     // The rate of a table is seen in its first times.
     for (table, places) in tables.iter_mut().zip(&places) {
         let time = table
@@ -94,7 +96,7 @@ fn open<'a>(
         }
     }
     if let Some(table) = tables.first_mut() {
-        table.skipped = skipped;
+        table.skipped.extend(skipped);
         if mdf.file.unfinalized().is_some() {
             table.guesses.push(
                 "the file was never finalized; what had been written to it is read".to_owned(),

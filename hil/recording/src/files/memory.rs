@@ -187,3 +187,42 @@ impl Recording {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_and_durations_are_seconds_whatever_unit_is_said() {
+        let read = |name: &str, unit: &str| {
+            let stamps = GivenColumn {
+                column: Column {
+                    name: name.into(),
+                    unit: Some("s".into()),
+                    is_stamp: true,
+                    ..Column::default()
+                },
+                values: Ok((0..100).map(|i| 0.01 * f64::from(i)).collect()),
+            };
+            let wave = |scale: f64| (0..100).map(move |i| scale * (0.1 * f64::from(i)).sin());
+            let columns = [
+                stamps,
+                ("displacement_mm", wave(1.0).collect::<Vec<f64>>()).into(),
+                ("force_kN", wave(2.0).collect::<Vec<f64>>()).into(),
+            ];
+            let reading = Reading {
+                units: vec![("time".into(), unit.into())],
+                ..Reading::default()
+            };
+            Recording::of_columns("a", columns, &reading)
+        };
+        for name in ["time_ms", "Time (ms)", "Zeit", "Datum"] {
+            let error = read(name, "ms").unwrap_err().to_string();
+            assert!(
+                error.contains("holds dates or durations, which are seconds, and ms is said"),
+                "{error}"
+            );
+            assert_eq!(read(name, "s").unwrap().time[99], 0.99, "{name}");
+        }
+    }
+}

@@ -4,6 +4,7 @@
 //! format reads those that are wanted. So no format knows of forces and displacements, and no rule about names knows of formats.
 
 mod arrays;
+mod beside;
 mod guard;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -17,6 +18,7 @@ mod number;
 mod opened;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod runs;
 mod source;
 pub mod table;
 mod tdms;

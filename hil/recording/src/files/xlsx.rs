@@ -1,21 +1,30 @@
 //! Workbooks of Excel, each of whose sheets is a table.
+//!
+//! A sheet is read as the text that its rows make: where its table begins, which rows are names and units, what stands below it and
+//! which numbers are texts, is found out once, for both.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io::{Cursor, Read as _};
+use std::path::Path;
 
-use calamine::{DataRef, Reader as _, Xlsx as Workbook, XlsxError};
+use calamine::{
+    DataRef, ExcelDateTime, ExcelDateTimeType, Reader as _, Xlsx as Workbook, XlsxError,
+};
 
-use super::arrays::MOST_COLUMNS;
 use super::guard::{damaged, guarded};
-use super::opened::Opened;
-use super::text::{Named, header_of};
-use super::{Column, Format, Reading, Source, Table, Tables};
+use super::text;
+use super::{Format, Kept, Reading, Source, Table, Tables, Values, Wanted};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
 
 const NAME: &str = "Excel";
-/// Rows above the numbers in which names may stand. Convention: a page of what the test was.
-const MOST_ABOVE: usize = 200;
+/// Rows and columns that Excel's sheets have at most.
+const MOST_ROWS: u32 = 1 << 20;
+const MOST_COLUMNS: usize = 1 << 14;
+/// Stands for the decimal sign of a number until that of the numbers that are texts is known.
+const DECIMAL: char = '\u{1}';
+/// Numbers that are texts by which the decimal sign of a column of them is known. Convention: more than any head of a text has.
+const MOST_TEXTS: usize = 4096;
 
 /// Excel's workbooks since 2007.
 pub(super) struct Xlsx;
@@ -37,26 +46,29 @@ impl Format for Xlsx {
     fn open<'a>(
         &self,
         source: Source<'a>,
-        _: &Reading,
+        reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
+        let (path, name) = (source.path().to_owned(), source.name());
+        let limit = source.limit();
         let bytes = source.bytes()?;
-        guarded(NAME, &name, || open(&name, &bytes, limit))
+        guarded(NAME, &name, || open(&path, &bytes, limit, reading))
     }
 }
 
 fn open<'a>(
-    name: &str,
+    path: &Path,
     bytes: &[u8],
     limit: ReadLimit,
+    reading: &Reading,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
-    unpacks_within(name, bytes, limit)?;
-    let broken = |error: XlsxError| damaged(NAME, name, error);
+    let name = path.display().to_string();
+    unpacks_within(&name, bytes, limit)?;
+    let broken = |error: XlsxError| damaged(NAME, &name, error);
     let mut book: Workbook<_> = Workbook::new(Cursor::new(bytes)).map_err(broken)?;
-    let mut tables = Vec::new();
-    let mut values = Vec::new();
+    let mut sheets = Sheets::default();
+    let mut refused: Option<InputError> = None;
     let mut skipped = Vec::new();
-    let mut left = limit.file() / 8;
+    let mut left = limit.file();
     for sheet in book.sheet_names() {
         let mut cells = match book.worksheet_cells_reader(&sheet) {
             Ok(cells) => cells,
@@ -67,32 +79,72 @@ fn open<'a>(
         let mut rows = Rows::default();
         while let Some(cell) = cells.next_cell().map_err(broken)? {
             let (row, column) = cell.get_position();
-            let kept = rows.take(row, column as usize, cell.get_value(), &mut left);
-            kept.ok_or_else(|| limit.exceeded(name))?;
-        }
-        let is_within = rows.end(&mut left).is_some() && rows.padded() <= limit.file() / 8;
-        if !is_within {
-            return Err(limit.exceeded(name));
-        }
-        match rows.table(&sheet) {
-            Some((table, columns)) => {
-                tables.push(table);
-                values.push(columns);
+            if !rows.take(row, column as usize, cell.get_value()) {
+                return Err(damaged(NAME, &name, "its cells are in no order"));
             }
-            None => skipped.push(format!("sheet {sheet}, which has no columns of numbers")),
+            if rows.text.len() as u64 > left {
+                return Err(limit.exceeded(&name));
+            }
+        }
+        if !rows.has_numbers() {
+            skipped.push(format!("sheet {sheet}, which has no columns of numbers"));
+            continue;
+        }
+        left = (left.checked_sub(rows.size())).ok_or_else(|| limit.exceeded(&name))?;
+        match rows.opened(path, reading) {
+            Ok((mut table, opened)) => {
+                table.name.clone_from(&sheet);
+                sheets.tables.push(table);
+                sheets.opened.push(opened);
+            }
+            Err(error) => {
+                skipped.push(format!("sheet {sheet} ({}; {})", error.problem, error.mend));
+                let is_named = |table: &String| table.eq_ignore_ascii_case(&sheet);
+                if reading.table.as_ref().is_some_and(is_named) {
+                    return Err(error);
+                }
+                refused.get_or_insert(error);
+            }
         }
     }
-    if tables.is_empty() {
-        tables.push(Table::default());
+    match (sheets.tables.first_mut(), refused) {
+        (Some(table), _) => table.skipped.extend(skipped),
+        (None, Some(error)) => return Err(error),
+        (None, None) => {
+            return Err(InputError::new(
+                name,
+                format!(
+                    "holds no columns of numbers; not read: {}",
+                    skipped.join(", ")
+                ),
+                "check that it is the right file",
+            ));
+        }
     }
-    tables[0].skipped.extend(skipped);
-    let read = move |table: usize, column: usize| Ok(Some(values[table][column].clone()));
-    Ok(Box::new(Opened::new(
-        name.to_owned(),
-        tables,
-        Vec::new(),
-        read,
-    )?))
+    Ok(Box::new(sheets))
+}
+
+/// The sheets of a workbook that have a table.
+#[derive(Default)]
+struct Sheets<'a> {
+    tables: Vec<Table>,
+    opened: Vec<Box<dyn Tables + 'a>>,
+}
+
+impl Tables for Sheets<'_> {
+    fn tables(&self) -> &[Table] {
+        &self.tables
+    }
+
+    fn read(
+        mut self: Box<Self>,
+        table: usize,
+        wanted: &[Wanted],
+        _: Kept,
+    ) -> Result<Values, InputError> {
+        let sheet = self.opened.swap_remove(table);
+        sheet.read(0, wanted, Kept::Channels)
+    }
 }
 
 /// Refuses what unpacks to more than may be read: the workbook's reader keeps its texts whole.
@@ -117,172 +169,224 @@ fn unpacks_within(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<(), Inpu
     Ok(())
 }
 
-/// The texts of a row, each with its column.
-type Texts = Vec<(usize, String)>;
+/// What the cells of a column are.
+#[derive(Default)]
+struct Counted {
+    numbers: usize,
+    /// Numbers that are texts, each with its row, counted from 1; not all of many.
+    texts: Vec<(u64, String)>,
+    of_texts: usize,
+}
 
-/// A sheet while it is read.
+/// A sheet while it is read: its rows as lines of cells that tabs divide.
 #[derive(Default)]
 struct Rows {
-    /// Rows above the first that is numbers, each with its texts by column.
-    above: Vec<Texts>,
-    /// The row in which cells are.
-    row: u32,
-    now: Vec<(usize, Result<f64, String>)>,
-    /// Columns of numbers, NaN for a cell without one, and whether each has a text among them.
-    columns: Vec<(Vec<f64>, bool)>,
-    /// Which row the first of these is.
-    first: Option<u32>,
-    /// Columns in which there are dates.
-    dates: BTreeSet<usize>,
+    text: String,
+    /// Of each row that ended, its bytes and its cells.
+    ended: Vec<(usize, usize)>,
+    /// Where the row begins in which cells are, and how many it has.
+    begin: usize,
+    cells: usize,
+    columns: BTreeMap<usize, Counted>,
 }
 
 impl Rows {
-    /// Takes in a cell; none where the sheet has more than may be read.
-    fn take(&mut self, row: u32, column: usize, value: &DataRef<'_>, left: &mut u64) -> Option<()> {
-        if row != self.row {
-            self.end(left)?;
-            self.row = row;
+    /// Takes in a cell; whether it stands behind those before, within a sheet.
+    fn take(&mut self, row: u32, column: usize, value: &DataRef<'_>) -> bool {
+        let is_behind = (self.ended.len(), self.cells) <= (row as usize, column);
+        if !is_behind || row >= MOST_ROWS || column >= MOST_COLUMNS {
+            return false;
         }
+        while self.ended.len() < row as usize {
+            self.end();
+        }
+        let mut is_number = true;
         let cell = match value {
-            DataRef::Int(value) => Ok(*value as f64),
-            DataRef::Float(value) => Ok(*value),
-            DataRef::Bool(value) => Ok(f64::from(u8::from(*value))),
-            DataRef::DateTime(date) => {
-                self.dates.insert(column);
-                Ok(date.as_f64() * 86_400.0)
-            }
+            DataRef::Int(value) => written(*value as f64),
+            DataRef::Float(value) => written(*value),
+            DataRef::Bool(value) => u8::from(*value).to_string(),
+            DataRef::DateTime(date) => stamp(days(date)),
             DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => {
-                Err(text.trim().to_owned())
+                is_number = false;
+                cleaned(text)
             }
-            DataRef::SharedString(text) => Err(text.trim().to_owned()),
-            DataRef::Error(_) => Ok(f64::NAN),
-            _ => return Some(()),
+            DataRef::SharedString(text) => {
+                is_number = false;
+                cleaned(text)
+            }
+            // An error, as of a division by zero, is no number.
+            _ => return true,
         };
-        if column < MOST_COLUMNS {
-            self.now.push((column, cell));
+        if cell.is_empty() {
+            return true;
         }
-        Some(())
+        let counted = self.columns.entry(column).or_default();
+        if is_number {
+            counted.numbers += 1;
+        } else if text::is_number(&cell) {
+            counted.of_texts += 1;
+            if counted.texts.len() < MOST_TEXTS {
+                counted.texts.push((u64::from(row) + 1, cell.clone()));
+            }
+        }
+        let tabs = (column + 1).saturating_sub(self.cells.max(1));
+        self.text.extend(std::iter::repeat_n('\t', tabs));
+        self.text.push_str(&cell);
+        self.cells = column + 1;
+        true
     }
 
     /// Ends a row.
-    fn end(&mut self, left: &mut u64) -> Option<()> {
-        let cells = std::mem::take(&mut self.now);
-        if cells.is_empty() {
-            return Some(());
-        }
-        let numbers = cells.iter().filter(|(_, cell)| cell.is_ok()).count();
-        if self.first.is_none() && 2 * numbers <= cells.len() {
-            let texts = cells.into_iter().map(|(column, cell)| match cell {
-                Ok(number) => (column, number.to_string()),
-                Err(text) => (column, text),
-            });
-            if self.above.len() == MOST_ABOVE {
-                self.above.remove(0);
-            }
-            self.above.push(texts.collect());
-            return Some(());
-        }
-        let first = *self.first.get_or_insert(self.row);
-        let place = (self.row - first) as usize;
-        for (column, cell) in cells {
-            if self.columns.len() <= column {
-                self.columns.resize(column + 1, (Vec::new(), false));
-            }
-            let (values, has_text) = &mut self.columns[column];
-            let more = (place + 1).saturating_sub(values.len()) as u64;
-            *left = left.checked_sub(more)?;
-            values.resize(place, f64::NAN);
-            match cell {
-                Ok(value) => values.push(value),
-                Err(text) => {
-                    *has_text |= !text.is_empty();
-                    values.push(f64::NAN);
-                }
-            }
-        }
-        Some(())
+    fn end(&mut self) {
+        self.ended.push((self.text.len() - self.begin, self.cells));
+        self.begin = self.text.len();
+        self.cells = 0;
     }
 
-    /// Numbers in all columns, as many in each as the longest has.
-    fn padded(&self) -> u64 {
-        let rows = self.columns.iter().map(|(values, _)| values.len()).max();
-        rows.unwrap_or_default() as u64 * self.columns.len() as u64
+    fn has_numbers(&self) -> bool {
+        (self.columns.values()).any(|column| column.numbers + column.of_texts > 0)
     }
 
-    /// The sheet's table; none where it has no numbers.
-    fn table(self, name: &str) -> Option<(Table, Vec<Vec<f64>>)> {
-        let (names, units) = self.header();
-        let rows = self.columns.iter().map(|(values, _)| values.len()).max()?;
-        let mut table = Table {
-            name: name.to_owned(),
-            rows: Some(rows as u64),
-            ..Table::default()
+    /// Bytes that the lines will have when each has as many cells as the longest.
+    fn size(&self) -> u64 {
+        let widest = self.columns.keys().next_back().map_or(0, |last| last + 1);
+        let rows = self.ended.len() as u64 + 1;
+        let added = (widest as u64 + 1).saturating_mul(rows);
+        added.saturating_add(self.text.len() as u64)
+    }
+
+    /// The decimal sign of numbers that are texts; none where no column is of them.
+    fn decimal(&self, file: &str) -> Result<Option<char>, InputError> {
+        let of_texts = self.columns.values();
+        let of_texts = of_texts.filter(|column| column.of_texts > column.numbers);
+        let cells: Vec<(u64, &str)> = of_texts
+            .flat_map(|column| column.texts.iter())
+            .map(|(row, cell)| (*row, cell.as_str()))
+            .collect();
+        match cells[..] {
+            [] => Ok(None),
+            _ => text::decimal_of(file, &cells).map(Some),
+        }
+    }
+
+    /// The sheet's table, as it is in a text.
+    fn opened<'a>(
+        mut self,
+        path: &Path,
+        reading: &Reading,
+    ) -> Result<(Table, Box<dyn Tables + 'a>), InputError> {
+        self.end();
+        let of_texts = match reading.decimal {
+            Some(_) => None,
+            None => self.decimal(&path.display().to_string())?,
         };
-        let mut columns = Vec::new();
-        for (index, (mut values, has_text)) in self.columns.into_iter().enumerate() {
-            let of = |row: &[String]| {
-                let cell = row.get(index).map(|text| text.trim().to_owned());
-                cell.filter(|text| !text.is_empty())
-            };
-            if values.is_empty() {
-                continue;
-            }
-            let name = of(&names).unwrap_or_else(|| format!("column {}", letters(index)));
-            if has_text {
-                table.skipped.push(format!("column {name} (texts)"));
-                continue;
-            }
-            let is_stamp = self.dates.contains(&index);
-            if is_stamp {
-                let first = values.iter().copied().find(|value| !value.is_nan());
-                let first = first.unwrap_or_default();
-                values.iter_mut().for_each(|value| *value -= first);
-                table.guesses.push(format!(
-                    "the dates of column {name} are taken as seconds after the first of them"
-                ));
-            }
-            let unit = units.as_deref().and_then(of);
-            values.resize(rows, f64::NAN);
-            table.columns.push(Column {
-                name,
-                unit: if is_stamp { Some("s".into()) } else { unit },
-                is_numeric: true,
-                is_stamp,
-                first: values.iter().take(Column::FIRST).copied().collect(),
-                ..Column::default()
-            });
-            columns.push(values);
-        }
-        (!columns.is_empty()).then_some((table, columns))
-    }
-
-    /// The names and the units, a cell for each column.
-    fn header(&self) -> Named {
-        let columns = self.columns.len();
-        let row = |row: &Texts| {
-            let mut cells = vec![String::new(); columns];
-            for (column, text) in row {
-                if let Some(cell) = cells.get_mut(*column) {
-                    cell.clone_from(text);
-                }
-            }
-            cells
+        let decimal = reading.decimal.or(of_texts).unwrap_or('.');
+        let reading = Reading {
+            decimal: Some(decimal),
+            ..reading.clone()
         };
-        let above: Vec<Vec<String>> = self.above.iter().map(row).collect();
-        header_of(&above, columns)
+        let first = self.columns.keys().next().copied().unwrap_or_default();
+        let widest = self.columns.keys().next_back().map_or(0, |last| last + 1);
+        let mut lines = String::with_capacity(self.size() as usize);
+        let mut at = 0;
+        for (bytes, cells) in self.ended {
+            // Columns before the first that holds something are none.
+            let line = &self.text[at..at + bytes];
+            at += bytes;
+            if cells > 0 {
+                lines.extend(
+                    line[first..]
+                        .chars()
+                        .map(|c| if c == DECIMAL { decimal } else { c }),
+                );
+                lines.extend(std::iter::repeat_n('\t', widest - cells));
+            }
+            lines.push('\n');
+        }
+        drop(self.text);
+        let opened = text::of_sheet(path, lines.into_bytes(), &reading)?;
+        let mut table = opened.tables().first().cloned().unwrap_or_default();
+        if let Some(decimal) = of_texts {
+            let sign = if decimal == ',' { "comma" } else { "point" };
+            table.guesses.push(format!(
+                "numbers that are texts are read with a decimal {sign}"
+            ));
+        }
+        Ok((table, opened))
     }
 }
 
-/// A column as Excel calls it: A, B, …, Z, AA.
-fn letters(mut index: usize) -> String {
-    let mut letters = Vec::new();
-    loop {
-        letters.push(b'A' + (index % 26) as u8);
-        match (index / 26).checked_sub(1) {
-            Some(rest) => index = rest,
-            None => break,
+/// A number to its last bit.
+fn written(value: f64) -> String {
+    let size = value.abs();
+    let text = if size != 0.0 && !(1e-5..1e15).contains(&size) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    };
+    text.replace('.', &DECIMAL.to_string())
+}
+
+/// A text in one line, without what would be a quote or divide cells.
+fn cleaned(text: &str) -> String {
+    let text = text.replace(|c: char| c.is_control(), " ");
+    text.trim().trim_start_matches('"').trim().to_owned()
+}
+
+/// Days after the last but one of 1899; a workbook of old Macintoshes counts from 1904 on.
+fn days(date: &ExcelDateTime) -> f64 {
+    let kind = if date.is_duration() {
+        ExcelDateTimeType::TimeDelta
+    } else {
+        ExcelDateTimeType::DateTime
+    };
+    let of_1904 = ExcelDateTime::new(date.as_f64(), kind, true);
+    date.as_f64() + if *date == of_1904 { 1462.0 } else { 0.0 }
+}
+
+/// Days after the last but one of 1899 as a date and a time of day.
+fn stamp(days: f64) -> String {
+    const NANOSECONDS: f64 = 86_400e9;
+    // From then to the first of March of the year 0, by which the days are counted below.
+    const BEFORE: i64 = 693_899;
+    if !(-6e5..3e6).contains(&days) {
+        return written(days * 86_400.0);
+    }
+    let mut day = days.floor();
+    let mut nanoseconds = ((days - day) * NANOSECONDS).round();
+    if nanoseconds >= NANOSECONDS {
+        (day, nanoseconds) = (day + 1.0, 0.0);
+    }
+    let (day, nanoseconds) = (day as i64 + BEFORE, nanoseconds as u64);
+    // Years that begin in March: the day that comes every fourth one is their last.
+    let era = day.div_euclid(146_097);
+    let of_era = day.rem_euclid(146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let date = of_year - (153 * month + 2) / 5 + 1;
+    let (year, month) = (era * 400 + year + month / 10, (month + 2) % 12 + 1);
+    let seconds = nanoseconds / 1_000_000_000;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    let (seconds, fraction) = (seconds % 60, nanoseconds % 1_000_000_000);
+    format!("{year:04}-{month:02}-{date:02} {hours:02}:{minutes:02}:{seconds:02}.{fraction:09}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        for (days, is) in [
+            (0.0, "1899-12-30 00:00:00.000000000"),
+            (61.0, "1900-03-01 00:00:00.000000000"),
+            (36_585.0, "2000-02-29 00:00:00.000000000"),
+            (45_352.5, "2024-03-01 12:00:00.000000000"),
+            (45_351.999_999_999_999, "2024-03-01 00:00:00.000000000"),
+            (46_022.25, "2025-12-31 06:00:00.000000000"),
+        ] {
+            assert_eq!(stamp(days), is);
         }
     }
-    letters.reverse();
-    String::from_utf8_lossy(&letters).into_owned()
 }

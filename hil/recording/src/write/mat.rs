@@ -30,22 +30,22 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
     // No data of subsystems, then the version and the order of bytes.
     file.extend([0; 8]);
     file.extend([0, 1, b'I', b'M']);
-    for column in columns {
+    let names = identifiers(columns);
+    for (column, name) in columns.iter().zip(&names) {
         let bytes: Vec<u8> = column
             .values
             .iter()
             .flat_map(|value| value.to_le_bytes())
             .collect();
         let numbers = element(DOUBLE, &bytes);
-        let name = identifier(column.name);
-        let matrix = matrix(NUMBERS, [column.values.len(), 1], &name, &numbers);
+        let matrix = matrix(NUMBERS, [column.values.len(), 1], name, &numbers);
         variable(&mut file, &matrix);
     }
     if !comments.is_empty() {
         variable(&mut file, &text("comments", comments));
     }
-    let units: Vec<(String, &str)> = (columns.iter())
-        .filter_map(|column| Some((identifier(column.name), column.unit?)))
+    let units: Vec<(String, &str)> = (columns.iter().zip(names))
+        .filter_map(|(column, name)| Some((name, column.unit?)))
         .collect();
     if !units.is_empty() {
         variable(&mut file, &structure("units", &units));
@@ -113,6 +113,27 @@ fn structure(name: &str, fields: &[(String, &str)]) -> Vec<u8> {
         body.extend(text("", &[value]));
     }
     matrix(STRUCTURE, [1, 1], name, &body)
+}
+
+/// The names of variables, no two of which are the same: MATLAB would keep the last alone.
+fn identifiers(columns: &[Column<'_>]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for column in columns {
+        let plain = identifier(column.name);
+        let numbered = (2..).map(|number| {
+            let ending = format!("_{number}");
+            format!(
+                "{}{ending}",
+                &plain[..plain.len().min(LONGEST - ending.len())]
+            )
+        });
+        let is_free =
+            |name: &String| !names.contains(name) && name != "comments" && name != "units";
+        let mut tried = [plain.clone()].into_iter().chain(numbered);
+        let name = tried.find(is_free).unwrap_or(plain.clone());
+        names.push(name);
+    }
+    names
 }
 
 /// A name as MATLAB takes it: letters, digits and underscores, a letter first.

@@ -138,7 +138,7 @@ def mat():
     save("structure.mat", {"test": {"note": "D1 at 20 °C", "time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE, "fs": 1000.0}},
          skipped=["the number test.fs = 1000"], comments=["test.note: D1 at 20 °C"])
     save("matrix.mat", {"data": np.column_stack([TIME, DISPLACEMENT, FORCE])},
-         channels={"time": "data[0]", "displacement": "data[1]", "force": "data[2]"}, units=ASKED["units"])
+         channels={"time": "data #1", "displacement": "data #2", "force": "data #3"}, units=ASKED["units"])
     channel = [("Name", "O"), ("Data", "O"), ("Unit", "O"), ("XIndex", "O")]
     y = np.zeros((1, 2), dtype=channel)
     y[0, 0] = ("Model Root/Disp", DISPLACEMENT.reshape(1, -1), "mm", 1)
@@ -155,6 +155,10 @@ def mat():
     two = {f"run{n}": {"time_s": TIME + n, "displacement_mm": DISPLACEMENT, "force_kN": FORCE} for n in range(2)}
     save("two_runs.mat", two, table="run0")
     save("two_runs_unasked.mat", two, refused=["2 tables hold a recording", "--table"])
+    rated = {"displacement_mm": DISPLACEMENT, "force_kN": FORCE}
+    save("rate.mat", {"Fs": 1000.0, **rated}, guesses=["the times are made of the number Fs = 1000 Hz"], error=1e-15)
+    save("step.mat", {"run": {"dt": 1e-3, **rated}, "dt": 5.0}, guesses=["the times are made of the number run.dt = 0.001 s"], error=1e-15)
+    save("scale.mat", {**named, "force_scale": 1e-4}, guesses=["the number force_scale = 0.0001 is not applied"])
     save("complex.mat", {**named, "z": FORCE + 1j}, skipped=["z (complex numbers)"])
     save("version_4.mat", named, options={"format": "4"}, refused=["MATLAB of version 4", "-v7"])
 
@@ -201,7 +205,7 @@ def parquet():
     pq.write_table(nested, said("nested.parquet", arrow, channels={"displacement": "rig.displacement_mm"}, skipped=["rig.state"]))
     lists = pyarrow.table({"time_s": TIME, "data": pyarrow.FixedSizeListArray.from_arrays(
         np.column_stack([DISPLACEMENT, FORCE]).ravel(), 2)})
-    pq.write_table(lists, said("lists.parquet", arrow, channels={"displacement": "data[0]", "force": "data[1]"},
+    pq.write_table(lists, said("lists.parquet", arrow, channels={"displacement": "data #1", "force": "data #2"},
                                units={"displacement": "mm", "force": "kN"}))
     indexed = pyarrow.table({"time_ms": pyarrow.array(np.arange(SAMPLES), "uint16"),
                              "displacement_mm": pyarrow.array(DISPLACEMENT).dictionary_encode(), "force_kN": FORCE})
@@ -256,7 +260,7 @@ def hdf5():
         for name, values in named.items():
             rows[name] = values
         each["run/samples"] = rows
-    matrix = {"channels": {"time": "data[0]", "displacement": "data[1]", "force": "data[2]"}, "units": ASKED["units"]}
+    matrix = {"channels": {"time": "data #1", "displacement": "data #2", "force": "data #3"}, "units": ASKED["units"]}
     with file("matrix.h5", **matrix) as each:
         each["data"] = np.column_stack([TIME, DISPLACEMENT, FORCE])
     with file("matrix_of_rows.h5", **matrix) as each:
@@ -280,9 +284,32 @@ def hdf5():
             each["a/" + name] = values
         each["a/b"] = h5py.SoftLink("/a")
         each["c"] = each["a"]
+    for name, more in [("two_runs.h5", {"table": "run2"}), ("two_runs_unasked.h5", {"refused": ["2 tables hold a recording", "run1", "run2"]})]:
+        with file(name, **more) as each:
+            for run, factor in [("run1", 2.0), ("run2", 1.0)]:
+                for channel, values in named.items():
+                    each[f"{run}/{channel}"] = values if channel == "time_s" else factor * values
+    with file("gain.h5", guesses=["attribute gain of force_kN = 2.5 is not applied", "attribute offset of force_kN = -1 is not applied"]) as each:
+        for name, values in named.items():
+            each[name] = values
+        each["force_kN"].attrs["gain"], each["force_kN"].attrs["offset"] = 2.5, -1.0
+        each["displacement_mm"].attrs["gain"] = 1.0
+    with file("named_columns.h5") as each:
+        each["rig/data"] = np.column_stack([TIME, DISPLACEMENT, FORCE])
+        each["rig/data"].attrs["columns"] = list(named)
+    with file("matrix_unasked.h5", refused=["--channel time='data #1' or --channel time='data #2'", "--rate"]) as each:
+        each["data"] = np.column_stack([TIME, DISPLACEMENT, FORCE])
+    with file("rate.h5", guesses=["the times are made of attribute sample_rate of"], error=1e-15) as each:
+        for name in ["displacement_mm", "force_kN"]:
+            each[name] = named[name]
+            each[name].attrs["sample_rate"] = 1000.0
+    with file("two_rates_said.h5", refused=["--rate"]) as each:
+        for name, rate in [("displacement_mm", 1000.0), ("force_kN", 500.0)]:
+            each[name] = named[name]
+            each[name].attrs["sample_rate"] = rate
     frame = pandas.DataFrame(named)
     for kind in ["fixed", "table"]:
-        options = {"channels": {f: f"values_block_0[{n}]" for n, f in enumerate(["time", "displacement", "force"])},
+        options = {"channels": {f: f"values_block_0 #{n + 1}" for n, f in enumerate(["time", "displacement", "force"])},
                    "units": ASKED["units"]} if kind == "table" else {}
         frame.to_hdf(said(f"pandas_{kind}.h5", version("pandas") + ", " + version("tables"), **options), key="run", format=kind)
 
@@ -375,6 +402,23 @@ def tdms():
     save("two_rates.tdms", clocked + [slow], error=1e-15)
     half = ChannelObject("Rig", "Load", FORCE[::2], properties={"unit_string": "kN", "wf_increment": 0.002})
     save("apart.tdms", [clocked[0], half], refused=["1000 Hz", "500 Hz"])
+
+    def started(name, starts, times=None, **more):
+        made = [ChannelObject("Rig", "Time", times, properties=units["time"])] if times is not None else []
+        for key, start in zip(["displacement", "force"], starts):
+            said = {} if start is None else {"wf_start_time": np.datetime64("2026-03-01T12:00:00") + np.timedelta64(start, "ms")}
+            made.append(ChannelObject("Rig", names[key], truth[key], properties={**units[key], **wave, **said}))
+        save(name, made, error=1e-15, **more)
+
+    started("start.tdms", [0, 0])
+    started("start_apart.tdms", [0, 1000], refused=["displacement is in table", "force is in table", "sampled at different times"])
+    started("start_unsaid.tdms", [0, None], guesses=["Rig/Load says no start (wf_start_time) and is taken to start with the others"])
+    started("start_beside_times.tdms", [0, 1000], TIME, guesses=["the times of column \"Time\" count for all columns beside it"])
+    late = {"wf_start_time": np.datetime64("2026-03-01T12:00:05")}
+    halves = [ChannelObject("Rig", names[key], truth[key][:100], properties={**units[key], **wave, **start})
+              for start in [{"wf_start_time": np.datetime64("2026-03-01T12:00:00")}] for key in ["displacement", "force"]]
+    rest = [ChannelObject("Rig", names[key], truth[key][100:], properties=late) for key in ["displacement", "force"]]
+    save("start_anew.tdms", halves, rest, error=1e-15, guesses=["the clock of Rig/Load was started anew within the file"])
     step = 2e-4
     raw = {"displacement": np.round(DISPLACEMENT / step).astype(np.int16), "force": np.round((FORCE + 1) / step).astype(np.int16)}
 
@@ -491,6 +535,15 @@ def json_files():
     Path(said("arrays.json", "Python's json")).write_text(json.dumps({"specimen": "D1", "units": units, **columns}))
     gap = {**columns, "force": [None if n in (17, 18) else value for n, value in enumerate(columns["force"])]}
     Path(said("nulls.json", "Python's json", missing=[17, 18], units=units)).write_text(json.dumps({"run": {"data": gap}}, indent=1))
+    for name, said_rate in [("rate.json", {"fs": 1000}), ("step.json", {"dt_ms": 1.0})]:
+        rated = {"units": units, **said_rate, "displacement": columns["displacement"], "force": columns["force"]}
+        words = f"the times are made of the number {next(iter(said_rate))}"
+        Path(said(name, "Python's json", guesses=[words], error=1e-15)).write_text(json.dumps(rated))
+    runs = {run: {"units": units, **columns} for run in ["first", "second"]}
+    Path(said("two_runs.json", "Python's json", refused=["2 tables hold a recording", "first", "second"])).write_text(json.dumps(runs))
+    rows = [list(row) for row in zip(*columns.values())]
+    named = {key: f"value #{n + 1}" for n, key in enumerate(columns)}
+    Path(said("rows.json", "Python's json", channels=named, units=units)).write_text(json.dumps(rows))
     Path(said("short.json", "Python's json", refused=["force"])).write_text(json.dumps({"units": units, **columns, "force": columns["force"][:-1]}))
 
 
@@ -516,7 +569,32 @@ def xlsx():
         stamp = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(milliseconds=n)
         dated.active.append([stamp, *map(float, row)])
     # A day of Excel has 2^-37 of it to the last bit: 0.6 µs.
-    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds after the first"]))
+    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds from the first"]))
+    def saved(name, rows, *sheets, **more):
+        made = openpyxl.Workbook()
+        for place, each in enumerate([*sheets, rows]):
+            sheet = made.active if place == 0 else made.create_sheet(f"Sheet {place + 1}")
+            for row in each:
+                sheet.append(row)
+        made.save(said(name, version("openpyxl"), **{"error": 1e-15, **more}))
+
+    numbers = [[float(value) for value in row] for row in zip(TIME, DISPLACEMENT, FORCE)]
+    head = ["Time [s]", "Disp [mm]", "Force [kN]"]
+    preamble = [["Rig 4"], ["Operator", "X"], ["Limits", 1, 2, 3], [], ["Time", "Disp", "Force"], ["s", "mm", "kN"]]
+    saved("preamble.xlsx", preamble + numbers, guesses=["the names stand in line 5, the units in line 6"], comments=["Operator: X"])
+    summary = [["Cycle", "Max Load [kN]", "Max disp [mm]"]] + [[n, 1.0 + n, 2.0] for n in range(5)]
+    below = [["Max", float(max(DISPLACEMENT)), float(max(FORCE))]]
+    saved("below.xlsx", [head] + numbers + below, summary, refused=["line 202", "\"Max\" is not a number"])
+    for name, sign in [("comma_texts.xlsx", ","), ("point_texts.xlsx", ".")]:
+        texts = [[repr(value).replace(".", sign) for value in row] for row in numbers]
+        words = {",": "comma", ".": "point"}[sign]
+        saved(name, [head] + texts, guesses=[f"numbers that are texts are read with a decimal {words}"])
+    mixed = [[time, repr(y).replace(".", ","), force] for time, y, force in numbers]
+    saved("some_texts.xlsx", [head] + mixed, guesses=["numbers that are texts are read with a decimal comma"])
+    thousands = [[time, y, f"{100 + force:.3f}"] for time, y, force in numbers]
+    saved("either_texts.xlsx", [["Time [s]", "Disp [mm]", "Force [N]"]] + thousands, refused=["--decimal point or --decimal comma"])
+    away = [[], []] + [[None, None, *row] for row in [head] + numbers]
+    saved("away.xlsx", away)
     notes = book.create_sheet("Notizen")
     notes.append(["nichts"])
     book.save(said("units.xlsx", version("openpyxl"), error=1e-15, guesses=["force is read from column \"Kraft\" in kN"]))

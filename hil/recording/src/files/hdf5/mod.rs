@@ -83,12 +83,12 @@ fn open<'a>(
         datasets,
         skipped,
         comments,
-        guesses,
+        beside,
         ..
     } = walk;
     let mut datasets = Datasets::new(datasets);
     let mut values = |place: &cells::Place| datasets.values(place).map_err(refused);
-    let (mut tables, places) = arranged(arrays, &mut values)?;
+    let (mut tables, places) = arranged(arrays, &beside, &mut values)?;
     for (table, places) in tables.iter_mut().zip(&places) {
         let time = table.columns.iter_mut().zip(places);
         if let Some((column, place)) = time
@@ -103,8 +103,7 @@ fn open<'a>(
     if tables.is_empty() {
         tables.push(Table::default());
     }
-    tables[0].skipped = skipped;
-    tables[0].guesses.extend(guesses);
+    tables[0].skipped.extend(skipped);
     let owned = name.to_owned();
     let read = move |table: usize, column: usize| {
         guarded(NAME, &owned, || {

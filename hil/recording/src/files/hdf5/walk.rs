@@ -9,6 +9,7 @@ use hdf5_reader::{Attribute, Dataset, Datatype, dtype_element_size};
 use super::cells::{Cell, Place, cell};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
+use crate::files::beside::Beside;
 
 /// The deepest that groups may lie in each other. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 64;
@@ -22,7 +23,7 @@ pub(super) struct Walk {
     pub datasets: Vec<Dataset>,
     pub skipped: Vec<String>,
     pub comments: Vec<String>,
-    pub guesses: Vec<String>,
+    pub beside: Beside,
     /// Groups that were seen: links may lead round in a circle.
     seen: HashSet<u64>,
 }
@@ -42,6 +43,10 @@ impl Walk {
             path.join("/")
         };
         for attribute in group.attributes().unwrap_or_default() {
+            if let Some(value) = number(&attribute) {
+                let of = format!("attribute {}", key(&attribute.name));
+                self.beside.number(path, &attribute.name, &of, value);
+            }
             if let Ok(text) = attribute.read_string()
                 && !text.trim().is_empty()
                 && text.len() <= LONGEST
@@ -107,7 +112,13 @@ impl Walk {
                 let bytes = dataset.read_raw_bytes().unwrap_or_default();
                 for (_, cell, _) in fields {
                     let value = cell.kind.read(&bytes, cell.at, cell.is_little);
-                    self.skip(path, &name, &format!("the number {value}"));
+                    let of = format!(
+                        "the number {}",
+                        [path, std::slice::from_ref(&name)].concat().join("/")
+                    );
+                    if !self.beside.number(path, &name, &of, value) {
+                        self.skip(path, &name, &format!("the number {value}"));
+                    }
                 }
                 return;
             }
@@ -124,11 +135,10 @@ impl Walk {
         if is_compound {
             group.push(name.clone());
         }
-        if let Some((factor, offset)) = attributes.scale {
-            self.guesses.push(format!(
-                "{name} is multiplied by {factor} and {offset} is added, as its attributes say"
-            ));
-        }
+        let names = match attributes.names {
+            Some(said) if names.is_empty() && said.len() as u64 == columns && columns > 1 => said,
+            _ => names,
+        };
         for (field, cell, elements) in fields {
             let base = if is_compound { &field } else { &name };
             let of_field = attributes.units.iter().find(|(of, _)| *of == field);
@@ -141,6 +151,17 @@ impl Walk {
                 let name = named
                     .cloned()
                     .unwrap_or_else(|| name_of(base, column, columns * elements));
+                let place = [&group[..], std::slice::from_ref(&name)].concat();
+                if let Some((factor, offset)) = attributes.scale {
+                    let said = format!(
+                        "{base} is multiplied by {factor} and {offset} is added, as its attributes say"
+                    );
+                    self.beside.note(&place, said);
+                }
+                for (attribute, value) in &attributes.numbers {
+                    let of = format!("attribute {attribute} of {base}");
+                    self.beside.number(&place, attribute, &of, *value);
+                }
                 let mut cell = cell.clone();
                 cell.at += element as usize * cell.kind.size();
                 self.arrays.push(Array {
@@ -184,6 +205,10 @@ struct Said {
     /// As netCDF has them: factor and offset.
     scale: Option<(f64, f64)>,
     fill: Option<f64>,
+    /// What its columns are called.
+    names: Option<Vec<String>>,
+    /// Numbers that say something else.
+    numbers: Vec<(String, f64)>,
 }
 
 impl Said {
@@ -192,12 +217,7 @@ impl Said {
         let text = |attribute: &Attribute| attribute.read_string().ok();
         let (mut factor, mut offset) = (None, None);
         for attribute in dataset.attributes() {
-            let number = || {
-                attribute
-                    .read_as_f64()
-                    .ok()
-                    .filter(|value| value.is_finite())
-            };
+            let number = || number(&attribute).filter(|value| value.is_finite());
             match attribute.name.to_lowercase().as_str() {
                 "unit" | "units" | "unit_string" | "ni_unitdescription" => {
                     said.unit = text(&attribute).filter(|unit| !unit.trim().is_empty());
@@ -205,6 +225,13 @@ impl Said {
                 "scale_factor" => factor = number(),
                 "add_offset" => offset = number(),
                 "_fillvalue" | "missing_value" => said.fill = attribute.read_as_f64().ok(),
+                "columns" | "column_names" | "names" | "channels" | "channel_names" | "labels" => {
+                    said.names = attribute.read_strings().ok();
+                }
+                _ if number().is_some() => {
+                    said.numbers
+                        .extend(number().map(|value| (attribute.name.clone(), value)));
+                }
                 name => {
                     let field = name
                         .strip_prefix("unit_")
@@ -220,6 +247,12 @@ impl Said {
         }
         said
     }
+}
+
+/// The number that an attribute is; none of a text or of several.
+fn number(attribute: &Attribute) -> Option<f64> {
+    let is_one = attribute.shape.iter().all(|&size| size == 1);
+    is_one.then(|| attribute.read_as_f64().ok()).flatten()
 }
 
 /// The columns' names of data sets that have them beside them, as pandas has `block0_items` beside `block0_values`.

@@ -6,6 +6,7 @@ use serde::de::DeserializeSeed as _;
 use serde_json::Deserializer;
 
 use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
+use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
@@ -60,12 +61,14 @@ impl Format for Json {
             arrays,
             skipped,
             comments,
+            beside,
         } = found;
-        let (mut tables, sources) = arranged(arrays, &mut |values: &Vec<f64>| Ok(values.clone()))?;
+        let (mut tables, sources) =
+            arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
         if tables.is_empty() {
             tables.push(Table::default());
         }
-        tables[0].skipped = skipped;
+        tables[0].skipped.extend(skipped);
         let read = move |table: usize, column: usize| {
             let columns: &Vec<Vec<f64>> = &sources[table];
             Ok(Some(columns[column].clone()))
@@ -130,6 +133,7 @@ struct Found {
     arrays: Vec<Array<Vec<f64>>>,
     skipped: Vec<String>,
     comments: Vec<String>,
+    beside: Beside,
 }
 
 impl Found {
@@ -157,9 +161,12 @@ impl Found {
                     }
                 }
             }
-            Node::Number(value) => self
-                .skipped
-                .push(format!("the number {} = {value}", label())),
+            Node::Number(value) => {
+                let of = format!("the number {}", label());
+                if !self.beside.number(group, name, &of, value) {
+                    self.skipped.push(format!("{of} = {value}"));
+                }
+            }
             Node::Text(text) if !text.is_empty() => {
                 self.comments.push(format!("{}: {text}", label()));
             }

@@ -90,11 +90,12 @@ pub(super) fn opened<'a>(name: String, mut tree: Tree) -> Result<Box<dyn Tables 
         comments,
         skipped,
         guesses,
+        beside,
         ..
     } = tree;
-    let (mut tables, sources) = arranged(arrays, &mut |values| Ok(values.all()))?;
+    let (mut tables, sources) = arranged(arrays, &beside, &mut |values| Ok(values.all()))?;
     if let Some(table) = tables.first_mut() {
-        table.skipped = skipped;
+        table.skipped.extend(skipped);
         table.guesses.extend(guesses);
     } else {
         let skipped = super::Table {

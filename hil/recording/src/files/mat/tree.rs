@@ -3,6 +3,7 @@
 use super::element::{Broken, Bytes, Element, Numbers};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
+use crate::files::beside::Beside;
 use crate::files::number::Kind;
 
 /// The deepest that structures may lie in each other. Convention: deeper than any program writes, and within the stack.
@@ -48,6 +49,7 @@ pub(in crate::files) struct Tree {
     pub comments: Vec<String>,
     pub skipped: Vec<String>,
     pub guesses: Vec<String>,
+    pub beside: Beside,
     /// Of variables, by their names: what a structure `units` says.
     units: Vec<(String, String)>,
     text: usize,
@@ -80,6 +82,7 @@ impl Tree {
             comments: Vec::new(),
             skipped: Vec::new(),
             guesses: Vec::new(),
+            beside: Beside::default(),
             units: Vec::new(),
             text: 0,
             left: MOST_VALUES,
@@ -244,7 +247,10 @@ impl Tree {
         let (rows, columns, steps) = match long[..] {
             [] => {
                 let value = numbers.get(0);
-                self.skip(format!("the number {} = {value}", path(group, name)));
+                let of = format!("the number {}", path(group, name));
+                if !self.beside.number(group, name, &of, value) {
+                    self.skip(format!("{of} = {value}"));
+                }
                 return Ok(());
             }
             [rows] => (rows, 1, [1, 0]),

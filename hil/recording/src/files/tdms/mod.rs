@@ -10,13 +10,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::arrays::{Array, arranged};
+use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
 use crate::error::InputError;
 use crate::files::table::Clock;
 use scale::Scales;
-use segments::{File, Pieces, Property, Read};
+use segments::{File, Object, Pieces, Property, Read, seconds};
 
 const NAME: &str = "TDMS";
 
@@ -57,7 +58,7 @@ impl Format for Tdms {
             Some(values.of(&bytes))
         };
         let too_large = || limit.exceeded(&name);
-        let (mut tables, scaled) = arranged(channels.arrays, &mut |each| {
+        let (mut tables, scaled) = arranged(channels.arrays, &Beside::default(), &mut |each| {
             values(each).ok_or_else(too_large)
         })?;
         for (table, scaled) in tables.iter_mut().zip(&scaled) {
@@ -71,7 +72,7 @@ impl Format for Tdms {
         if tables.is_empty() {
             tables.push(Table::default());
         }
-        tables[0].skipped = channels.skipped;
+        tables[0].skipped.extend(channels.skipped);
         tables[0].guesses.extend(channels.guesses);
         if file.is_cut {
             let said = "its end was cut; the samples that it has in whole are read";
@@ -133,6 +134,7 @@ impl Channels {
         let above: HashMap<&[String], _> = (objects.filter(|object| object.path.len() < 2))
             .map(|object| (&object.path[..], &object.properties))
             .collect();
+        let starts = Starts::of(file);
         for object in &file.objects {
             let path = &object.path[..];
             let [group, name] = path else {
@@ -182,10 +184,6 @@ impl Channels {
                     _ => None,
                 })
             };
-            let number = |key: &str| match object.properties.get(key) {
-                Some(Property::Number(number)) if number.is_finite() => Some(*number),
-                _ => None,
-            };
             let unit = text(&[
                 "unit_string",
                 "NI_UnitDescription",
@@ -195,7 +193,12 @@ impl Channels {
                 "units",
             ]);
             let rows = object.raw[0].1.count();
-            let step = number("wf_increment").filter(|step| *step > 0.0);
+            let clock = starts.clock(object);
+            if clock.is_some() && object.is_restarted {
+                channels.guesses.push(format!(
+                    "the clock of {label} was started anew within the file (wf_start_time); its samples are taken as one stretch"
+                ));
+            }
             channels.arrays.push(Array {
                 group: vec![group.clone()],
                 column: Column {
@@ -206,10 +209,7 @@ impl Channels {
                     ..Column::default()
                 },
                 rows: rows as u64,
-                clock: step.map(|step| Clock {
-                    start: number("wf_start_offset").unwrap_or(0.0),
-                    step,
-                }),
+                clock,
                 source: Scaled {
                     rows,
                     raw: object.raw.clone(),
@@ -217,6 +217,64 @@ impl Channels {
                 },
             });
         }
+        channels.guesses.extend(starts.said);
         channels
+    }
+}
+
+/// When the clocks of a file's channels start.
+struct Starts {
+    /// The earliest that is said, in 2⁻⁶⁴ s.
+    first: Option<i128>,
+    /// Whether all that are said are the same.
+    is_one: bool,
+    said: Option<String>,
+}
+
+impl Starts {
+    fn of(file: &File) -> Self {
+        let clocked = || {
+            (file.objects.iter()).filter(|object| step(object).is_some() && !object.raw.is_empty())
+        };
+        let first = clocked().filter_map(|object| object.start).min();
+        let is_one = clocked().all(|object| object.start.is_none() || object.start == first);
+        let mut silent = clocked().filter(|object| object.start.is_none());
+        let said = match (first, silent.next()) {
+            (Some(_), Some(object)) if is_one => Some(format!(
+                "{} says no start (wf_start_time) and is taken to start with the others",
+                object.path.join("/")
+            )),
+            _ => None,
+        };
+        Self {
+            first,
+            is_one,
+            said,
+        }
+    }
+
+    /// The clock of a channel; none where its steps are not said, or where it says no start and those of the others differ.
+    fn clock(&self, object: &Object) -> Option<Clock> {
+        let late = match (object.start, self.first) {
+            (Some(start), Some(first)) => seconds(start.wrapping_sub(first)),
+            _ if self.is_one => 0.0,
+            _ => return None,
+        };
+        let offset = number(object, "wf_start_offset").unwrap_or(0.0);
+        Some(Clock {
+            start: late + offset,
+            step: step(object)?,
+        })
+    }
+}
+
+fn step(object: &Object) -> Option<f64> {
+    number(object, "wf_increment").filter(|step| *step > 0.0)
+}
+
+fn number(object: &Object, key: &str) -> Option<f64> {
+    match object.properties.get(key) {
+        Some(Property::Number(number)) if number.is_finite() => Some(*number),
+        _ => None,
     }
 }

@@ -24,6 +24,8 @@ const MOST_STEPS: usize = 50_000_000;
 pub(super) enum Property {
     Number(f64),
     Text(String),
+    /// In 2⁻⁶⁴ s.
+    Date(i128),
     Other,
 }
 
@@ -92,7 +94,7 @@ impl Pieces {
                         Some(Read::Date) => {
                             let date = date(bytes, at, piece.is_little);
                             let first = *first.get_or_insert(date);
-                            (date.wrapping_sub(first)) as f64 / 2_f64.powi(64)
+                            seconds(date.wrapping_sub(first))
                         }
                         None => f64::NAN,
                     });
@@ -101,6 +103,11 @@ impl Pieces {
         }
         values
     }
+}
+
+/// Of 2⁻⁶⁴ s.
+pub(super) fn seconds(parts: i128) -> f64 {
+    parts as f64 / 2_f64.powi(64)
 }
 
 /// A date in 2⁻⁶⁴ s.
@@ -126,6 +133,10 @@ pub(super) struct Object {
     pub raw: Vec<(u32, Pieces)>,
     /// Why it has none, if it is no channel of numbers.
     pub unread: Option<&'static str>,
+    /// When its first sample was taken, in 2⁻⁶⁴ s, where the file says it.
+    pub start: Option<i128>,
+    /// Whether its clock was started anew among its samples, at another time than that to which its steps lead.
+    pub is_restarted: bool,
 }
 
 /// What a file holds.
@@ -258,7 +269,7 @@ impl File {
             for _ in 0..cursor.u32()? {
                 let name = cursor.text()?;
                 let value = cursor.property()?;
-                self.objects[place].properties.insert(name, value);
+                self.objects[place].say(name, value);
             }
         }
         Ok(())
@@ -374,6 +385,22 @@ impl File {
 }
 
 impl Object {
+    /// Takes in what is said of it from here on.
+    fn say(&mut self, name: String, value: Property) {
+        if let ("wf_start_time", Property::Date(now)) = (name.as_str(), &value) {
+            let samples = self.raw.first().map_or(0, |(_, pieces)| pieces.count());
+            match (self.start, self.properties.get("wf_increment")) {
+                (Some(first), Some(Property::Number(step))) if samples > 0 => {
+                    let off = seconds(now.wrapping_sub(first)) - step * samples as f64;
+                    // Some programs say the first start again in every segment.
+                    self.is_restarted |= *now != first && off.abs() > 0.5 * step;
+                }
+                _ => self.start = Some(*now),
+            }
+        }
+        self.properties.insert(name, value);
+    }
+
     fn piece(&mut self, scale: u32, read: Read, piece: Piece) -> Result<(), Broken> {
         if piece.count == 0 || piece.chunks == 0 {
             return Ok(());
@@ -493,12 +520,13 @@ impl Cursor<'_> {
         }
         match read(code) {
             Some(Read::Number(kind)) => Ok(Property::Number(self.number(kind)?)),
+            Some(Read::Date) => {
+                let at = self.at;
+                self.take(Read::Date.size())?;
+                Ok(Property::Date(date(self.bytes, at, self.is_little)))
+            }
             _ => {
-                let size = if code == 0x44 {
-                    Some(16)
-                } else {
-                    size_of_other(code)
-                };
+                let size = size_of_other(code);
                 self.take(size.ok_or(Broken("a property is of an unknown type"))?)?;
                 Ok(Property::Other)
             }

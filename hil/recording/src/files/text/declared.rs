@@ -9,6 +9,8 @@ pub(super) struct Declared {
     pub decimal: Option<char>,
     /// A LabVIEW measurement file.
     pub is_lvm: bool,
+    /// A workbook's sheet, whose cells were never divided by anything.
+    pub is_sheet: bool,
 }
 
 impl Declared {
@@ -31,7 +33,7 @@ impl Declared {
             return Self {
                 separator: Some(Separator::Sign('\t')),
                 decimal: sign,
-                is_lvm: false,
+                ..Self::default()
             };
         }
         if first.starts_with("LabVIEW Measurement") {
@@ -69,6 +71,7 @@ fn lvm<'t>(lines: impl Iterator<Item = &'t str>) -> Declared {
         separator: Some(Separator::Sign('\t')),
         decimal: Some('.'),
         is_lvm: true,
+        ..Declared::default()
     };
     for line in lines.take_while(|line| !line.starts_with("***End_of_Header***")) {
         let of = |key: &str| line.strip_prefix(key).map(|rest| rest.trim_end());

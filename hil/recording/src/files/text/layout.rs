@@ -91,7 +91,19 @@ struct Block {
 /// # Errors
 /// No table of numbers in it, a decimal sign that could be either, a comma that is separator and decimal sign.
 pub(super) fn find(name: &str, head: &Head, reading: &Reading) -> Result<Layout, InputError> {
-    let declared = Declared::of(&head.text);
+    find_as(name, head, reading, Declared::of(&head.text))
+}
+
+/// [`find`] of a text of which is known what else it would have to say.
+///
+/// # Errors
+/// As [`find`].
+pub(super) fn find_as(
+    name: &str,
+    head: &Head,
+    reading: &Reading,
+    declared: Declared,
+) -> Result<Layout, InputError> {
     let separators: Vec<Separator> = match declared.separator {
         Some(separator) => vec![separator],
         None => Separator::ALL.to_vec(),
@@ -552,11 +564,13 @@ impl Found<'_> {
             String::new()
         };
         let by = self.separator.name();
-        said.push(if is_shown {
-            format!("cells are divided by {by}, the decimal sign is a {sign}{thousands}")
-        } else {
-            format!("cells are divided by {by}")
-        });
+        if !self.declared.is_sheet {
+            said.push(if is_shown {
+                format!("cells are divided by {by}, the decimal sign is a {sign}{thousands}")
+            } else {
+                format!("cells are divided by {by}")
+            });
+        }
         if let Some(line) = header.line {
             let below = match header.units_line {
                 Some(units) => format!(", the units in line {units}"),

@@ -18,6 +18,9 @@ mod numbers;
 mod own;
 mod stamps;
 
+use std::io::Cursor;
+use std::path::Path;
+
 use super::{Format, Reading, Source, Tables};
 use crate::csv_text::CsvText;
 use crate::error::InputError;
@@ -55,21 +58,42 @@ impl Format for Text {
     }
 }
 
-/// Names and units.
-pub(super) type Named = (Vec<String>, Option<Vec<String>>);
-
-/// The names and the units of columns, in rows of cells that stand above their numbers, as in a text that tabs divide.
-pub(super) fn header_of(above: &[Vec<String>], columns: usize) -> Named {
-    let is_end = |c: char| c.is_control();
-    let row = |row: &Vec<String>| {
-        let cells = row.iter().map(|cell| cell.replace(is_end, " "));
-        cells.collect::<Vec<_>>().join("\t")
+/// The rows of a workbook's sheet, each a line of cells that tabs divide, as a text of the same rows is read.
+///
+/// # Errors
+/// As of a text.
+pub(super) fn of_sheet<'a>(
+    path: &Path,
+    rows: Vec<u8>,
+    reading: &Reading,
+) -> Result<Box<dyn Tables + 'a>, InputError> {
+    let mut text = CsvText::of(path, Cursor::new(rows), reading.limit)?;
+    let head = head::of(&mut text, reading.limit)?;
+    let declared = declared::Declared {
+        separator: Some(TAB),
+        is_sheet: true,
+        ..declared::Declared::default()
     };
-    let text: Vec<String> = above.iter().map(row).collect();
-    let text = text.join("\n");
-    let separator = lines::Separator::Sign('\t');
-    let rows = layout::rows(&text, separator);
-    let mut header = header::Header::above(&rows, rows.len(), columns, separator);
-    header.fit(columns, &|_| false);
-    (header.names, header.units)
+    let layout = layout::find_as(&text.name(), &head, reading, declared)?;
+    Ok(Box::new(foreign::ForeignTable::open(text, layout)))
 }
+
+/// Whether a cell of text is a number of some country, or may be.
+pub(super) fn is_number(cell: &str) -> bool {
+    numbers::is_number(cell, true)
+}
+
+/// The decimal sign of numbers that are texts in a workbook, each with its row, counted from 1.
+///
+/// # Errors
+/// That it could be either.
+pub(super) fn decimal_of(file: &str, cells: &[(u64, &str)]) -> Result<char, InputError> {
+    let rows: Vec<(u64, Vec<&str>)> = cells
+        .iter()
+        .map(|(row, cell)| (*row, vec![*cell]))
+        .collect();
+    let numbers = decimals::of(&rows, TAB).map_err(|asked| asked.refused(file))?;
+    Ok(numbers.decimal)
+}
+
+const TAB: lines::Separator = lines::Separator::Sign('\t');
