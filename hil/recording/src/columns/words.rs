@@ -261,7 +261,7 @@ const LEXICON: [Lexicon; 11] = [
     },
 ];
 
-/// Words of what was asked of a channel, computed of it or counted, and of other quantities: not of what was measured.
+/// Words of what was asked of a channel, computed of it or counted: not of what was measured.
 const OTHER: &[&str] = &[
     // Asked of it.
     "command",
@@ -271,8 +271,6 @@ const OTHER: &[&str] = &[
     "target",
     "demand",
     "desired",
-    "reference",
-    "ref",
     "soll",
     "vorgabe",
     "führung",
@@ -293,8 +291,6 @@ const OTHER: &[&str] = &[
     "設定",
     "设定",
     "programmed",
-    "profile",
-    "excitation",
     // What is left between the two.
     "error",
     "err",
@@ -323,18 +319,10 @@ const OTHER: &[&str] = &[
     "rms",
     "range",
     "std",
-    "offset",
-    "raw",
     "ratio",
     "delta",
     "span",
-    "tare",
     "derivative",
-    "filtered",
-    "smoothed",
-    "corrected",
-    "gefiltert",
-    "korrigiert",
     // Counted.
     "count",
     "counts",
@@ -370,10 +358,6 @@ const OTHER: &[&str] = &[
     "サイクル",
     "row",
     "zeile",
-    "sample",
-    "samples",
-    "point",
-    "points",
     // States.
     "status",
     "state",
@@ -383,6 +367,28 @@ const OTHER: &[&str] = &[
     "mode",
     "marker",
     "alarm",
+];
+
+/// Words of a column that is another one, unless a word and a unit of the channel say that it may be that channel too: `Strain gauge
+/// force [kN]`, `Sample displacement [mm]`. It is never taken for the channel, and asked for where another column would be.
+const DOUBTFUL: &[&str] = &[
+    // What was done to it, or what it is of.
+    "reference",
+    "ref",
+    "profile",
+    "excitation",
+    "offset",
+    "raw",
+    "tare",
+    "filtered",
+    "smoothed",
+    "corrected",
+    "gefiltert",
+    "korrigiert",
+    "sample",
+    "samples",
+    "point",
+    "points",
     // Other quantities.
     "strain",
     "stress",
@@ -477,6 +483,12 @@ const GENERIC: &[&str] = &[
     "チャンネル",
 ];
 
+/// Words that say of a quantity how or where it was measured, and not that it is another one.
+const MEASURED: &[&str] = &[
+    "running", "total", "test", "elapsed", "run", "cell", "prüf", "mess", "kolben", "standard",
+    "gesamt", "lauf", "ist", "试验", "試験", "测量", "轴向",
+];
+
 /// How surely a name says what its column is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Certainty {
@@ -504,16 +516,55 @@ pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether the words say that the column is not what was measured of a channel.
+/// Whether the words say that the column is not what was measured of a channel, or that it may be something else.
 pub(super) fn is_other(words: &[String]) -> bool {
+    let is_doubtful = |word: &String| {
+        DOUBTFUL.contains(&word.as_str())
+            || ["应力", "応力", "应变"]
+                .iter()
+                .any(|ending| word.ends_with(ending))
+    };
+    is_surely_other(words) || words.iter().any(is_doubtful)
+}
+
+/// Whether the words say that the column is not what was measured of a channel.
+pub(super) fn is_surely_other(words: &[String]) -> bool {
     let is_it = |word: &String| {
         OTHER.contains(&word.as_str())
             // Kraftsollwert, Sollweg.
             || word.starts_with("soll")
             || word.ends_with("sollwert")
-            || ["应力", "応力", "应变", "指令", "目标", "目標"].iter().any(|ending| word.ends_with(ending))
+            || ["指令", "目标", "目標"].iter().any(|ending| word.ends_with(ending))
     };
     words.iter().any(is_it)
+}
+
+/// Whether all words are understood, those put together included: `Prüfkraft`, and not `Nennkraft`.
+pub(super) fn are_understood(words: &[String]) -> bool {
+    let is_weak = |word: &str| LEXICON.iter().any(|lexicon| lexicon.weak.contains(&word));
+    let is_plain = |word: &str| {
+        word.chars().count() <= 1
+            || is_known(word)
+            || is_weak(word)
+            || GENERIC.contains(&word)
+            || MEASURED.contains(&word)
+    };
+    let is_it = |word: &String| {
+        let mut endings = LEXICON.iter().flat_map(|lexicon| {
+            let all = lexicon.endings.iter();
+            all.filter_map(|ending| word.strip_suffix(ending))
+        });
+        match endings.next() {
+            // The longest ending says most: `试验时间`.
+            Some(first) => {
+                let shortest = endings.fold(first, |a, b| if b.len() < a.len() { b } else { a });
+                let is_alone = |lexicon: &Lexicon| lexicon.words.contains(&word.as_str());
+                is_plain(shortest) || LEXICON.iter().any(is_alone)
+            }
+            None => is_plain(word),
+        }
+    };
+    words.iter().all(is_it)
 }
 
 /// Whether the words say nothing of a quantity.
@@ -628,6 +679,26 @@ mod tests {
     }
 
     #[test]
+    fn a_word_that_is_not_understood_is_told() {
+        for (text, is) in [
+            ("prüfkraft", true),
+            ("axial force", true),
+            ("running time", true),
+            ("kraft b", true),
+            ("试验力", true),
+            ("试验时间", true),
+            ("vorspannkraft", true),
+            ("nennkraft", false),
+            ("vorgabeweg", false),
+            ("nominal displacement", false),
+            ("déplacement demandé", false),
+            ("设定位移", false),
+        ] {
+            assert_eq!(are_understood(&words(text)), is, "{text}");
+        }
+    }
+
+    #[test]
     fn a_unit_tells_the_two_meanings_of_tension_apart() {
         assert_eq!(of_control(&words("tension"), "V"), Some("voltage"));
         assert_eq!(of_control(&words("tension"), "N"), Some("tension"));
@@ -646,7 +717,8 @@ mod tests {
             for word in lexicon.words.iter().chain(lexicon.endings) {
                 let count = channels().filter(|other| other.has(word)).count();
                 assert_eq!(count, 1, "{word}");
-                assert!(!OTHER.contains(word) && !GENERIC.contains(word), "{word}");
+                let lists = [OTHER, DOUBTFUL, GENERIC, MEASURED];
+                assert!(!lists.iter().any(|list| list.contains(word)), "{word}");
             }
         }
     }
