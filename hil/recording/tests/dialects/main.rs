@@ -13,6 +13,7 @@ mod refused;
 mod separators;
 mod times;
 mod units;
+mod words;
 
 use corpus::{Dialect, Outcome};
 
@@ -28,6 +29,7 @@ fn all() -> Vec<Dialect> {
         times::dialects(),
         programs::dialects(),
         ambiguous::dialects(),
+        words::dialects(),
         refused::dialects(),
     ]
     .into_iter()
