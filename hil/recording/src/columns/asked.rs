@@ -67,7 +67,8 @@ impl Choice<'_> {
             each.map(|(column, _)| option("channel", name, &column.name))
                 .collect()
         };
-        let mut options = could_be(&|unit| matches!(unit, UnitFound::Known(_)));
+        let mut options =
+            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(_)));
         if options.is_empty() {
             options = could_be(&|unit| matches!(unit, UnitFound::None));
         }

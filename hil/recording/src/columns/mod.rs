@@ -7,6 +7,7 @@ mod apart;
 mod asked;
 mod choose;
 mod controls;
+mod lexicon;
 mod name;
 mod scale;
 pub(crate) mod spelling;

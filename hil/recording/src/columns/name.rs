@@ -54,15 +54,25 @@ impl Name {
                 ..Self::default()
             };
         }
+        // `Weg in mm (absolut)`: what ends a name in brackets is said of it too.
+        let (head, remark) = match bracketed(text).first() {
+            Some(last) if last.behind.is_empty() => (last.before, words(last.unit)),
+            _ => (text, Vec::new()),
+        };
         let mut tails = Vec::new();
         for separators in [&['_', ' ', '-'][..], &['.']] {
             // `velocity_mm_s`: two words may be one unit.
-            let mut cuts: Vec<usize> = text.match_indices(separators).map(|(at, _)| at).collect();
+            let mut cuts: Vec<usize> = head.match_indices(separators).map(|(at, _)| at).collect();
             cuts.reverse();
             let last = cuts.iter().take(2).rev();
-            tails.extend(last.map(|&at| Tail {
-                text: text[at + 1..].trim().to_owned(),
-                before: before(&text[..at]),
+            tails.extend(last.map(|&at| {
+                Tail {
+                    text: head[at + 1..].trim().to_owned(),
+                    before: before(&head[..at])
+                        .into_iter()
+                        .chain(remark.clone())
+                        .collect(),
+                }
             }));
         }
         let bracketed = bracketed(text).first().map(|found| found.unit.to_owned());
@@ -211,6 +221,10 @@ mod tests {
             [pair("velocity", "mm_s"), pair("velocity mm", "s")]
         );
         assert_eq!(tails("F in kN"), [pair("f", "in kN"), pair("f", "kN")]);
+        assert_eq!(
+            tails("Weg in mm (absolut)"),
+            [pair("weg absolut", "in mm"), pair("weg absolut", "mm")]
+        );
         assert_eq!(Name::of("velocity_mm/s").marked, None);
         assert_eq!(tails("velocity_mm/s"), [pair("velocity", "mm/s")]);
         assert_eq!(Name::of("Time (s) / ms").others[0], "ms");

@@ -6,7 +6,7 @@ use super::blocks::Blocks;
 use super::decimals;
 use super::layout::{Kind, Layout, RowKind, kind_of};
 use super::lines::Lines;
-use super::numbers::Cell;
+use super::numbers::{Cell, Sign, sign_of};
 use super::own::grow;
 use super::stamps::{Since, Stamp};
 use crate::csv_text::CsvText;
@@ -335,7 +335,10 @@ impl<'r> Reader<'r> {
             Cell::Blank => Ok(f64::NAN),
             Cell::NotFinite => Err((format!("{} is not finite", quoted(cell)), MEND)),
             Cell::Words => Err((format!("{} is not a number", quoted(cell)), MEND)),
-            Cell::OtherSign if self.layout.numbers.is_open => {
+            Cell::OtherSign
+                if self.layout.numbers.is_open
+                    && matches!(sign_of(cell), Some(Sign::Either(_))) =>
+            {
                 Err((decimals::could_be_either(cell), decimals::MEND))
             }
             Cell::OtherSign => {

@@ -12,6 +12,7 @@ pub(super) struct Stamp<'c> {
 }
 
 const DAY: i64 = 86_400_000_000_000;
+/// How near to midnight a time is that passed it. Convention: no row of a recording comes an hour after another.
 const HOUR: i64 = DAY / 24;
 
 /// The stamps of a column, one after the other.
