@@ -52,6 +52,11 @@ impl PartialEq for RowLines {
 }
 
 impl RowLines {
+    /// Whether there is a row.
+    pub(super) fn has_rows(&self) -> bool {
+        self.rows > 0
+    }
+
     /// One more row.
     pub(super) fn push(&mut self, line: u64) {
         if self.line_of(self.rows) != Some(line) {

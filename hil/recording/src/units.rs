@@ -63,6 +63,7 @@ pub const DISPLACEMENT: &[Unit] = &[
     unit("um", 1e-3),
     unit("in", MM_PER_IN),
     unit("cm", 10.0),
+    unit("mil", 1e-3 * MM_PER_IN),
 ];
 /// Units of force, in kN.
 pub const FORCE: &[Unit] = &[
@@ -75,6 +76,7 @@ pub const FORCE: &[Unit] = &[
     unit("mN", 1e-6),
     unit("kgf", KN_PER_KGF),
     unit("daN", 1e-2),
+    unit("tf", 1e3 * KN_PER_KGF),
 ];
 /// Units of velocity, in mm/s: a length over a second, written `mm_s` or `mm/s`.
 pub const VELOCITY: &[Unit] = &[
@@ -157,6 +159,9 @@ mod tests {
         // NIST SP 811: 1 in = 25.4 mm, 1 lbf = 4.448 221 615 260 5 N, 1 kip = 1000 lbf, all exact.
         assert_eq!(scale(DISPLACEMENT, "in"), 25.4);
         assert_eq!(scale(DISPLACEMENT, "um"), 0.001);
+        assert!((scale(DISPLACEMENT, "mil") - 0.0254).abs() < 1e-15);
+        // A tonne-force is the metric one, of 1000 kgf.
+        assert!((scale(FORCE, "tf") - 9.806_65).abs() < 1e-12);
         assert_eq!(scale(FORCE, "uN") * 1e9, 1.0);
         assert!((scale(FORCE, "lbf") * 1e3 - 4.448_221_615_260_5).abs() < 1e-15);
         assert!((scale(FORCE, "kip") - 4.448_221_615_260_5).abs() < 1e-15);

@@ -245,6 +245,15 @@ fn a_control_input_that_is_needed_must_be_there() {
             "there is no control input voltage_V; found \"time_s\"",
         ),
         (
+            named(["time_s", "displacement_mm", "force_N", "Druck A [bar]"])
+                .into_iter()
+                .chain([("Druck B [bar]", vec![1.0; 60])])
+                .collect(),
+            "pressure_bar",
+            "2 columns could be the control input pressure_bar: \"Druck A [bar]\", \"Druck B [bar]\"; \
+             say which: --channel pressure='Druck A [bar]'",
+        ),
+        (
             columns(60),
             "remark",
             "\"remark\" is not the name of a control input",

@@ -1,8 +1,8 @@
 //! The columns that a recording is made of.
 
+use super::asked::listed;
 use super::taken::{self, Candidate, Rank, UnitFound};
 use crate::channel::Channel;
-use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 use crate::files::{Needs, Reading, Table, Unmarked};
@@ -258,11 +258,11 @@ fn of_table(
 }
 
 /// What a choice is made from.
-struct Choice<'a> {
-    file: &'a str,
-    table: &'a Table,
-    reading: &'a Reading,
-    needs: &'a Needs,
+pub(super) struct Choice<'a> {
+    pub file: &'a str,
+    pub table: &'a Table,
+    pub reading: &'a Reading,
+    pub needs: &'a Needs,
 }
 
 impl Choice<'_> {
@@ -277,14 +277,10 @@ impl Choice<'_> {
         if let Some(name) = said(&self.reading.channels, channel.name()) {
             return Ok(Some((self.named(name, channel.name())?, Rank::Said)));
         }
-        let is_spoken_for = |column: usize| {
-            let name = self.table.columns[column].name.as_str();
-            self.reading.channels.iter().any(|(_, said)| said == name)
-        };
         let all = candidates
             .iter()
             .enumerate()
-            .filter(|(column, _)| !is_spoken_for(*column));
+            .filter(|(column, _)| !self.is_spoken_for(*column));
         let of_channel = all.flat_map(|(column, list)| {
             let mine = list.iter().filter(|candidate| candidate.channel == channel);
             mine.map(move |candidate| (column, candidate.rank, &candidate.unit))
@@ -304,8 +300,12 @@ impl Choice<'_> {
             found.retain(|(.., unit)| !matches!(unit, UnitFound::Unknown(_)));
         }
         let name = |column: usize| self.table.columns[column].name.as_str();
+        let rivals = match found[..] {
+            [(column, ..)] if best < Rank::Own => self.rivals(channel, column, best, candidates),
+            _ => Vec::new(),
+        };
         match found[..] {
-            [(column, ..)] => Ok(Some((column, best))),
+            [(column, ..)] if rivals.is_empty() => Ok(Some((column, best))),
             [(first, ..), (second, ..), ..] if best == Rank::Own => Err(InputError::new(
                 self.file,
                 format!("{} is a {} too", name(first), channel.name()),
@@ -317,7 +317,8 @@ impl Choice<'_> {
             )
             .at(Place::Column(name(second).into()))),
             _ => {
-                let columns: Vec<&str> = found.iter().map(|&(column, ..)| name(column)).collect();
+                let columns = found.iter().map(|&(column, ..)| column).chain(rivals);
+                let columns: Vec<&str> = columns.map(name).collect();
                 let error = self.several(channel, &columns);
                 if is_needed {
                     return Err(error);
@@ -328,22 +329,35 @@ impl Choice<'_> {
         }
     }
 
-    /// Columns that a channel may be equally well.
-    fn several(&self, channel: Channel, columns: &[&str]) -> InputError {
-        let channel = channel.name();
-        let options: Vec<String> = columns
-            .iter()
-            .map(|name| option("channel", channel, name))
-            .collect();
-        InputError::new(
-            self.file,
-            format!(
-                "{} columns could be the {channel}: {}",
-                columns.len(),
-                listed(columns)
-            ),
-            format!("say which: {}", options.join(" or ")),
-        )
+    /// Whether the user said what a column is.
+    fn is_spoken_for(&self, column: usize) -> bool {
+        let name = self.table.columns[column].name.as_str();
+        self.reading.channels.iter().any(|(_, said)| said == name)
+    }
+
+    /// Columns that may be a channel as well as the one that is taken for it, though by less.
+    fn rivals(
+        &self,
+        channel: Channel,
+        taken: usize,
+        rank: Rank,
+        candidates: &[Vec<Candidate>],
+    ) -> Vec<usize> {
+        let columns = &self.table.columns;
+        if columns[taken].is_time || columns[taken].is_stamp {
+            return Vec::new();
+        }
+        let is_sure = rank > Rank::Unit && taken::is_understood(&columns[taken], channel);
+        let is_another =
+            |candidate: &Candidate| candidate.channel != channel && candidate.rank >= Rank::Word;
+        let is_rival = |&column: &usize| {
+            column != taken
+                && !self.is_spoken_for(column)
+                && !candidates[column].iter().any(is_another)
+                && taken::control_name(&columns[column]).is_none()
+                && taken::could_be(&columns[column], channel, is_sure)
+        };
+        (0..columns.len()).filter(is_rival).collect()
     }
 
     /// The unit of a channel's column; none where nothing says it.
@@ -360,6 +374,14 @@ impl Choice<'_> {
             let unit = super::spelling::unit_of(channel, written)
                 .ok_or_else(|| fail(format!("unknown unit {}", quoted(written))))?;
             match found {
+                UnitFound::Known(other) if told.is_stamp && !other.is_same(unit) => {
+                    let problem = format!(
+                        "its dates or times of day are read as seconds, and --unit time={unit} says {unit}",
+                        unit = unit.symbol
+                    );
+                    let place = Place::Column(told.name.clone());
+                    return Err(InputError::new(self.file, problem, "leave the unit out").at(place));
+                }
                 UnitFound::Known(other) if !other.is_same(unit) => {
                     let (unit, other) = (unit.symbol, other.symbol);
                     if super::is_own(&told.name) {
@@ -397,7 +419,11 @@ impl Choice<'_> {
     ) -> Result<Unit, InputError> {
         match &self.needs.unmarked {
             Unmarked::Refused => {
-                Err(self.no_unit(channel, column, "the name carries no unit".into()))
+                let problem = match taken::unknown_unit(&self.table.columns[column]) {
+                    Some(written) => format!("unknown unit {}", quoted(&written)),
+                    None => "the name carries no unit".into(),
+                };
+                Err(self.no_unit(channel, column, problem))
             }
             Unmarked::Said(units) => Ok(channel.unit_in(units)),
             Unmarked::Assumed(units) => {
@@ -412,123 +438,8 @@ impl Choice<'_> {
         }
     }
 
-    /// A channel's column of which the unit is not known.
-    fn no_unit(&self, channel: Channel, column: usize, problem: String) -> InputError {
-        let name = self.table.columns[column].name.as_str();
-        let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
-        let quantity = channel.name();
-        let mend = format!(
-            "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
-            channel.column_names(),
-            units[0],
-            units[1],
-            units.join(", ")
-        );
-        InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
-    }
-
-    fn controls(
-        &self,
-        used: &[Used],
-        guesses: &mut Vec<String>,
-    ) -> Result<Vec<ChosenControl>, InputError> {
-        let mut controls: Vec<ChosenControl> = Vec::new();
-        let channels = Channel::ALL.map(Channel::name);
-        for (quantity, name) in &self.reading.channels {
-            if channels.contains(&quantity.as_str()) {
-                continue;
-            }
-            let column = self.named(name, quantity)?;
-            let unit = match said(&self.reading.units, quantity) {
-                Some(written) => super::spelling::control_unit(written, UNITS),
-                None => taken::control_unit_of(&self.table.columns[column]),
-            };
-            let unit = unit.ok_or_else(|| {
-                InputError::new(
-                    self.file,
-                    format!("the unit of the control input {quantity} is not known"),
-                    format!(
-                        "say it: --unit {quantity}=A; units are {}",
-                        UNITS.join(", ")
-                    ),
-                )
-                .at(Place::Column(name.clone()))
-            })?;
-            controls.push(ChosenControl {
-                column,
-                name: format!("{quantity}_{unit}"),
-            });
-        }
-        for (column, each) in self.table.columns.iter().enumerate() {
-            let is_used = used.iter().any(|used| used.column == column)
-                || controls.iter().any(|control| control.column == column);
-            let wanted = |name: &str| match &self.needs.inputs {
-                Some(inputs) => inputs.iter().any(|input| input == name),
-                None => true,
-            };
-            let Some((name, is_own)) =
-                taken::control_name(each).filter(|(name, _)| !is_used && wanted(name))
-            else {
-                continue;
-            };
-            if controls.iter().any(|control| control.name == name) {
-                guesses.push(format!(
-                    "column {} could be {name} too and is not read; say so: --channel NAME={}",
-                    quoted(&each.name),
-                    shell(&each.name)
-                ));
-                continue;
-            }
-            if !is_own {
-                guesses.push(format!(
-                    "control input {name} is read from column {}",
-                    quoted(&each.name)
-                ));
-            }
-            controls.push(ChosenControl { column, name });
-        }
-        controls.sort_by_key(|control| control.column);
-        match &self.needs.inputs {
-            Some(inputs) => inputs
-                .iter()
-                .map(|name| {
-                    let found = controls.iter().find(|control| control.name == *name);
-                    found.cloned().ok_or_else(|| self.no_input(name))
-                })
-                .collect(),
-            None => Ok(controls),
-        }
-    }
-
-    /// A control input that is needed and that no column is.
-    fn no_input(&self, name: &str) -> InputError {
-        let columns = self.table.columns.iter();
-        let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
-        let names = listed(&names);
-        let (problem, (quantity, unit)) = match name.rsplit_once('_') {
-            Some(parts) if is_control(name) => (
-                format!("there is no control input {name}; found {names}"),
-                parts,
-            ),
-            _ => (
-                format!(
-                    "{} is not the name of a control input, which ends in a unit; found {names}",
-                    quoted(name)
-                ),
-                ("current", "A"),
-            ),
-        };
-        InputError::new(
-            self.file,
-            problem,
-            format!(
-                "call its column {quantity}_{unit}, or say which it is: --channel {quantity}=NAME --unit {quantity}={unit}"
-            ),
-        )
-    }
-
     /// The column of a name that the user gave.
-    fn named(&self, name: &str, quantity: &str) -> Result<usize, InputError> {
+    pub(super) fn named(&self, name: &str, quantity: &str) -> Result<usize, InputError> {
         let columns = &self.table.columns;
         let exact = columns.iter().position(|column| column.name == name);
         let alike: Vec<usize> = (columns.iter().enumerate())
@@ -552,95 +463,12 @@ impl Choice<'_> {
             }
         }
     }
-
-    /// A channel that no column is.
-    fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
-        let columns = &self.table.columns;
-        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        let name = channel.name();
-        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
-        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
-            let each = columns
-                .iter()
-                .zip(candidates)
-                .filter(|(column, candidates)| {
-                    let is_other = |candidate: &Candidate| {
-                        candidate.channel != channel && candidate.rank >= Rank::Word
-                    };
-                    column.is_numeric
-                        && !column.is_stamp
-                        && !candidates.iter().any(is_other)
-                        && is_it(&taken::unit_for(column, channel))
-                });
-            each.map(|(column, _)| option("channel", name, &column.name))
-                .collect()
-        };
-        let mut options = could_be(&|unit| matches!(unit, UnitFound::Known(_)));
-        if options.is_empty() {
-            options = could_be(&|unit| matches!(unit, UnitFound::None));
-        }
-        options.truncate(OPTIONS);
-        if options.is_empty() {
-            options.push(format!("--channel {name}=NAME"));
-        }
-        let rate = if channel == Channel::Time {
-            ", or give the samples a second with --rate"
-        } else {
-            ""
-        };
-        let problem = if self.table.is_nameless {
-            format!(
-                "there is no header, the first row holds numbers; its columns are {}",
-                listed(&names)
-            )
-        } else {
-            format!("there is no {name} column; found {}", listed(&names))
-        };
-        let error = InputError::new(
-            self.file,
-            problem,
-            format!(
-                "name one of them {}, or say which it is: {}{rate}",
-                channel.column_names(),
-                options.join(" or ")
-            ),
-        );
-        match self.table.header_line {
-            Some(line) => error.at(Place::Line(line)),
-            None => error,
-        }
-    }
 }
-
-/// Options that a message offers at most.
-const OPTIONS: usize = 4;
 
 /// What the user said of a quantity; the last time counts.
-fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {
+pub(super) fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {
     let of_it = said.iter().rev().find(|(of, _)| of == quantity);
     of_it.map(|(_, what)| what.as_str())
-}
-
-fn option(option: &str, quantity: &str, name: &str) -> String {
-    format!("--{option} {quantity}={}", shell(name))
-}
-
-/// A name as a shell takes it: in quotes where it needs them.
-pub fn shell(name: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
-    if !name.is_empty() && name.chars().all(plain) {
-        return name.to_owned();
-    }
-    format!("'{}'", name.replace('\'', "'\\''"))
-}
-
-fn listed(names: &[&str]) -> String {
-    const MOST: usize = 12;
-    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
-    if names.len() > MOST {
-        shown.push(format!("and {} more", names.len() - MOST));
-    }
-    shown.join(", ")
 }
 
 #[cfg(test)]

@@ -4,13 +4,18 @@
 //! said; two columns that could be meant equally well are asked for, never chosen.
 
 mod apart;
+mod asked;
 mod choose;
+mod controls;
+mod lexicon;
 mod name;
+mod scale;
 pub(crate) mod spelling;
 mod taken;
 mod words;
 
-pub use choose::{Chosen, ChosenControl, Used, choose, choose_for, shell};
+pub use asked::shell;
+pub use choose::{Chosen, ChosenControl, Used, choose, choose_for};
 pub use taken::Rank;
 
 use crate::channel::Channel;

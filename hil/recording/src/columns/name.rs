@@ -1,14 +1,21 @@
-//! A column's name: its words, and the unit that stands in it.
+//! A column's name: its words, the unit that stands in it, and a scale.
 
+use super::scale::scale;
 use super::spelling;
 
 /// What a column's name holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Name {
-    /// Its words in lower case, those of `AxialForce` apart, digits left out; without a unit that is marked.
+    /// Its words in lower case, those of `AxialForce` apart, digits left out; without a unit that is marked, those behind it included.
     pub words: Vec<String>,
     /// A unit that is marked as one: `[kN]`, `(kN)`, `/ kN`, `, kN`.
     pub marked: Option<String>,
+    /// What else may be a unit beside the marked one: `Time (s) / ms`, `Force [kN] -> N`.
+    pub others: Vec<String>,
+    /// A factor: `Force [N] (x1000)`.
+    pub scale: Option<String>,
+    /// What stands in brackets and is no unit that is known: `Zaman (sn)`.
+    pub bracketed: Option<String>,
     /// The last words, which may be a unit, each with the words before it: `Load_N`, `speed mm/s`, `F in kN`; the longest first.
     pub tails: Vec<Tail>,
 }
@@ -22,32 +29,59 @@ pub(super) struct Tail {
     pub before: Vec<String>,
 }
 
+/// A unit that is marked, and what stands before and behind it.
+struct Marked<'t> {
+    before: &'t str,
+    unit: &'t str,
+    behind: &'t str,
+    is_square: bool,
+}
+
+const BRACKETS: [[char; 2]; 4] = [['[', ']'], ['(', ')'], ['{', '}'], ['<', '>']];
+
 impl Name {
     /// Takes a name apart.
     pub fn of(text: &str) -> Self {
         let text = text.trim().trim_matches('"').trim();
-        if let Some((name, unit)) = marked(text) {
+        let scale = scale(text).map(str::to_owned);
+        if let Some(found) = marked(text) {
+            let rest = format!("{} {}", found.before, found.behind);
             return Self {
-                words: words(name),
-                marked: Some(unit.to_owned()),
-                tails: Vec::new(),
+                words: words(&rest),
+                others: others(&rest, found.behind),
+                marked: Some(found.unit.to_owned()),
+                scale,
+                ..Self::default()
             };
         }
+        // `Weg in mm (absolut)`: what ends a name in brackets is said of it too.
+        let (head, remark) = match bracketed(text).first() {
+            Some(last) if last.behind.is_empty() => (last.before, words(last.unit)),
+            _ => (text, Vec::new()),
+        };
         let mut tails = Vec::new();
         for separators in [&['_', ' ', '-'][..], &['.']] {
             // `velocity_mm_s`: two words may be one unit.
-            let mut cuts: Vec<usize> = text.match_indices(separators).map(|(at, _)| at).collect();
+            let mut cuts: Vec<usize> = head.match_indices(separators).map(|(at, _)| at).collect();
             cuts.reverse();
             let last = cuts.iter().take(2).rev();
-            tails.extend(last.map(|&at| Tail {
-                text: text[at + 1..].trim().to_owned(),
-                before: before(&text[..at]),
+            tails.extend(last.map(|&at| {
+                Tail {
+                    text: head[at + 1..].trim().to_owned(),
+                    before: before(&head[..at])
+                        .into_iter()
+                        .chain(remark.clone())
+                        .collect(),
+                }
             }));
         }
+        let bracketed = bracketed(text).first().map(|found| found.unit.to_owned());
         Self {
             words: words(text),
-            marked: None,
+            scale,
+            bracketed,
             tails,
+            ..Self::default()
         }
     }
 }
@@ -61,32 +95,64 @@ fn before(text: &str) -> Vec<String> {
     words
 }
 
-/// The name and the unit of a text that marks the unit.
-fn marked(text: &str) -> Option<(&str, &str)> {
-    let is_unit = |unit: &str| spelling::is_unit(unit);
-    for [open, close] in [['[', ']'], ['(', ')'], ['{', '}'], ['<', '>']] {
-        if let Some(begin) = text.rfind(open)
-            && let Some(length) = text[begin..].find(close)
-        {
-            let unit = text[begin + 1..begin + length].trim();
-            // Square brackets hold a unit by custom, round ones anything: `Force (filtered)`.
-            if is_unit(unit) || (open == '[' && !unit.is_empty()) {
-                return Some((text[..begin].trim(), unit));
-            }
+/// What stands in brackets, one kind of them after the other, each from the last on.
+fn bracketed(text: &str) -> Vec<Marked<'_>> {
+    let kinds = BRACKETS.into_iter().flat_map(|[open, close]| {
+        text.rmatch_indices(open).filter_map(move |(begin, _)| {
+            let length = text[begin..].find(close)?;
+            Some(Marked {
+                before: text[..begin].trim(),
+                unit: text[begin + 1..begin + length].trim(),
+                behind: text[begin + length + close.len_utf8()..].trim(),
+                is_square: open == '[',
+            })
+        })
+    });
+    kinds.filter(|found| !found.unit.is_empty()).collect()
+}
+
+/// The unit of a text that marks it: in brackets, behind a sign, or else whatever stands in square brackets, which hold a unit by
+/// custom; round ones hold anything: `Force (filtered)`.
+fn marked(text: &str) -> Option<Marked<'_>> {
+    let mut in_brackets = bracketed(text);
+    for is_it in [spelling::is_quantity, spelling::is_unit] {
+        if let Some(index) = in_brackets.iter().position(|found| is_it(found.unit)) {
+            return Some(in_brackets.swap_remove(index));
         }
     }
+    let is_open = |name: &str| {
+        let count = |sign: char| name.matches(sign).count();
+        BRACKETS
+            .iter()
+            .any(|&[open, close]| count(open) > count(close))
+    };
     for (separator, _) in text.match_indices(['/', ',', ';']) {
         let (name, unit) = (text[..separator].trim(), text[separator + 1..].trim());
         // `velocity_mm/s` is no velocity_mm in seconds.
         let whole = name
             .rsplit(['_', ' '])
             .next()
-            .is_some_and(|last| is_unit(&format!("{last}/{unit}")));
-        if !name.is_empty() && !whole && is_unit(unit) {
-            return Some((name, unit));
+            .is_some_and(|last| spelling::is_unit(&format!("{last}/{unit}")));
+        if !name.is_empty() && !whole && !is_open(name) && spelling::is_unit(unit) {
+            return Some(Marked {
+                before: name,
+                unit,
+                behind: "",
+                is_square: false,
+            });
         }
     }
-    None
+    // They come first of the kinds.
+    in_brackets.truncate(1);
+    in_brackets.pop().filter(|found| found.is_square)
+}
+
+/// What may be a second unit: another one that is marked, and the words behind the first.
+fn others(rest: &str, behind: &str) -> Vec<String> {
+    let second = marked(rest).map(|found| found.unit.to_owned());
+    let is_end = |c: char| c.is_whitespace() || "()[]{}<>,;".contains(c);
+    let words = behind.split(is_end).filter(|word| !word.is_empty());
+    second.into_iter().chain(words.map(str::to_owned)).collect()
 }
 
 /// The words of a text, in lower case.
@@ -124,6 +190,19 @@ mod tests {
             ("AXIAL FORCE 2", &["axial", "force"], None),
             ("Force (filtered)", &["force", "filtered"], None),
             ("Stroke [furlong]", &["stroke"], Some("furlong")),
+            ("Weg [mm] Soll", &["weg", "soll"], Some("mm")),
+            (
+                "Position (mm) (filtered)",
+                &["position", "filtered"],
+                Some("mm"),
+            ),
+            ("Force [top] (kN)", &["force", "top"], Some("kN")),
+            ("[mm] Disp", &["disp"], Some("mm")),
+            (
+                "Time (HH:MM:SS,ms)",
+                &["time", "hh", "mm", "ss", "ms"],
+                None,
+            ),
         ] {
             let name = Name::of(text);
             assert_eq!(name.words, words, "{text}");
@@ -142,7 +221,14 @@ mod tests {
             [pair("velocity", "mm_s"), pair("velocity mm", "s")]
         );
         assert_eq!(tails("F in kN"), [pair("f", "in kN"), pair("f", "kN")]);
+        assert_eq!(
+            tails("Weg in mm (absolut)"),
+            [pair("weg absolut", "in mm"), pair("weg absolut", "mm")]
+        );
         assert_eq!(Name::of("velocity_mm/s").marked, None);
         assert_eq!(tails("velocity_mm/s"), [pair("velocity", "mm/s")]);
+        assert_eq!(Name::of("Time (s) / ms").others[0], "ms");
+        assert_eq!(Name::of("Force [kN] -> N").others, ["-", "N"]);
+        assert_eq!(Name::of("Zaman (sn)").bracketed.as_deref(), Some("sn"));
     }
 }

@@ -66,6 +66,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
         &["inch", "inches", "in.", "\"", "zoll"],
     ),
     (Channel::Displacement, "cm", &["centimeter", "centimetre"]),
+    (Channel::Displacement, "mil", &["mils", "thou"]),
     (Channel::Force, "N", &["newton", "newtons", "Н"]),
     (Channel::Force, "kN", &["kilonewton", "kilonewtons", "кН"]),
     (Channel::Force, "uN", &["µN", "μN"]),
@@ -76,6 +77,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
     ),
     (Channel::Force, "kip", &["kips", "klbf"]),
     (Channel::Force, "kgf", &["kp", "kilopond", "кгс"]),
+    (Channel::Force, "tf", &["тс"]),
     (
         Channel::Velocity,
         "mm/s",
@@ -167,12 +169,22 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
     })
 }
 
+/// A unit without the brackets that a row of units puts around it.
+pub(super) fn bare(unit: &str) -> &str {
+    unit.trim().trim_matches(|c| "[](){}<>".contains(c)).trim()
+}
+
+/// Whether a text is a unit of a channel or of a control input.
+pub(crate) fn is_quantity(written: &str) -> bool {
+    let bare = bare(written);
+    let mut channels = Channel::ALL.into_iter();
+    channels.any(|channel| unit_of(channel, bare).is_some())
+        || control_unit(bare, crate::control::UNITS).is_some()
+}
+
 /// Whether a text is a unit of anything that a recording may hold, or the sign that there is none.
 pub(crate) fn is_unit(written: &str) -> bool {
-    let bare = written
-        .trim()
-        .trim_matches(|c| "[](){}<>".contains(c))
-        .trim();
+    let bare = bare(written);
     matches!(
         bare,
         "-" | "--"
@@ -191,10 +203,7 @@ pub(crate) fn is_unit(written: &str) -> bool {
             | "mm/mm"
             | "cycles"
             | "segments"
-    ) || Channel::ALL
-        .into_iter()
-        .any(|channel| unit_of(channel, bare).is_some())
-        || control_unit(bare, crate::control::UNITS).is_some()
+    ) || is_quantity(bare)
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! What a column of a file may be taken for.
 
 use super::name::Name;
-use super::spelling::{control_unit, unit_of};
+use super::spelling::{bare, control_unit, unit_of};
 use super::words::{self, Certainty};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
+use crate::error::quoted;
 use crate::files::Column;
 use crate::units::Unit;
 
@@ -105,6 +106,55 @@ fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -
     }
 }
 
+/// Whether a column that is no candidate of a channel could be it all the same, beside one that is by `words`.
+///
+/// Its unit is of the channel, and its name says no other channel and nothing that was asked or counted. It is the channel as likely
+/// where its name says the channel and something that may spoil it, as `Corrected position [mm]`, or where the candidate's own name
+/// says more than is understood, as `Nominal displacement [mm]` beside `Gauge 4 [mm]`.
+pub(super) fn could_be(column: &Column, channel: Channel, is_sure: bool) -> bool {
+    if !column.is_numeric || column.is_stamp || own_name(&column.name).is_some() {
+        return false;
+    }
+    let name = Name::of(&column.name);
+    let (unit, words) = unit_and_words(column, &name, channel);
+    if !matches!(unit, UnitFound::Known(_)) || words::is_surely_other(words) {
+        return false;
+    }
+    match words::of_channel(words, channel) {
+        Some(Certainty::Strong) => words::is_other(words),
+        _ => !is_sure && !words::is_other(words) && !words.is_empty(),
+    }
+}
+
+/// Whether all of a column's name is understood: its words are of quantities, of what was measured, or none.
+pub(super) fn is_understood(column: &Column, channel: Channel) -> bool {
+    let name = Name::of(&column.name);
+    words::are_understood(unit_and_words(column, &name, channel).1)
+}
+
+/// Whether a column's name says that it is not what was measured.
+pub(super) fn is_surely_other(column: &Column) -> bool {
+    words::is_surely_other(&Name::of(&column.name).words)
+}
+
+/// A column as it would be if its values were numbers.
+pub(super) fn of_numbers(column: &Column) -> Column {
+    Column {
+        is_numeric: true,
+        ..column.clone()
+    }
+}
+
+/// What stands in the brackets of a name, where it may be a unit and is none that is known: `Zaman (sn)`.
+pub(super) fn unknown_unit(column: &Column) -> Option<String> {
+    let name = Name::of(&column.name);
+    let written = name.bracketed?;
+    let words = super::name::words(&written);
+    let is_letter = |word: &String| word.chars().count() == 1;
+    let is_word = words::is_other(&words) || words::are_understood(&words);
+    (!is_word || words.iter().any(is_letter)).then_some(written)
+}
+
 /// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
 pub(super) fn is_time(column: &Column) -> bool {
     let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
@@ -155,7 +205,8 @@ pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
     }
     let name = Name::of(&column.name);
     let (unit, words) = control_unit_and_words(column, &name)?;
-    if words::is_other(words) {
+    // By what its values are to be multiplied, nobody says here.
+    if words::is_other(words) || name.scale.is_some() {
         return None;
     }
     // A word for it is needed: a unit alone may be of anything that a test rig writes too.
@@ -169,28 +220,37 @@ pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
     control_unit_and_words(column, &name).map(|(unit, _)| unit)
 }
 
+/// The unit of a control input that a column has, and the words of its name without it; none where another unit stands beside it.
 fn control_unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
 ) -> Option<(&'static str, &'n [String])> {
-    let said = column.unit.as_deref().map(bare);
-    if let Some(written) = said
-        .filter(|unit| !unit.is_empty())
-        .or(name.marked.as_deref())
-    {
-        return Some((control_unit(written, UNITS)?, &name.words));
+    if let Some(written) = row_unit(column).or(name.marked.as_deref()) {
+        let unit = control_unit(written, UNITS)?;
+        let another = |other: &String| {
+            other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
+        };
+        return (!name.others.iter().any(another)).then_some((unit, &name.words));
     }
     let mut tails = name.tails.iter();
     tails.find_map(|tail| Some((control_unit(&tail.text, UNITS)?, tail.before.as_slice())))
 }
 
 fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
+    if column.is_stamp {
+        return of_stamps();
+    }
     let known = channel.units().iter().find(|unit| unit.symbol == symbol);
     match known {
         Some(unit) => beside(column, channel, *unit, symbol),
         None if symbol.is_empty() => unit_and_words(column, &Name::default(), channel).0,
         None => UnitFound::Unknown(symbol.to_owned()),
     }
+}
+
+/// The unit of dates and times of day, whatever the name says: `Time (ms)`, `Time [hh:mm:ss]`.
+fn of_stamps() -> UnitFound {
+    UnitFound::Known(Channel::Time.unit_in(&crate::units::Units::SI))
 }
 
 /// A unit that the name says, beside that which the file says elsewhere.
@@ -215,30 +275,42 @@ fn unit_and_words<'n>(
     name: &'n Name,
     channel: Channel,
 ) -> (UnitFound, &'n [String]) {
-    let found = |written: &str| {
-        if is_lost_in_capitals(channel, &column.name, written) {
-            return UnitFound::Unclear(format!("{written} in a name of capitals"));
-        }
-        match unit_of(channel, written) {
-            Some(unit) => beside(column, channel, unit, written),
-            None => UnitFound::Unknown(written.to_owned()),
-        }
-    };
-    if let Some(written) = &name.marked {
-        return (found(written), &name.words);
-    }
     // `Load_N`, and not `Load_Cell`.
-    let tail = name
-        .tails
-        .iter()
-        .find(|tail| unit_of(channel, &tail.text).is_some());
-    if let Some(tail) = tail {
-        return (found(&tail.text), &tail.before);
+    let mut tails = name.tails.iter();
+    let tail = tails.find(|tail| unit_of(channel, &tail.text).is_some());
+    let words = tail.map_or(&name.words, |tail| &tail.before);
+    if column.is_stamp && channel == Channel::Time {
+        return (of_stamps(), words);
     }
-    match row_unit(column) {
-        Some(written) => (found(written), &name.words),
-        None => (UnitFound::None, &name.words),
+    let written = (name.marked.as_deref()).or(tail.map(|tail| tail.text.as_str()));
+    let Some(written) = written.or(row_unit(column)) else {
+        return (UnitFound::None, words);
+    };
+    let found = if is_lost_in_capitals(channel, &column.name, written) {
+        UnitFound::Unclear(format!("{written} in a name of capitals"))
+    } else if let Some(unit) = unit_of(channel, written) {
+        let mut others = name.others.iter();
+        match others.find(|other| is_another(channel, unit, other)) {
+            Some(other) => UnitFound::Unclear(format!("{written} beside {other}")),
+            None => beside(column, channel, unit, written),
+        }
+    } else {
+        UnitFound::Unknown(written.to_owned())
+    };
+    match (&name.scale, found) {
+        (Some(scale), UnitFound::Known(_)) => {
+            let unclear = format!("{written} with the factor {}", quoted(scale));
+            (UnitFound::Unclear(unclear), words)
+        }
+        (_, found) => (found, words),
     }
+}
+
+/// Whether a word beside a unit is another unit of the channel; a letter alone is one only as our own files write it.
+fn is_another(channel: Channel, unit: Unit, written: &str) -> bool {
+    let is_letter = written.chars().count() == 1;
+    let own = || channel.units().iter().any(|unit| unit.symbol == written);
+    (!is_letter || own()) && unit_of(channel, written).is_some_and(|other| !other.is_same(unit))
 }
 
 /// Whether a unit that capitals make of two, MN of mN, stands where all is in capitals.
@@ -248,11 +320,6 @@ fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
     let folded = written.to_lowercase();
     let alike = (channel.units().iter()).filter(|unit| unit.symbol.to_lowercase() == folded);
     is_capital && alike.count() > 1
-}
-
-/// A unit without the brackets that a row of units puts around it.
-fn bare(unit: &str) -> &str {
-    unit.trim().trim_matches(|c| "[](){}<>".contains(c)).trim()
 }
 
 /// Whether a name is one of our own files, with a unit.
@@ -346,6 +413,24 @@ mod tests {
             ("Charge [kN]", None, "Weak force kN"),
             ("Charge [C]", None, ""),
             ("Load cell displacement [mm]", None, "Word displacement mm"),
+            ("Weg [mm] Soll", None, ""),
+            ("Force [kN] avg", None, ""),
+            ("Displacement (mm) Command", None, ""),
+            (
+                "Force [N] (x1000)",
+                None,
+                "Word force ?N with the factor \"x1000\"",
+            ),
+            (
+                "Force x10",
+                Some("N"),
+                "Word force ?N with the factor \"x10\"",
+            ),
+            ("Time (s) / ms", None, "Word time ?s beside ms"),
+            ("Force [kN] -> N", None, "Word force ?kN beside N"),
+            ("Force (kN) [filtered]", None, ""),
+            ("Disp (mils)", None, "Word displacement mil"),
+            ("Load [tf]", None, "Word force tf"),
         ] {
             assert_eq!(taken(name, unit), is, "{name} {unit:?}");
         }
@@ -367,6 +452,10 @@ mod tests {
             ("Tension [N]", None, Some("tension_N")),
             ("V", None, None),
             ("Pressure command [bar]", None, None),
+            ("Current (A) Setpoint", None, None),
+            ("Current [A] B", None, Some("current_A")),
+            ("Current [A] mA", None, None),
+            ("Current [A] x10", None, None),
         ] {
             assert_eq!(name(of, unit).as_deref(), is, "{of}");
         }

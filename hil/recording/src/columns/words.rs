@@ -4,478 +4,8 @@
 //! that means two quantities stands in both, and the unit decides. A word that is known and of no quantity of a recording, as `cycle` or
 //! `setpoint`, makes a column another one, whatever else its name says.
 
+use super::lexicon::{DOUBTFUL, GENERIC, LEXICON, Lexicon, MEASURED, OTHER, Quantity};
 use crate::channel::Channel;
-
-/// What a recording may hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// A channel.
-    Channel(Channel),
-    /// A control input: as a recording's column is called, with the units that it has.
-    Control(&'static str, &'static [&'static str]),
-}
-
-/// The words of a quantity.
-struct Lexicon {
-    quantity: Quantity,
-    /// Say it alone.
-    words: &'static [&'static str],
-    /// Say it alone, and at the end of a longer word: `Prüfkraft`, `试验时间`.
-    endings: &'static [&'static str],
-    /// Say it where nothing else stands in the name, beside a unit of it: `x [mm]`; they are too short, or mean something else too.
-    weak: &'static [&'static str],
-}
-
-const LEXICON: [Lexicon; 11] = [
-    Lexicon {
-        quantity: Quantity::Channel(Channel::Time),
-        words: &[
-            "time",
-            "timestamp",
-            "temps",
-            "tiempo",
-            "tempo",
-            "tid",
-            "czas",
-            "время",
-            "zaman",
-            "aika",
-            "čas",
-            "idő",
-        ],
-        endings: &["zeit", "tijd", "时间", "時間", "시간"],
-        weak: &["t", "elapsed"],
-    },
-    Lexicon {
-        quantity: Quantity::Channel(Channel::Displacement),
-        words: &[
-            "displacement",
-            "displ",
-            "disp",
-            "position",
-            "pos",
-            "stroke",
-            "travel",
-            "deflection",
-            "deformation",
-            "extension",
-            "elongation",
-            "lvdt",
-            "crosshead",
-            "déplacement",
-            "deplacement",
-            "déformation",
-            "allongement",
-            "desplazamiento",
-            "carrera",
-            "deformación",
-            "posición",
-            "spostamento",
-            "corsa",
-            "deslocamento",
-            "posizione",
-            "przemieszczenie",
-            "перемещение",
-            "ход",
-            "yerdeğiştirme",
-            "dráha",
-            "siirtymä",
-            "läge",
-            "elmozdulás",
-        ],
-        endings: &[
-            "weg",
-            "hub",
-            "verschiebung",
-            "auslenkung",
-            "verformung",
-            "einfederung",
-            "verplaatsing",
-            "förskjutning",
-            "forskyvning",
-            "位移",
-            "変位",
-            "變位",
-            "변위",
-        ],
-        weak: &[
-            "x",
-            "y",
-            "z",
-            "u",
-            "d",
-            "s",
-            "q",
-            "course",
-            "curso",
-            "slag",
-            "変形",
-            "变形",
-            "行程",
-            "ストローク",
-        ],
-    },
-    Lexicon {
-        quantity: Quantity::Channel(Channel::Force),
-        words: &[
-            "force",
-            "load",
-            "loadcell",
-            "effort",
-            "fuerza",
-            "carga",
-            "forza",
-            "carico",
-            "força",
-            "forca",
-            "siła",
-            "sila",
-            "síla",
-            "сила",
-            "усилие",
-            "нагрузка",
-            "kuvvet",
-            "voima",
-            "力",
-            "力值",
-            "轴向力",
-            "erő",
-        ],
-        endings: &[
-            "kraft",
-            "kracht",
-            "belasting",
-            "belastning",
-            "kraftmessdose",
-            "荷重",
-            "载荷",
-            "荷载",
-            "負荷",
-            "负荷",
-            "試験力",
-            "试验力",
-            "하중",
-        ],
-        weak: &["f", "p", "fx", "fy", "fz", "fa", "r", "last", "charge"],
-    },
-    Lexicon {
-        quantity: Quantity::Channel(Channel::Velocity),
-        words: &[
-            "velocity",
-            "vel",
-            "speed",
-            "vitesse",
-            "velocidad",
-            "velocità",
-            "velocidade",
-            "hastighet",
-            "prędkość",
-            "скорость",
-        ],
-        endings: &["geschwindigkeit", "snelheid", "速度", "속도"],
-        weak: &["v"],
-    },
-    Lexicon {
-        quantity: Quantity::Channel(Channel::Temperature),
-        words: &[
-            "temperature",
-            "temp",
-            "température",
-            "temperatura",
-            "температура",
-            "lämpötila",
-        ],
-        endings: &["temperatur", "temperatuur", "温度", "溫度", "온도"],
-        weak: &["t", "theta", "ϑ"],
-    },
-    Lexicon {
-        quantity: Quantity::Control("current", &["A", "mA"]),
-        words: &[
-            "current",
-            "courant",
-            "corriente",
-            "corrente",
-            "ström",
-            "prąd",
-            "ток",
-        ],
-        endings: &["strom", "stroom", "电流", "電流", "전류"],
-        weak: &["i"],
-    },
-    Lexicon {
-        quantity: Quantity::Control("voltage", &["V", "mV", "kV"]),
-        words: &[
-            "voltage",
-            "volt",
-            "tension",
-            "voltaje",
-            "tensione",
-            "tensão",
-            "napięcie",
-            "напряжение",
-        ],
-        endings: &["spannung", "spanning", "spänning", "电压", "電圧", "전압"],
-        weak: &["u"],
-    },
-    Lexicon {
-        quantity: Quantity::Control("pressure", &["bar", "mbar", "Pa", "kPa", "MPa", "psi"]),
-        words: &[
-            "pressure",
-            "pression",
-            "presión",
-            "pressione",
-            "pressão",
-            "ciśnienie",
-            "давление",
-        ],
-        endings: &["druck", "druk", "tryck", "压力", "圧力", "압력"],
-        weak: &["p"],
-    },
-    Lexicon {
-        quantity: Quantity::Control("tension", &["N", "kN", "lbf", "kip"]),
-        words: &[
-            "tension",
-            "preload",
-            "pretension",
-            "vorspannkraft",
-            "vorkraft",
-            "vorlast",
-            "précharge",
-            "precarga",
-            "precarico",
-        ],
-        endings: &[],
-        weak: &[],
-    },
-    Lexicon {
-        quantity: Quantity::Control("field", &["T", "mT"]),
-        words: &["field", "flux", "champ", "campo"],
-        endings: &["feld", "flussdichte"],
-        weak: &["b"],
-    },
-    Lexicon {
-        quantity: Quantity::Control("power", &["W"]),
-        words: &["power", "puissance", "potencia", "potenza", "мощность"],
-        endings: &["leistung"],
-        weak: &[],
-    },
-];
-
-/// Words of what was asked of a channel, computed of it or counted, and of other quantities: not of what was measured.
-const OTHER: &[&str] = &[
-    // Asked of it.
-    "command",
-    "cmd",
-    "setpoint",
-    "set",
-    "target",
-    "demand",
-    "desired",
-    "reference",
-    "ref",
-    "soll",
-    "vorgabe",
-    "führung",
-    "führungsgröße",
-    "consigne",
-    "commande",
-    "consigna",
-    "comando",
-    "riferimento",
-    "gewenst",
-    "börvärde",
-    "zadana",
-    "задание",
-    "уставка",
-    "指令",
-    "目标",
-    "目標",
-    "設定",
-    "设定",
-    "programmed",
-    "profile",
-    "excitation",
-    // What is left between the two.
-    "error",
-    "err",
-    "fehler",
-    "abweichung",
-    "erreur",
-    "errore",
-    "deviation",
-    // Computed of it.
-    "predicted",
-    "model",
-    "fit",
-    "rate",
-    "limit",
-    "peak",
-    "valley",
-    "max",
-    "min",
-    "maximum",
-    "minimum",
-    "amplitude",
-    "mean",
-    "average",
-    "avg",
-    "mittelwert",
-    "rms",
-    "range",
-    "std",
-    "offset",
-    "raw",
-    "ratio",
-    "delta",
-    "span",
-    "tare",
-    "derivative",
-    "filtered",
-    "smoothed",
-    "corrected",
-    "gefiltert",
-    "korrigiert",
-    // Counted.
-    "count",
-    "counts",
-    "counter",
-    "number",
-    "nummer",
-    "nr",
-    "no",
-    "index",
-    "id",
-    "cycle",
-    "cycles",
-    "zyklus",
-    "zyklen",
-    "lastspiel",
-    "lastspiele",
-    "schwingspiel",
-    "schwingspiele",
-    "ciclo",
-    "ciclos",
-    "cicli",
-    "cykl",
-    "цикл",
-    "segment",
-    "segments",
-    "step",
-    "block",
-    "schritt",
-    "pas",
-    "paso",
-    "循环",
-    "周期",
-    "サイクル",
-    "row",
-    "zeile",
-    "sample",
-    "samples",
-    "point",
-    "points",
-    // States.
-    "status",
-    "state",
-    "flag",
-    "trigger",
-    "event",
-    "mode",
-    "marker",
-    "alarm",
-    // Other quantities.
-    "strain",
-    "stress",
-    "dehnung",
-    "déformations",
-    "contrainte",
-    "tensile",
-    "modulus",
-    "energy",
-    "energie",
-    "work",
-    "arbeit",
-    "torque",
-    "moment",
-    "drehmoment",
-    "angle",
-    "winkel",
-    "rotation",
-    "acceleration",
-    "beschleunigung",
-    "accel",
-    "frequency",
-    "frequenz",
-    "phase",
-    "stiffness",
-    "steifigkeit",
-    "damping",
-    "dämpfung",
-    "width",
-    "thickness",
-    "length",
-    "gauge",
-    "gage",
-    "height",
-    "diameter",
-    "area",
-    "crack",
-    "应力",
-    "应变",
-    "応力",
-    "ひずみ",
-    "变形率",
-];
-
-/// Words that say nothing of the quantity, so that a unit may say it alone: `Ch 1 [mm]`.
-const GENERIC: &[&str] = &[
-    "ch",
-    "chan",
-    "channel",
-    "kanal",
-    "canal",
-    "canale",
-    "voie",
-    "ai",
-    "ain",
-    "adc",
-    "analog",
-    "sensor",
-    "signal",
-    "value",
-    "wert",
-    "messwert",
-    "valor",
-    "valore",
-    "valeur",
-    "data",
-    "daten",
-    "untitled",
-    "input",
-    "eingang",
-    "column",
-    "spalte",
-    "measurement",
-    "messung",
-    "mess",
-    "measured",
-    "gemessen",
-    "feedback",
-    "fb",
-    "fbk",
-    "actual",
-    "ist",
-    "istwert",
-    "axial",
-    "vertical",
-    "longitudinal",
-    "actuator",
-    "main",
-    "dev",
-    "mod",
-    "通道",
-    "チャンネル",
-];
 
 /// How surely a name says what its column is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -504,16 +34,55 @@ pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether the words say that the column is not what was measured of a channel.
+/// Whether the words say that the column is not what was measured of a channel, or that it may be something else.
 pub(super) fn is_other(words: &[String]) -> bool {
+    let is_doubtful = |word: &String| {
+        DOUBTFUL.contains(&word.as_str())
+            || ["应力", "応力", "应变"]
+                .iter()
+                .any(|ending| word.ends_with(ending))
+    };
+    is_surely_other(words) || words.iter().any(is_doubtful)
+}
+
+/// Whether the words say that the column is not what was measured of a channel.
+pub(super) fn is_surely_other(words: &[String]) -> bool {
     let is_it = |word: &String| {
         OTHER.contains(&word.as_str())
             // Kraftsollwert, Sollweg.
             || word.starts_with("soll")
             || word.ends_with("sollwert")
-            || ["应力", "応力", "应变", "指令", "目标", "目標"].iter().any(|ending| word.ends_with(ending))
+            || ["指令", "目标", "目標"].iter().any(|ending| word.ends_with(ending))
     };
     words.iter().any(is_it)
+}
+
+/// Whether all words are understood, those put together included: `Prüfkraft`, and not `Nennkraft`.
+pub(super) fn are_understood(words: &[String]) -> bool {
+    let is_weak = |word: &str| LEXICON.iter().any(|lexicon| lexicon.weak.contains(&word));
+    let is_plain = |word: &str| {
+        word.chars().count() <= 1
+            || is_known(word)
+            || is_weak(word)
+            || GENERIC.contains(&word)
+            || MEASURED.contains(&word)
+    };
+    let is_it = |word: &String| {
+        let mut endings = LEXICON.iter().flat_map(|lexicon| {
+            let all = lexicon.endings.iter();
+            all.filter_map(|ending| word.strip_suffix(ending))
+        });
+        match endings.next() {
+            // The longest ending says most: `试验时间`.
+            Some(first) => {
+                let shortest = endings.fold(first, |a, b| if b.len() < a.len() { b } else { a });
+                let is_alone = |lexicon: &Lexicon| lexicon.words.contains(&word.as_str());
+                is_plain(shortest) || LEXICON.iter().any(is_alone)
+            }
+            None => is_plain(word),
+        }
+    };
+    words.iter().all(is_it)
 }
 
 /// Whether the words say nothing of a quantity.
@@ -628,6 +197,26 @@ mod tests {
     }
 
     #[test]
+    fn a_word_that_is_not_understood_is_told() {
+        for (text, is) in [
+            ("prüfkraft", true),
+            ("axial force", true),
+            ("running time", true),
+            ("kraft b", true),
+            ("试验力", true),
+            ("试验时间", true),
+            ("vorspannkraft", true),
+            ("nennkraft", false),
+            ("vorgabeweg", false),
+            ("nominal displacement", false),
+            ("déplacement demandé", false),
+            ("设定位移", false),
+        ] {
+            assert_eq!(are_understood(&words(text)), is, "{text}");
+        }
+    }
+
+    #[test]
     fn a_unit_tells_the_two_meanings_of_tension_apart() {
         assert_eq!(of_control(&words("tension"), "V"), Some("voltage"));
         assert_eq!(of_control(&words("tension"), "N"), Some("tension"));
@@ -646,7 +235,8 @@ mod tests {
             for word in lexicon.words.iter().chain(lexicon.endings) {
                 let count = channels().filter(|other| other.has(word)).count();
                 assert_eq!(count, 1, "{word}");
-                assert!(!OTHER.contains(word) && !GENERIC.contains(word), "{word}");
+                let lists = [OTHER, DOUBTFUL, GENERIC, MEASURED];
+                assert!(!lists.iter().any(|list| list.contains(word)), "{word}");
             }
         }
     }

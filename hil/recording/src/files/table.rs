@@ -45,6 +45,8 @@ pub struct Column {
     pub is_time: bool,
     /// Whether its values are dates or times of day, given as seconds from the first: a column of seconds is taken for the times before it.
     pub is_stamp: bool,
+    /// A cell of a column that is not numeric, as it is written there: the first that is no number.
+    pub words: Option<String>,
     /// Its first values; NaN for a cell without a number. At most [`Column::FIRST`].
     pub first: Vec<f64>,
 }

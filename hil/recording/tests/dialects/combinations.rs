@@ -1,5 +1,7 @@
 //! Any encoding with any separator, decimal sign, header, unit, language, preamble and line end.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use mesh_damper_recording::files::Reading;
 use proptest::prelude::*;
 
@@ -65,11 +67,32 @@ fn coded(text: &str, coding: Coding) -> Vec<u8> {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+/// What becomes of the cases: all of them, and those that are read.
+static CASES: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
-    #[test]
-    fn any_dialect_is_read_rightly_or_asked_about(
+/// How many cases are drawn.
+const DRAWN: u32 = 400;
+
+/// Of all cases at least this part is read without a question. 63 % are: a seventh has no unit, in an eighth commas divide cells and
+/// decimals, in an eighth it is MN in capitals, and some names of two words stand between blanks. So many draws scatter by 2.4 %, and
+/// four times that is left to them.
+const LEAST_READ: f64 = 0.53;
+
+#[test]
+fn any_dialect_is_read_rightly_or_asked_about_and_few_are_asked_about() {
+    each_is_read_rightly_or_asked_about();
+    let [all, read] = [0, 1].map(|index: usize| CASES[index].load(Ordering::Relaxed));
+    println!("{read} of {all} are read");
+    assert!(
+        all >= DRAWN as usize && read as f64 >= LEAST_READ * all as f64,
+        "{read} of {all}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(DRAWN))]
+
+    fn each_is_read_rightly_or_asked_about(
         language in prop::sample::select(NAMES.to_vec()),
         style in prop::sample::select(vec![
             UnitStyle::Square, UnitStyle::Round, UnitStyle::Underscore, UnitStyle::Stroke, UnitStyle::Row, UnitStyle::BracketedRow,
@@ -107,8 +130,10 @@ proptest! {
             + &header(names, symbols, style, separator, end)
             + &rows(&ordered, separator, decimal, end)
             + &footer.replace('\n', end);
+        CASES[0].fetch_add(1, Ordering::Relaxed);
         match read(&coded(&text, coding), &Reading::default()) {
             Ok(recording) => {
+                CASES[1].fetch_add(1, Ordering::Relaxed);
                 let right = is_true(&recording, columns);
                 prop_assert!(right.is_ok(), "{right:?}: {:?}\n{}", recording.guesses(), &text[..text.len().min(400)]);
             }

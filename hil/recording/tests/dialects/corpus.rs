@@ -6,6 +6,8 @@ use std::path::Path;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::files::Reading;
 
+use super::other;
+
 /// Samples of the recording.
 pub const SAMPLES: usize = 48;
 
@@ -155,6 +157,25 @@ impl Dialect {
         }
     }
 
+    /// How the dialect is misread, by nobody's word or by any of the right ones: as a recording that is not the true one.
+    pub fn misread(&self) -> Option<String> {
+        let mut said = Reading::default();
+        let options = match &self.outcome {
+            Outcome::Asked(options) => &options[..],
+            Outcome::Read(_) | Outcome::Refused(_) => &[],
+        };
+        let wrong = |said: &Reading| {
+            let recording = read(&self.bytes, said).ok()?;
+            is_true(&recording, self.columns).err()
+        };
+        let by_nobody = wrong(&said);
+        let by_options = options.iter().filter_map(|option| {
+            say(&mut said, option);
+            wrong(&said)
+        });
+        by_nobody.into_iter().chain(by_options).next()
+    }
+
     /// Gives the options that the messages offer, one after the other.
     fn ask(&self, options: &[&'static str]) -> Result<(), String> {
         let mut said = Reading::default();
@@ -164,6 +185,9 @@ impl Dialect {
             };
             if !offers(&error, option) {
                 return Err(format!("{option} is not offered by {error:?}"));
+            }
+            for other in other::offered(&error) {
+                other::check(self, &said, options, &other)?;
             }
             say(&mut said, option);
         }
@@ -191,7 +215,7 @@ fn offers(error: &str, option: &str) -> bool {
 }
 
 /// What the command line makes of an option.
-fn say(said: &mut Reading, option: &str) {
+pub fn say(said: &mut Reading, option: &str) {
     let (option, value) = option.split_once(' ').expect("an option and its value");
     let pair = || {
         let (quantity, name) = value.split_once('=').expect("QUANTITY=NAME");
@@ -222,22 +246,33 @@ pub fn is_true(recording: &Recording, columns: [Column; 3]) -> Result<(), String
     if recording.len() != SAMPLES {
         return Err(format!("{} samples of {SAMPLES}", recording.len()));
     }
-    let channels = [&recording.time, &recording.displacement, &recording.force];
-    let names = ["time", "displacement", "force"];
-    for ((values, column), name) in channels.into_iter().zip(columns).zip(names) {
-        // Times may be given from the first on.
-        let shift = if name == "time" {
-            values[0] - (column.values)(0)
-        } else {
-            0.0
-        };
-        let is_shift = shift.abs() <= column.rounding() || (values[0] == 0.0 && name == "time");
-        for (index, value) in values.iter().enumerate() {
-            let truth = (column.values)(index) + shift;
-            let allowed = 2.001 * column.rounding() + 1e-9;
-            if !is_shift || (value - truth).abs() > allowed {
-                return Err(format!("{name} {index} is {value}, and {truth} is true"));
-            }
+    let mut each = channels(recording).into_iter().zip(columns);
+    each.try_for_each(|((name, values), column)| is_channel_true(name, values, column))
+}
+
+/// The channels that every dialect has, as they were read.
+pub fn channels(recording: &Recording) -> [(&'static str, &[f64]); 3] {
+    [
+        ("time", &recording.time),
+        ("displacement", &recording.displacement),
+        ("force", &recording.force),
+    ]
+}
+
+/// Whether the values of a channel are the true ones.
+pub fn is_channel_true(name: &str, values: &[f64], column: Column) -> Result<(), String> {
+    // Times may be given from the first on.
+    let shift = if name == "time" {
+        values[0] - (column.values)(0)
+    } else {
+        0.0
+    };
+    let is_shift = shift.abs() <= column.rounding() || (values[0] == 0.0 && name == "time");
+    for (index, value) in values.iter().enumerate() {
+        let truth = (column.values)(index) + shift;
+        let allowed = 2.001 * column.rounding() + 1e-9;
+        if !is_shift || (value - truth).abs() > allowed {
+            return Err(format!("{name} {index} is {value}, and {truth} is true"));
         }
     }
     Ok(())

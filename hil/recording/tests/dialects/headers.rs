@@ -173,6 +173,59 @@ pub fn dialects() -> Vec<Dialect> {
             &["2 blocks are read as one"],
         ),
         dialect(
+            "labelled statistics in German columns",
+            format!(
+                "Zeit [s];Weg [mm];Kraft [kN]\n{}\nMax;2,875;0,875\nMin;-2,625;-2,375\n",
+                semicolon()
+            ),
+            &["2 rows of words at the end, from line 51 on"],
+        ),
+        dialect(
+            "a few rows of peaks at the end",
+            format!(
+                "Zeit [s];Weg [mm];Kraft [kN]\n{}\nZyklus;Spitze [kN]\n1;0,875\n2;0,874\n",
+                semicolon()
+            ),
+            &["3 rows of words at the end", "2 of numbers in another form"],
+        ),
+        dialect(
+            "our own, with a word at the end",
+            format!("time_s,displacement_mm,force_kN\n{}EOF\n", comma()),
+            &["1 row of words at the end, from line 50 on"],
+        ),
+        dialect(
+            "our own, with statistics behind a blank line",
+            format!(
+                "time_s,displacement_mm,force_kN\n{}\nMax,2.875,0.875\n",
+                comma()
+            ),
+            &["1 row of words at the end"],
+        ),
+        dialect(
+            "our own, with a row of units",
+            format!("time_s,displacement_mm,force_kN\ns,mm,kN\n{}", comma()),
+            &["the units in line 2"],
+        ),
+        dialect(
+            "our own, with a comma at the end of each row",
+            format!(
+                "time_s,displacement_mm,force_kN\n{}",
+                comma().replace('\n', ",\n")
+            ),
+            &["a comma"],
+        ),
+        dialect(
+            "our own, with times of day",
+            "time_s,displacement_mm,force_kN\n".to_owned()
+                + &(0..SAMPLES)
+                    .map(|index| {
+                        let [_, y, force] = OWN.map(|column| column.cell(index, '.'));
+                        format!("12:00:{:07.4},{y},{force}\n", super::corpus::time(index))
+                    })
+                    .collect::<String>(),
+            &["dates or times of day"],
+        ),
+        dialect(
             "a column of words",
             "Time [s];Note;Weg [mm];Kraft [kN]\n".to_owned() + &words_between(),
             &["a semicolon"],

@@ -7,12 +7,14 @@ mod encodings;
 mod headers;
 mod languages;
 mod notation;
+mod other;
 mod page;
 mod programs;
 mod refused;
 mod separators;
 mod times;
 mod units;
+mod words;
 
 use corpus::{Dialect, Outcome};
 
@@ -28,6 +30,7 @@ fn all() -> Vec<Dialect> {
         times::dialects(),
         programs::dialects(),
         ambiguous::dialects(),
+        words::dialects(),
         refused::dialects(),
     ]
     .into_iter()
@@ -59,9 +62,14 @@ fn every_dialect_is_read_asked_about_or_refused_as_it_should_be() {
     let read = count(&|outcome| matches!(outcome, Outcome::Read(_)));
     let asked = count(&|outcome| matches!(outcome, Outcome::Asked(_)));
     let refused = count(&|outcome| matches!(outcome, Outcome::Refused(_)));
+    let misread: Vec<String> = (dialects.iter())
+        .filter_map(|dialect| Some(format!("{}: {}", dialect.name, dialect.misread()?)))
+        .collect();
+    assert!(misread.is_empty(), "{}", misread.join("\n"));
     println!(
-        "{} dialects: {read} read, {asked} asked about, {refused} refused, none misread",
-        dialects.len()
+        "{} dialects: {read} read, {asked} asked about, {refused} refused, {} misread",
+        dialects.len(),
+        misread.len()
     );
     assert!(dialects.len() >= 60);
 }

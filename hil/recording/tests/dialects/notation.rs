@@ -1,5 +1,7 @@
 //! How numbers are written.
 
+use mesh_damper_recording::files::Reading;
+
 use super::corpus::{Column, Dialect, N, NEWTONS, OWN, Outcome, S, rows};
 
 /// Micrometres, so large that thousands are divided.
@@ -30,6 +32,40 @@ fn with_groups(separator: &str, decimal: char, sign: &str, quote: &str) -> Strin
         + &text.lines().map(line).collect::<String>()
 }
 
+/// Behind the rows by which a text is known nothing is decided anew.
+#[test]
+fn thousands_that_come_late_are_asked_for() {
+    let late = |cell: &str| {
+        let whole: String = (0..40_000)
+            .map(|index| format!("{index};{};{}\n", index % 90, index / 50))
+            .collect();
+        format!("Zeit [ms];Weg [um];Kraft [N]\n{whole}40000;1;{cell}\n").into_bytes()
+    };
+    let read = |cell: &str, decimal| {
+        let said = Reading {
+            decimal,
+            ..Reading::default()
+        };
+        let read = super::corpus::read(&late(cell), &said)?;
+        Ok(read.force[40_000])
+    };
+    for (cell, decimal, other) in [("2.400", ',', '.'), ("2,400", '.', ',')] {
+        let error: String = read(cell, None).unwrap_err();
+        assert!(error.contains("line 40002, column Kraft [N]"), "{error}");
+        assert!(
+            error.contains("could be the decimal sign or divide thousands"),
+            "{error}"
+        );
+        assert!(
+            error.contains("--decimal point or --decimal comma"),
+            "{error}"
+        );
+        assert_eq!(read(cell, Some(decimal)), Ok(2.4));
+        assert!((read(cell, Some(other)).unwrap() - 2.4e-3).abs() < 1e-12);
+    }
+    assert_eq!(read("0.5", None), Ok(5e-4));
+}
+
 pub fn dialects() -> Vec<Dialect> {
     let columns = [S, UM, N];
     let dialect = |name, text: String, said: &[&'static str]| Dialect {
@@ -53,6 +89,23 @@ pub fn dialects() -> Vec<Dialect> {
         + "\n"
         + &rows(&NEWTONS, ";", ',', "\n").replace('-', "\u{2212}");
     vec![
+        dialect(
+            "exponents of Fortran",
+            {
+                let row = |index: usize| {
+                    let cells = columns.map(|column| {
+                        let value: f64 = column.cell(index, '.').parse().expect("a number");
+                        format!("{value:.9e}")
+                            .replace('e', "D+0")
+                            .replace("D+0-", "D-0")
+                    });
+                    cells.join(" ") + "\n"
+                };
+                let rows: String = (0..super::corpus::SAMPLES).map(row).collect();
+                format!("Time(s) Disp(um) Load(N)\n{rows}")
+            },
+            &["divided by blanks"],
+        ),
         dialect(
             "thousands by a point, decimal comma",
             with_groups(";", ',', ".", ""),

@@ -24,8 +24,16 @@ fn the_page_lists_every_dialect_and_what_becomes_of_it() {
             .filter(|dialect| dialect.outcome.word() == word)
             .count()
     };
+    let misread = dialects
+        .iter()
+        .filter(|dialect| dialect.misread().is_some());
+    let misread = match misread.count() {
+        0 => "none is".to_owned(),
+        1 => "1 is".to_owned(),
+        count => format!("{count} are"),
+    };
     let sum = format!(
-        "\nOf {} dialects {} are read, {} are asked about, {} are refused, and none is misread.\n",
+        "\nOf {} dialects {} are read, {} are asked about, {} are refused, and {misread} misread.\n",
         dialects.len(),
         count("read"),
         count("asked"),

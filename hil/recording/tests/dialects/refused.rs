@@ -1,6 +1,6 @@
 //! What cannot be read, with what is said of it.
 
-use super::corpus::{Dialect, OWN, Outcome, SAMPLES, rows};
+use super::corpus::{Dialect, KN, MM, OWN, Outcome, S, SAMPLES, rows};
 
 pub fn dialects() -> Vec<Dialect> {
     let dialect = |name, text: String, said: &[&'static str]| Dialect {
@@ -15,6 +15,8 @@ pub fn dialects() -> Vec<Dialect> {
     let (first, second) = lines.split_at(SAMPLES / 2);
     let names = "Time [s];Disp [mm];Load [kN]\n";
     let table = |middle: &str| format!("{names}{}{middle}{}", first.concat(), second.concat());
+    let wide = rows(&[S, MM, KN, S], ";", ',', "\n");
+    let wide_names = "Time [s];Disp [mm];Load [kN];Run [s]\n";
     let remedy = "export it again with a semicolon";
     vec![
         dialect(
@@ -79,6 +81,41 @@ pub fn dialects() -> Vec<Dialect> {
             "more names than cells",
             format!("Time [s];Disp [mm];Load [kN];Temp [°C];Current [A]\n{all}"),
             &["line 1", "5 cells", "have 3", "a semicolon"],
+        ),
+        dialect(
+            "a second table with a column more",
+            format!("{names}{all}\nTest 2\n{wide_names}{wide}"),
+            &[
+                "line 51",
+                "another table begins",
+                "from line 53 on",
+                "file of its own",
+            ],
+        ),
+        dialect(
+            "a table of peaks above that of the samples",
+            format!("{wide_names}{wide}\nRaw data\n{names}{all}"),
+            &["line 51", "another table begins", "from line 53 on"],
+        ),
+        dialect(
+            "a column more behind a blank line",
+            format!("{names}{all}\n{wide}"),
+            &["line 51", "4 cells where the rows above have 3"],
+        ),
+        dialect(
+            "a column less behind a blank line",
+            format!("{names}{all}\n{}", rows(&[S, MM], ";", ',', "\n")),
+            &["line 51", "2 cells where the rows above have 3"],
+        ),
+        dialect(
+            "overload behind a blank line",
+            table("\n0,9;1,5;OVLD\n"),
+            &["line 27, column Load [kN]", "\"OVLD\" is not a number"],
+        ),
+        dialect(
+            "overload behind a blank line, to the end",
+            format!("{names}{all}\n{}", "0,9;1,5;OVLD\n".repeat(3)),
+            &["line 51, column Load [kN]", "\"OVLD\" is not a number"],
         ),
         dialect(
             "no numbers",

@@ -1,5 +1,7 @@
 //! How the times of samples are given.
 
+use mesh_damper_recording::files::Reading;
+
 use super::corpus::{
     Column, Dialect, KN, MM, OWN, Outcome, S, SAMPLES, displacement, force, rows, time,
 };
@@ -31,6 +33,26 @@ fn clock(ticks: i64, from: i64) -> (i64, i64, i64, i64) {
     )
 }
 
+/// What the user says of a column of times of day is not believed where it cannot be.
+#[test]
+fn times_of_day_are_in_no_unit_that_the_user_says() {
+    let bytes = stamped("Time (ms);Disp [mm];Load [kN]", |ticks| {
+        let (h, m, s, f) = clock(ticks, 62);
+        format!("{h:02}:{m:02}:{s:02}.{f:04}")
+    });
+    let said = |unit: &str| Reading {
+        units: vec![("time".into(), unit.into())],
+        ..Reading::default()
+    };
+    let error = super::corpus::read(&bytes, &said("ms")).unwrap_err();
+    assert!(
+        error.contains("read as seconds") && error.contains("leave the unit out"),
+        "{error}"
+    );
+    let read = super::corpus::read(&bytes, &said("s")).unwrap();
+    super::corpus::is_true(&read, [STAMPED, MM, KN]).unwrap();
+}
+
 pub fn dialects() -> Vec<Dialect> {
     let dialect = |name, bytes: Vec<u8>, outcome: Outcome| Dialect {
         family: "time",
@@ -60,7 +82,7 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "dates of Germany, over midnight",
             stamped("Datum;Weg [mm];Kraft [kN]", |ticks| {
-                let (h, m, s, f) = clock(ticks, 86_400 - 1 + 86_400);
+                let (h, m, s, f) = clock(ticks + 5_000, 86_400 - 1 + 86_400);
                 format!("{:02}.12.2024 {:02}:{m:02}:{s:02},{f:04}", h / 24, h % 24)
             }),
             Outcome::Read(vec!["dates or times of day", "by its unit alone"]),
@@ -72,6 +94,58 @@ pub fn dialects() -> Vec<Dialect> {
                 format!("{h:02}:{m:02}:{s:02}.{f:04}")
             }),
             read(&["dates or times of day"]),
+        ),
+        dialect(
+            "times of day under a name in ms",
+            stamped("Time (ms);Disp [mm];Load [kN]", |ticks| {
+                let (h, m, s, f) = clock(ticks, 62);
+                format!("{h:02}:{m:02}:{s:02}.{f:04}")
+            }),
+            read(&["\"Time (ms)\" in s"]),
+        ),
+        dialect(
+            "times of day under their form",
+            stamped("Time [hh:mm:ss];Disp [mm];Load [kN]", |ticks| {
+                let (h, m, s, f) = clock(ticks, 62);
+                format!("{h:02}:{m:02}:{s:02}.{f:04}")
+            }),
+            read(&["\"Time [hh:mm:ss]\" in s"]),
+        ),
+        dialect(
+            "times of day under another form",
+            stamped("Time (HH:MM:SS,ms);Disp [mm];Load [kN]", |ticks| {
+                let (h, m, s, f) = clock(ticks, 62);
+                format!("{h:02}:{m:02}:{s:02},{f:04}")
+            }),
+            read(&["\"Time (HH:MM:SS,ms)\" in s"]),
+        ),
+        dialect(
+            "ISO 8601 with an offset",
+            stamped("Timestamp;Disp [mm];Load [kN]", |ticks| {
+                let (h, m, s, f) = clock(ticks, 43_200);
+                format!("2024-03-01T{h:02}:{m:02}:{s:02}.{f:04}+01:00")
+            }),
+            read(&["dates or times of day"]),
+        ),
+        dialect(
+            "two digits of the year, over midnight",
+            stamped(names, |ticks| {
+                let (h, m, s, f) = clock(ticks + 5_000, 86_400 - 1);
+                format!("24-03-{:02} {:02}:{m:02}:{s:02}.{f:04}", 1 + h / 24, h % 24)
+            }),
+            read(&["1 midnight"]),
+        ),
+        dialect(
+            "the time of day beside the date, over midnight",
+            stamped("Date;Time;Disp [mm];Load [kN]", |ticks| {
+                let (h, m, s, f) = clock(ticks + 5_000, 86_400 - 1);
+                format!(
+                    "{:02}.03.2024;{:02}:{m:02}:{s:02}.{f:04}",
+                    1 + h / 24,
+                    h % 24
+                )
+            }),
+            read(&["1 midnight"]),
         ),
         dialect(
             "a time of day beside seconds",
@@ -97,6 +171,33 @@ pub fn dialects() -> Vec<Dialect> {
             without("Sample interval;12,5 ms\n\n"),
             read(&["a step of 0.0125 s is by line 1"]),
         ),
+        dialect(
+            "two rates in the preamble",
+            without("Sample rate: 5000 Hz\nData rate: 80 Hz\n\n"),
+            Outcome::Asked(vec!["--rate 80"]),
+        ),
+        dialect(
+            "a rate and a step that differ",
+            without("Sample rate: 80 Hz\nTime step: 0,1 s\n\n"),
+            Outcome::Asked(vec!["--rate 80"]),
+        ),
+        dialect(
+            "a rate and its step",
+            without("Sample rate: 80 Hz\nTime step: 12,5 ms\n\n"),
+            read(&["a step of 0.0125 s is by line 1"]),
+        ),
+        Dialect {
+            columns: [STAMPED, MM.of(1e-3, 0), KN.of(1e-3, 0)],
+            ..dialect(
+                "a rate whose point may divide thousands",
+                format!(
+                    "Abtastrate: 80.000 Hz\nWeg [um];Kraft [N]\n{}",
+                    rows(&[MM.of(1e-3, 0), KN.of(1e-3, 0)], ";", '.', "\n")
+                )
+                .into_bytes(),
+                Outcome::Asked(vec!["--rate 80"]),
+            )
+        },
         dialect(
             "a rate without its unit",
             without("Abtastrate: 80\n\n"),

@@ -1,7 +1,7 @@
 //! Words between the numbers of a text and behind them: a header that is written again, and a footer.
 
 use super::header::{bare, in_comment};
-use super::layout::Layout;
+use super::layout::{FEW_ROWS, Layout};
 use crate::columns;
 use crate::error::{InputError, Place};
 
@@ -10,6 +10,8 @@ pub(super) struct Blocks<'b> {
     name: &'b str,
     layout: &'b Layout,
     after_blank: bool,
+    /// The first line of numbers behind the last blank line between them, and how many there are.
+    apart: Option<(u64, usize)>,
     between: Option<Between>,
     /// Lines in which the numbers went on.
     resumed: Vec<u64>,
@@ -21,10 +23,15 @@ pub(super) struct Blocks<'b> {
 struct Between {
     line: u64,
     rows: u64,
+    /// Rows of numbers among them, and the line of the first.
+    of_numbers: usize,
+    numbers_line: u64,
     /// Rows of the header that were met in it.
     met: usize,
 }
 
+/// Rows behind a blank line of which is said that they are read. Convention: sums and means have fewer.
+const FEW: usize = 4;
 /// Lines that are named in a note.
 const NAMED: usize = 3;
 
@@ -34,6 +41,7 @@ impl<'b> Blocks<'b> {
             name,
             layout,
             after_blank: false,
+            apart: None,
             between: None,
             resumed: Vec::new(),
             resumptions: 0,
@@ -47,8 +55,13 @@ impl<'b> Blocks<'b> {
     }
 
     /// Whether the numbers have paused: words are no damaged number then.
-    pub fn is_between(&self) -> bool {
-        self.between.is_some() || (self.after_blank && self.has_numbers)
+    pub fn is_paused(&self) -> bool {
+        self.has_words() || (self.after_blank && self.has_numbers)
+    }
+
+    /// Whether words stand behind the last numbers.
+    pub fn has_words(&self) -> bool {
+        self.between.is_some()
     }
 
     /// A comment, where those above the numbers hold the names: with other names or units in it the numbers are others.
@@ -75,15 +88,39 @@ impl<'b> Blocks<'b> {
         .at(Place::Line(line)))
     }
 
-    /// A row of words.
-    pub fn odd(&mut self, line: u64, cells: &[&str]) -> Result<(), InputError> {
+    /// A row of words, or one of numbers that has not the form of those above.
+    pub fn odd(
+        &mut self,
+        line: u64,
+        cells: &[&str],
+        is_of_numbers: bool,
+    ) -> Result<(), InputError> {
         self.after_blank = false;
         let between = self.between.get_or_insert(Between {
             line,
             rows: 0,
+            of_numbers: 0,
+            numbers_line: line,
             met: 0,
         });
         between.rows += 1;
+        if is_of_numbers {
+            if between.of_numbers == 0 {
+                between.numbers_line = line;
+            }
+            between.of_numbers += 1;
+        }
+        if between.of_numbers >= FEW_ROWS {
+            let (begin, first) = (between.numbers_line, self.layout.data_line);
+            return Err(InputError::new(
+                self.name,
+                format!(
+                    "another table begins here, with rows of numbers from line {begin} on; the one that is read begins in line {first}"
+                ),
+                "put each table into a file of its own",
+            )
+            .at(Place::Line(between.line)));
+        }
         let row = bare(cells);
         let is = |known: &[String]| {
             known.len() == row.len() && known.iter().zip(row).all(|(known, cell)| same(known, cell))
@@ -116,7 +153,12 @@ impl<'b> Blocks<'b> {
 
     /// A row of numbers.
     pub fn numbers(&mut self, line: u64) -> Result<(), InputError> {
-        self.after_blank = false;
+        let is_apart = std::mem::take(&mut self.after_blank) && self.has_numbers;
+        self.apart = match self.apart {
+            _ if is_apart => Some((line, 1)),
+            Some((first, rows)) => Some((first, rows + 1)),
+            None => None,
+        };
         self.has_numbers = true;
         let Some(between) = self.between.take() else {
             return Ok(());
@@ -160,10 +202,20 @@ impl<'b> Blocks<'b> {
                 self.resumptions + 1
             ));
         }
+        if let Some((line, rows)) = self.apart.filter(|&(_, rows)| rows < FEW) {
+            let rows = if rows == 1 { "row" } else { "rows" };
+            notes.push(format!(
+                "the last {rows} of numbers, from line {line} on, behind a blank line, are read as samples: are they sums or the like, delete them"
+            ));
+        }
         if let Some(between) = &self.between {
             let rows = if between.rows == 1 { "row" } else { "rows" };
+            let of_numbers = match between.of_numbers {
+                0 => String::new(),
+                count => format!(", {count} of numbers in another form among them"),
+            };
             notes.push(format!(
-                "{} {rows} of words at the end, from line {} on, are left out",
+                "{} {rows} of words at the end, from line {} on, are left out{of_numbers}",
                 between.rows, between.line
             ));
         }

@@ -21,15 +21,20 @@ impl Asked {
                 "{cell} and {} in line {line} have different signs, of which one is the decimal sign",
                 quoted(&other)
             ),
-            None => format!("the sign in {cell} could be the decimal sign or divide thousands"),
+            None => could_be_either(&self.cell),
         };
-        InputError::new(
-            name,
-            problem,
-            "say which sign is the decimal one: --decimal point or --decimal comma",
-        )
-        .at(Place::Line(self.line))
+        InputError::new(name, problem, MEND).at(Place::Line(self.line))
     }
+}
+
+/// What to do about a sign that could be two.
+pub(super) const MEND: &str =
+    "say which sign is the decimal one: --decimal point or --decimal comma";
+
+/// That the sign of a cell could be two.
+pub(super) fn could_be_either(cell: &str) -> String {
+    let cell = quoted(cell);
+    format!("the sign in {cell} could be the decimal sign or divide thousands")
 }
 
 /// A cell that shows something, with its line.
@@ -62,10 +67,10 @@ pub(super) fn said(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
         cells.iter().for_each(|cell| evidence.take(*line, cell));
     }
     let other = 1 - index(decimal);
-    let could = evidence.either[other].is_some() && evidence.sure[other].is_none();
     Numbers {
         decimal,
-        has_thousands: could || evidence.divides[other],
+        // Also where the first rows have none: they may come.
+        has_thousands: evidence.sure[other].is_none() || evidence.divides[other],
         is_open: false,
     }
 }

@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 
 use super::blocks::Blocks;
+use super::decimals;
 use super::layout::{Kind, Layout, RowKind, kind_of};
 use super::lines::Lines;
-use super::numbers::Cell;
+use super::numbers::{Cell, Sign, sign_of};
 use super::own::grow;
-use super::stamps::Stamp;
+use super::stamps::{Since, Stamp};
 use crate::csv_text::CsvText;
 use crate::error::{InputError, Place, quoted};
 use crate::files::{Kept, Table, Tables, Values, Wanted};
@@ -74,7 +75,10 @@ impl Tables for ForeignTable<'_> {
                 continue;
             }
             match reader.judge(&cells, line.number, &blocks)? {
-                Row::Odd => blocks.odd(line.number, &cells)?,
+                Row::Odd => {
+                    let is_of_numbers = reader.is_of_numbers(&cells);
+                    blocks.odd(line.number, &cells, is_of_numbers)?;
+                }
                 Row::Numbers if !line.has_end => taken.is_cut = true,
                 Row::Numbers => {
                     blocks.numbers(line.number)?;
@@ -87,6 +91,20 @@ impl Tables for ForeignTable<'_> {
             notes.push(format!(
                 "from line {line} on it is no UTF-8 and is read as windows-1252"
             ));
+        }
+        for (wanted, since) in wanted.iter().zip(&taken.stamps) {
+            let guessed = since.as_ref().map_or(0, |since| since.guessed);
+            if guessed > 0 {
+                let midnights = if guessed == 1 {
+                    "midnight is"
+                } else {
+                    "midnights are"
+                };
+                notes.push(format!(
+                    "no date of column {} says how many days pass: {guessed} {midnights} counted, where an hour of 23 is followed by one of 0",
+                    quoted(&reader.column(wanted.column))
+                ));
+            }
         }
         let header: csv::StringRecord = layout
             .table
@@ -117,8 +135,8 @@ impl Tables for ForeignTable<'_> {
 #[derive(Default)]
 struct Taken {
     columns: Vec<Option<Vec<f64>>>,
-    /// The first stamp of each wanted column that has stamps, owned.
-    stamps: Vec<Option<String>>,
+    /// The stamps of each wanted column that has them.
+    stamps: Vec<Option<Since>>,
     lines: RowLines,
     cells: Option<TextRows>,
     is_cut: bool,
@@ -170,49 +188,75 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// What a row is: numbers, or words between or behind them.
+    /// What a row is: numbers, or words between or behind them. A row of numbers that has not the form of those above is an error,
+    /// unless words led to it.
     fn judge(&self, cells: &[&str], line: u64, blocks: &Blocks) -> Result<Row, InputError> {
         let columns = self.layout.table.columns.len();
-        let is_odd = if cells.iter().skip(columns).any(|cell| !cell.is_empty())
-            && !(self.layout.has_remarks && cells.len() == columns + 1)
-            || cells.len() < self.least
-        {
-            let words = |cell: &&str| {
-                matches!(self.layout.numbers.read(cell), Cell::Words) && Stamp::of(cell).is_none()
-            };
-            if !cells.iter().any(words) && !blocks.is_between() {
-                let separator = self.layout.separator.name();
-                return Err(InputError::new(
-                    self.name,
-                    format!(
-                        "{} cells where the rows above have {}, divided by {separator}",
-                        cells.len(),
-                        self.layout.cells
-                    ),
-                    "write one cell per column",
-                )
-                .at(Place::Line(line)));
+        let is_longer = cells.iter().skip(columns).any(|cell| !cell.is_empty())
+            && !(self.layout.has_remarks && cells.len() == columns + 1);
+        if is_longer || cells.len() < self.least {
+            let has_words = cells.iter().any(|cell| self.is_word(cell));
+            let is_one = !has_words && cells.iter().filter(|cell| !cell.is_empty()).count() == 1;
+            let is_sample = self.is_sample(cells) || !(has_words || (is_one && blocks.is_paused()));
+            if is_sample && !blocks.has_words() {
+                return Err(self.misfit(cells, line));
             }
-            true
-        } else {
-            let must = self.wanted.iter().filter(|wanted| wanted.must_be_numeric);
-            let (mut values, mut words) = (0, 0);
-            for wanted in must {
-                let cell = cells[wanted.column];
-                if cell.is_empty() {
-                    continue;
-                }
-                if self.is_value(wanted.column, cell) {
-                    values += 1;
-                } else {
-                    words += 1;
-                }
+            return Ok(Row::Odd);
+        }
+        let must = self.wanted.iter().filter(|wanted| wanted.must_be_numeric);
+        let (mut values, mut words) = (0, 0);
+        for wanted in must {
+            let cell = cells[wanted.column];
+            if cell.is_empty() {
+                continue;
             }
-            words > 0 && (values == 0 || blocks.is_between())
-                // Nobody wants what would tell.
-                || (words + values == 0 && !(0..cells.len().min(columns)).any(|index| self.is_value(index, cells[index]) && !cells[index].is_empty()))
-        };
+            if self.is_value(wanted.column, cell) {
+                values += 1;
+            } else {
+                words += 1;
+            }
+        }
+        // Behind a pause a word is no damaged number, but for one beside a time.
+        let is_label = blocks.has_words() || (blocks.is_paused() && !self.is_sample(cells));
+        let is_odd = words > 0 && (values == 0 || is_label)
+            // Nobody wants what would tell.
+            || (words + values == 0
+                && !(0..cells.len().min(columns)).any(|index| self.is_value(index, cells[index]) && !cells[index].is_empty()));
         Ok(if is_odd { Row::Odd } else { Row::Numbers })
+    }
+
+    fn is_word(&self, cell: &str) -> bool {
+        matches!(self.layout.numbers.read(cell), Cell::Words) && Stamp::of(cell).is_none()
+    }
+
+    /// Whether a row has a number in the first column that is wanted, the times where they are, and in another one.
+    fn is_sample(&self, cells: &[&str]) -> bool {
+        let mut must = self.wanted.iter().filter(|wanted| wanted.must_be_numeric);
+        let mut has_value = |wanted: &Wanted| {
+            let cell = cells.get(wanted.column).copied().unwrap_or_default();
+            !cell.is_empty() && self.is_value(wanted.column, cell)
+        };
+        must.next().is_some_and(&mut has_value) && must.any(has_value)
+    }
+
+    /// Whether a row is of numbers that no word leads: `Max;2.5;1.5` is of statistics.
+    fn is_of_numbers(&self, cells: &[&str]) -> bool {
+        let mut full = cells.iter().filter(|cell| !cell.is_empty());
+        full.next().is_some_and(|cell| !self.is_word(cell)) && full.any(|cell| !self.is_word(cell))
+    }
+
+    fn misfit(&self, cells: &[&str], line: u64) -> InputError {
+        InputError::new(
+            self.name,
+            format!(
+                "{} cells where the rows above have {}, divided by {}",
+                cells.len(),
+                self.layout.cells,
+                self.layout.separator.name()
+            ),
+            "write one cell per column",
+        )
+        .at(Place::Line(line))
     }
 
     fn take(&self, cells: &[&str], line: u64, taken: &mut Taken) -> Result<(), InputError> {
@@ -269,7 +313,7 @@ impl<'r> Reader<'r> {
         &self,
         column: usize,
         cell: &str,
-        begin: &mut Option<String>,
+        since: &mut Option<Since>,
     ) -> Result<f64, (String, &'static str)> {
         const MEND: &str = "remove the row or mend the value";
         if self.layout.kinds.get(column) == Some(&Kind::Stamps) {
@@ -278,9 +322,8 @@ impl<'r> Reader<'r> {
             }
             let is_no_time = || (format!("{} is no time of day", quoted(cell)), MEND);
             let stamp = Stamp::of(cell).ok_or_else(is_no_time)?;
-            let begin = begin.get_or_insert_with(|| cell.to_owned());
-            let first = Stamp::of(begin).ok_or_else(is_no_time)?;
-            return stamp.since(&first).map_err(|problem| {
+            let since = since.get_or_insert_with(|| Since::of(&stamp));
+            return since.seconds(&stamp).map_err(|problem| {
                 (
                     format!("{}: {problem}", quoted(cell)),
                     "write dates as 2024-03-01",
@@ -292,6 +335,12 @@ impl<'r> Reader<'r> {
             Cell::Blank => Ok(f64::NAN),
             Cell::NotFinite => Err((format!("{} is not finite", quoted(cell)), MEND)),
             Cell::Words => Err((format!("{} is not a number", quoted(cell)), MEND)),
+            Cell::OtherSign
+                if self.layout.numbers.is_open
+                    && matches!(sign_of(cell), Some(Sign::Either(_))) =>
+            {
+                Err((decimals::could_be_either(cell), decimals::MEND))
+            }
             Cell::OtherSign => {
                 let (sign, mend) = match self.layout.numbers.decimal {
                     ',' => (

@@ -50,6 +50,7 @@ impl Header {
         let mut comments: Vec<Words> = Vec::new();
         let mut misfit = None;
         let mut blank = 0;
+        let mut figures = None;
         for row in rows[..first].iter().rev() {
             match row.kind {
                 RowKind::Blank => {
@@ -66,7 +67,17 @@ impl Header {
                 RowKind::Cells => {
                     let words = split(row.text, cells, separator);
                     if !is_wordy(&words) {
-                        break;
+                        // Some programs have the rate of each column between its name and its unit.
+                        let are_units = texts.iter().all(|row| is_of_units(&row.cells));
+                        if figures.is_some()
+                            || texts.is_empty()
+                            || !are_units
+                            || words.len() != cells
+                        {
+                            break;
+                        }
+                        figures = Some(row.line);
+                        continue;
                     }
                     if !fits(words.len(), cells) {
                         let is_named = words.iter().any(|name| columns::is_named(name));
@@ -89,6 +100,9 @@ impl Header {
         let found = if is_comment { comments } else { texts };
         let mut header = Self::of(found);
         header.is_comment = is_comment && header.line.is_some();
+        header
+            .passed
+            .extend(figures.filter(|&line| header.line.is_some_and(|names| names < line)));
         header.misfit = misfit;
         header
     }
@@ -118,11 +132,25 @@ impl Header {
             .filter(is_below)
             .filter(|&index| Some(index) != units);
         let passed = passed.map(|index| rows[index].line).collect();
+        // Neither of two rows of units is believed.
+        let is_second = |index: &usize| Some(*index) != units && Some(*index) != names;
+        let second = (0..rows.len()).filter(is_second);
+        let second = second
+            .map(|index| &rows[index].cells)
+            .find(|cells| is_of_units(cells))
+            .cloned();
         let line = |index: Option<usize>| index.map(|index| rows[index].line);
         let (names_line, units_line) = (line(names), line(units));
         let mut taken =
             |index: Option<usize>| index.map(|index| std::mem::take(&mut rows[index].cells));
-        let (names, units) = (taken(names), taken(units));
+        let (names, mut units) = (taken(names), taken(units));
+        if let (Some(units), Some(second)) = (&mut units, second) {
+            for (unit, other) in units.iter_mut().zip(second) {
+                if !other.is_empty() && *unit != other {
+                    *unit = format!("{unit} beside {other}");
+                }
+            }
+        }
         let written = [names.clone(), units.clone()]
             .into_iter()
             .flatten()

@@ -8,13 +8,14 @@ use super::lines::{QUOTED_LINES, Separator};
 use super::lvm;
 use super::metadata;
 use super::numbers::{self, Cell, Numbers};
-use super::stamps::Stamp;
+use super::stamps::{Since, Stamp};
 use crate::columns;
 use crate::error::{InputError, Place, quoted};
 use crate::files::{Column, Reading, Table};
 
-/// Rows that a table must have before its header is believed where another one has more. Convention: statistics in a preamble have fewer.
-const FEW_ROWS: usize = 8;
+/// Rows of numbers that make a table: its header is believed where another one has more rows, and below the numbers it is no footer.
+/// Convention: statistics have fewer.
+pub(super) const FEW_ROWS: usize = 8;
 /// Columns that a text may have. Convention: ten times what the largest loggers write; our own format takes more.
 const MOST_COLUMNS: usize = 100_000;
 
@@ -381,7 +382,7 @@ impl Found<'_> {
         if self.reading.rate.is_none() && !has_times {
             let given = match &lvm {
                 Some(lvm) => lvm.clock(numbers),
-                None => metadata::clock(&comments, numbers),
+                None => metadata::clock(self.name, &comments, numbers)?,
             };
             if let Some((clock, said)) = given {
                 table.clock = Some(clock);
@@ -406,6 +407,7 @@ impl Found<'_> {
         if !is_plain {
             guesses.extend(self.said(numbers, &header));
         }
+        guesses.extend(self.first_is_whole(&samples, &kinds));
         table.guesses = guesses;
         Ok(Layout {
             separator: self.separator,
@@ -452,6 +454,30 @@ impl Found<'_> {
             });
         }
         decimals::of(samples, self.separator).map_err(|asked| asked.refused(self.name))
+    }
+
+    /// That the first row of numbers may be no sample, where it alone has none but whole numbers: offsets or factors of the columns.
+    fn first_is_whole(&self, samples: &[(u64, Vec<&str>)], kinds: &[Kind]) -> Option<String> {
+        let numbers_of = |row: &[&str]| -> Vec<bool> {
+            let each = row.iter().zip(kinds);
+            let each =
+                each.filter(|(cell, kind)| **kind == Kind::Numbers && !numbers::is_blank(cell));
+            each.map(|(cell, _)| cell.bytes().all(|byte| b"+-0123456789".contains(&byte)))
+                .collect()
+        };
+        let [(line, first), rest @ ..] = samples else {
+            return None;
+        };
+        let whole = numbers_of(first);
+        let is_alone = whole.len() > 1
+            && whole.iter().all(|is_whole| *is_whole)
+            && rest.len() >= FEW_ROWS
+            && rest.iter().all(|(_, row)| !numbers_of(row).contains(&true));
+        is_alone.then(|| {
+            format!(
+                "the first row of numbers, line {line}, is read as a sample, though it alone has no decimals: are they offsets or factors, delete it"
+            )
+        })
     }
 
     /// Refuses a header of fewer names than the rows have cells.
@@ -521,6 +547,10 @@ impl Found<'_> {
         let each = names.into_iter().enumerate().map(|(index, name)| {
             let kind = kinds.get(index).copied().unwrap_or(Kind::Words);
             let cells = samples.iter().map(|(_, row)| row.get(index).copied().unwrap_or_default());
+            let is_word = |cell: &&str| {
+                matches!(numbers.read(cell), Cell::Words) && Stamp::of(cell).is_none()
+            };
+            let words = (kind == Kind::Words).then(|| cells.clone().find(is_word)).flatten();
             let mut unit = (header.units.as_ref())
                 .and_then(|units| units.get(index))
                 .filter(|unit| !unit.is_empty())
@@ -535,6 +565,7 @@ impl Found<'_> {
             Column {
                 is_numeric: kind != Kind::Words,
                 is_stamp: kind == Kind::Stamps,
+                words: words.map(str::to_owned),
                 first: first(cells, kind, numbers),
                 name,
                 unit,
@@ -628,11 +659,12 @@ fn kinds(samples: &[(u64, Vec<&str>)], cells: usize, numbers: Numbers) -> Vec<Ki
 }
 
 fn first<'c>(cells: impl Iterator<Item = &'c str>, kind: Kind, numbers: Numbers) -> Vec<f64> {
-    let mut begin = None;
+    let mut since = None;
     let value = |cell: &'c str| match kind {
         Kind::Stamps => {
             let stamp = Stamp::of(cell)?;
-            stamp.since(begin.get_or_insert(stamp)).ok()
+            let since = since.get_or_insert_with(|| Since::of(&stamp));
+            since.seconds(&stamp).ok()
         }
         Kind::Numbers | Kind::Words => match numbers.read(cell) {
             Cell::Number(value) => Some(value),

@@ -3,7 +3,7 @@
 use super::layout::{Row, RowKind};
 use super::lines::Separator;
 use super::numbers::{Cell, Numbers};
-use crate::error::quoted;
+use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 
 /// What is kept of a preamble at most. Convention: more is no description of a test.
@@ -146,17 +146,50 @@ fn declared(text: &str, separator: Separator) -> Option<String> {
     (is_key(key) && !value.is_empty()).then(|| format!("{key}: {value}"))
 }
 
-/// The clock that a comment gives, with the unit of its number, and where it says so.
-pub(super) fn clock(comments: &[Comment], numbers: Numbers) -> Option<(Clock, String)> {
-    comments.iter().find_map(|comment| {
-        let step = step(&comment.text, numbers)?;
-        let said = format!(
-            "no column has the times: a step of {step} s is by line {}, {}",
-            comment.line,
-            quoted(&comment.text)
-        );
-        Some((Clock { start: 0.0, step }, said))
-    })
+/// Two rates are the same to this part of them. Convention: steps are written to three digits at least.
+const SAME: f64 = 1e-3;
+
+/// The clock that the comments give, with the unit of its number, and where they say so.
+///
+/// # Errors
+/// Two comments that give different rates.
+pub(super) fn clock(
+    name: &str,
+    comments: &[Comment],
+    numbers: Numbers,
+) -> Result<Option<(Clock, String)>, InputError> {
+    let given = comments
+        .iter()
+        .filter_map(|comment| Some((comment, step(&comment.text, numbers)?)));
+    let given: Vec<(&Comment, f64)> = given.collect();
+    let Some(&(comment, step)) = given.first() else {
+        return Ok(None);
+    };
+    let is_other = |(_, other): &&(&Comment, f64)| (other / step - 1.0).abs() > SAME;
+    if let Some((other, second)) = given.iter().find(is_other) {
+        let rate = |step: f64| format!("--rate {}", (1e6 / step).round() / 1e6);
+        return Err(InputError::new(
+            name,
+            format!(
+                "no column has the times, and {} gives another rate than {} in line {}",
+                quoted(&comment.text),
+                quoted(&other.text),
+                other.line
+            ),
+            format!(
+                "say which one is of the samples: {} or {}",
+                rate(step),
+                rate(*second)
+            ),
+        )
+        .at(Place::Line(comment.line)));
+    }
+    let said = format!(
+        "no column has the times: a step of {step} s is by line {}, {}",
+        comment.line,
+        quoted(&comment.text)
+    );
+    Ok(Some((Clock { start: 0.0, step }, said)))
 }
 
 /// Seconds between samples, of `Sample Rate [Hz]: 1000` and the like.

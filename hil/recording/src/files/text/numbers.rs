@@ -7,7 +7,7 @@ pub(super) struct Numbers {
     pub decimal: char,
     /// Whether the other of the two may divide thousands where a cell alone does not prove it.
     pub has_thousands: bool,
-    /// Whether no number showed the decimal sign: a comma is then refused rather than taken for anything.
+    /// Whether no number showed the decimal sign: one that could divide thousands is then refused rather than taken for anything.
     pub is_open: bool,
 }
 
@@ -69,7 +69,9 @@ const BLANK: [&str; 14] = [
 impl Numbers {
     /// What `cell`, without the blanks around it, holds.
     pub fn read(self, cell: &str) -> Cell {
+        // Where no number showed the sign, one with a point may have thousands.
         if self.decimal == '.'
+            && !(self.is_open && cell.contains('.'))
             && let Ok(value) = cell.parse::<f64>()
         {
             return finite(value);
@@ -94,7 +96,6 @@ impl Numbers {
             Sign::Sure(sign, _) if is_decimal(sign) => parts.value(Some(sign)),
             Sign::Thousands(sign) if !is_decimal(sign) => parts.value(None),
             Sign::Either(sign) if is_decimal(sign) && !self.is_open => parts.value(Some(sign)),
-            Sign::Either(sign) if is_decimal(sign) && sign == '.' => parts.value(Some(sign)),
             Sign::Either(sign) if sign == other && self.has_thousands => parts.value(None),
             _ => Cell::OtherSign,
         }
@@ -154,8 +155,11 @@ fn parts(cell: &str) -> Option<Parts<'_>> {
         '+' => (false, &cell[1..]),
         _ => (false, cell),
     };
-    let end = rest.find(['e', 'E']).unwrap_or(rest.len());
-    let (mantissa, exponent) = rest.split_at(end);
+    // Fortran writes a D where the number is of double precision; without a sign in it `2D3` is a name.
+    let is_double = |end: &usize| rest[..*end].contains(['.', ',']);
+    let end = rest.find(['e', 'E']);
+    let end = end.or(rest.find(['d', 'D']).filter(is_double));
+    let (mantissa, exponent) = rest.split_at(end.unwrap_or(rest.len()));
     if !exponent.is_empty() {
         let digits = exponent[1..]
             .strip_prefix(['+', '-'])
@@ -274,7 +278,10 @@ impl Parts<'_> {
                 digit => text.push(digit),
             }
         }
-        text.push_str(self.exponent);
+        if let Some(power) = self.exponent.get(1..) {
+            text.push('e');
+            text.push_str(power);
+        }
         text.parse::<f64>().map_or(Cell::Words, finite)
     }
 }
@@ -299,6 +306,8 @@ mod tests {
             ("1,234,567", Some(Sign::Thousands(','))),
             ("1 234,5", Some(Sign::Sure(',', false))),
             ("1'234.567", Some(Sign::Sure('.', false))),
+            ("-1.0D+03", Some(Sign::Sure('.', false))),
+            ("2D3", None),
             ("12,34,567", None),
             ("1.2.3", None),
             ("1 23", None),
@@ -340,6 +349,11 @@ mod tests {
             (Numbers::POINT, "0,5", Cell::OtherSign),
             (Numbers::POINT, ".5", Cell::Number(0.5)),
             (open, "1,234", Cell::OtherSign),
+            (open, "2.400", Cell::OtherSign),
+            (open, "-0.5", Cell::Number(-0.5)),
+            (open, "24", Cell::Number(24.0)),
+            (Numbers::POINT, "-1.5D+03", Cell::Number(-1500.0)),
+            (comma, "1,5d-1", Cell::Number(0.15)),
             (open, "1,234,567", Cell::Number(1_234_567.0)),
             (comma, "", Cell::Blank),
             (comma, "N/A", Cell::Blank),

@@ -2,7 +2,9 @@
 
 use super::head::Head;
 use super::lines::Separator;
-use crate::columns;
+use super::numbers;
+use super::stamps::Stamp;
+use crate::columns::{self, spelling};
 use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
 use crate::error::{InputError, Place};
 use crate::files::{Column, Kept, Table, Tables, Values, Wanted};
@@ -19,6 +21,93 @@ pub(super) fn is_own(head: &str) -> bool {
     let names = || header.split(',').map(|name| name.trim().trim_matches('"'));
     let own = names().filter(|name| columns::is_own(name)).take(2).count();
     own >= names().take(2).count()
+}
+
+/// Whether the first row below a header of our own names is not as our own format has it, and as other programs write it: with units,
+/// times of day, thousands, or a separator at its end.
+pub(super) fn is_loose(head: &str) -> bool {
+    let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
+    let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let (Some(header), Some(row)) = (lines.next(), lines.next()) else {
+        return false;
+    };
+    let (mut names, mut cells) = (Vec::new(), Vec::new());
+    Separator::Sign(',').split(header, &mut names);
+    Separator::Sign(',').split(row, &mut cells);
+    let is_strict = |cell: &str| number(cell).is_ok() || is_blank(cell);
+    let is_other = |(name, cell): (&&str, &&str)| {
+        columns::is_own(name)
+            && !is_strict(cell)
+            && (spelling::is_unit(cell)
+                || Stamp::of(cell).is_some()
+                || numbers::is_number(cell, false))
+    };
+    let more = cells.get(names.len()..).unwrap_or_default();
+    (!more.is_empty() && more.iter().all(|cell| cell.is_empty()))
+        || names.iter().zip(&cells).any(is_other)
+}
+
+/// Rows of words behind the numbers.
+struct Footer {
+    line: u64,
+    rows: usize,
+    /// What is wrong with the first, if numbers follow.
+    refused: InputError,
+}
+
+impl Footer {
+    fn note(self) -> String {
+        let rows = if self.rows == 1 { "row" } else { "rows" };
+        format!(
+            "{} {rows} of words at the end, from line {} on, are left out",
+            self.rows, self.line
+        )
+    }
+}
+
+/// The values of a row, put into `values`: NaN for a missing one, none for a word in a column that need not be numeric.
+fn sample(
+    name: &str,
+    row: &csv::StringRecord,
+    line: u64,
+    header: &csv::StringRecord,
+    wanted: &[Wanted],
+    values: &mut Vec<Option<f64>>,
+) -> Result<(), InputError> {
+    if row.len() != header.len() {
+        return Err(InputError::new(
+            name,
+            format!("{} cells where the header has {}", row.len(), header.len()),
+            "write one cell per column, separated by commas",
+        )
+        .at(Place::Line(line)));
+    }
+    values.clear();
+    for wanted in wanted {
+        let cell = row.get(wanted.column).unwrap_or_default();
+        values.push(match number(cell) {
+            _ if is_blank(cell) => Some(f64::NAN),
+            Ok(value) => Some(value),
+            Err(_) if !wanted.must_be_numeric => None,
+            Err((problem, mend)) => {
+                let column = header.get(wanted.column).unwrap_or_default().into();
+                let place = Place::Cell { line, column };
+                return Err(InputError::new(name, problem, mend).at(place));
+            }
+        });
+    }
+    Ok(())
+}
+
+/// Whether a row that is no sample is one of words: it has no number in a channel, or is a labelled row of statistics behind a blank
+/// line.
+fn is_of_words(row: &csv::StringRecord, wanted: &[Wanted], is_behind_blank: bool) -> bool {
+    let must = || wanted.iter().filter(|wanted| wanted.must_be_numeric);
+    let cell = |wanted: &Wanted| row.get(wanted.column).unwrap_or_default();
+    let is_word = |cell: &str| !is_blank(cell) && cell.parse::<f64>().is_err();
+    let has_number = must().any(|wanted| number(cell(wanted)).is_ok());
+    let is_labelled = || must().next().is_some_and(|wanted| is_word(cell(wanted)));
+    row.iter().any(is_word) && (!has_number || (is_behind_blank && is_labelled()))
 }
 
 /// A text whose header was read.
@@ -116,6 +205,8 @@ impl Tables for OwnTable<'_> {
         let mut lines = RowLines::default();
         let mut cut = false;
         let mut row = csv::StringRecord::new();
+        let mut values = Vec::with_capacity(wanted.len());
+        let mut footer: Option<Footer> = None;
         while (rows.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
             if is_cut(&rows) {
                 // The reader makes an empty row of a comment there.
@@ -123,32 +214,32 @@ impl Tables for OwnTable<'_> {
                 break;
             }
             let line = row.position().map_or(0, csv::Position::line);
-            if row.len() != header.len() {
-                return Err(InputError::new(
-                    name,
-                    format!("{} cells where the header has {}", row.len(), header.len()),
-                    "write one cell per column, separated by commas",
-                )
-                .at(Place::Line(line)));
+            // A row begins where the blank lines above it do.
+            let is_behind_blank = rows.position().line() > line + 1;
+            if let Err(refused) = sample(&name, &row, line, &header, wanted, &mut values) {
+                // Numbers that go on behind words are no footer.
+                if !lines.has_rows() || !is_of_words(&row, wanted, is_behind_blank) {
+                    return Err(footer.map_or(refused, |footer| footer.refused));
+                }
+                let footer = footer.get_or_insert(Footer {
+                    line,
+                    rows: 0,
+                    refused,
+                });
+                footer.rows += 1;
+                continue;
             }
-            for (wanted, column) in wanted.iter().zip(&mut columns) {
-                let Some(values) = column else { continue };
-                let cell = row.get(wanted.column).unwrap_or_default();
-                let value = match number(cell) {
-                    _ if is_blank(cell) => f64::NAN,
-                    Ok(value) => value,
-                    Err(_) if !wanted.must_be_numeric => {
-                        *column = None;
-                        continue;
+            if let Some(footer) = footer {
+                return Err(footer.refused);
+            }
+            for (value, column) in values.iter().zip(&mut columns) {
+                match (value, &mut *column) {
+                    (Some(value), Some(values)) => {
+                        grow(values);
+                        values.push(*value);
                     }
-                    Err((problem, mend)) => {
-                        let column = header.get(wanted.column).unwrap_or_default().into();
-                        let place = Place::Cell { line, column };
-                        return Err(InputError::new(name, problem, mend).at(place));
-                    }
-                };
-                grow(values);
-                values.push(value);
+                    _ => *column = None,
+                }
             }
             if let Some(cells) = &mut cells {
                 cells.push(&row);
@@ -163,7 +254,11 @@ impl Tables for OwnTable<'_> {
         let note = |line| format!("from line {line} on it is no UTF-8 and is read as windows-1252");
         Ok(Values {
             columns,
-            notes: guessed_from.map(note).into_iter().collect(),
+            notes: guessed_from
+                .map(note)
+                .into_iter()
+                .chain(footer.map(Footer::note))
+                .collect(),
             comments: text.comments(),
             lines,
             is_cut: cut,

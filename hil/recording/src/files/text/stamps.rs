@@ -12,6 +12,68 @@ pub(super) struct Stamp<'c> {
 }
 
 const DAY: i64 = 86_400_000_000_000;
+/// How near to midnight a time is that passed it. Convention: no row of a recording comes an hour after another.
+const HOUR: i64 = DAY / 24;
+
+/// The stamps of a column, one after the other.
+#[derive(Clone, Debug)]
+pub(super) struct Since {
+    /// Nanoseconds of the first and of the last one since their midnights.
+    first: i64,
+    last: i64,
+    /// The date of the last one.
+    date: String,
+    day: Option<i64>,
+    /// Days from the first one to the last.
+    days: i64,
+    /// How many of them no date said.
+    pub guessed: u64,
+}
+
+impl Since {
+    /// From this stamp on.
+    pub fn of(first: &Stamp) -> Self {
+        Self {
+            first: first.nanoseconds,
+            last: first.nanoseconds,
+            date: first.date.to_owned(),
+            day: first.day,
+            days: 0,
+            guessed: 0,
+        }
+    }
+
+    /// Seconds from the first stamp to the next one; an error in words where the dates do not say how many days apart they are.
+    ///
+    /// From the last hour of a day to the first one of another it is midnight that passed, whatever the date does not say.
+    pub fn seconds(&mut self, next: &Stamp) -> Result<f64, &'static str> {
+        let is_midnight = self.last >= DAY - HOUR && next.nanoseconds < HOUR;
+        let days = match (self.day, next.day) {
+            _ if self.date == next.date && !self.date.is_empty() => 0,
+            (Some(day), Some(next)) => next - day,
+            _ if is_midnight => {
+                self.guessed += 1;
+                1
+            }
+            _ if self.date == next.date => 0,
+            _ => return Err(UNCLEAR),
+        };
+        if self.date != next.date {
+            next.date.clone_into(&mut self.date);
+            self.day = next.day;
+        }
+        self.last = next.nanoseconds;
+        self.days = self.days.checked_add(days).ok_or(TOO_FAR)?;
+        let nanoseconds = self.days.checked_mul(DAY);
+        let nanoseconds = nanoseconds.map(|days| days + next.nanoseconds - self.first);
+        nanoseconds
+            .map(|nanoseconds| nanoseconds as f64 / 1e9)
+            .ok_or(TOO_FAR)
+    }
+}
+
+const UNCLEAR: &str = "the date changes, and day and month cannot be told apart in it";
+const TOO_FAR: &str = "the dates are too far apart";
 
 impl<'c> Stamp<'c> {
     /// The stamp in a cell: `2024-03-01 12:00:00.125`, `01.03.2024 12:00:00,125`, `00:01:02.345`, `3/1/2024 1:54:32 PM`.
@@ -41,22 +103,6 @@ impl<'c> Stamp<'c> {
             nanoseconds: time_of_day(time)?,
         })
     }
-
-    /// Seconds since `first`; an error in words where the dates do not say how many days apart they are.
-    pub fn since(&self, first: &Stamp) -> Result<f64, &'static str> {
-        let days = match (self.day, first.day) {
-            _ if self.date == first.date => 0,
-            (Some(day), Some(first)) => day - first,
-            _ => return Err("the date changes, and day and month cannot be told apart in it"),
-        };
-        let nanoseconds = days
-            .checked_mul(DAY)
-            .map(|days| days + self.nanoseconds - first.nanoseconds);
-        match nanoseconds {
-            Some(nanoseconds) => Ok(nanoseconds as f64 / 1e9),
-            None => Err("the dates are too far apart"),
-        }
-    }
 }
 
 /// The number of a day; none inside where day and month could be either.
@@ -80,15 +126,17 @@ fn day(date: &str) -> Option<Option<i64>> {
     if first.len() == 4 {
         return (is_month(b) && is_day(c)).then(|| Some(days(a, b, c)));
     }
-    let can_be_day_first = is_day(a) && is_month(b);
-    let can_be_month_first = is_month(a) && is_day(b) && sign != '.';
-    match (can_be_day_first, can_be_month_first) {
-        (true, true) if a == b => Some(Some(days(c, b, a))),
-        (true, true) => Some(None),
-        (true, false) => Some(Some(days(c, b, a))),
-        (false, true) => Some(Some(days(c, a, b))),
-        (false, false) => None,
-    }
+    // Two digits first may be those of the year.
+    let has_short_year = sign != '.' && first.len() == 2 && third.len() == 2;
+    let mut could_be = [
+        (is_day(a) && is_month(b)).then(|| days(c, b, a)),
+        (is_month(a) && is_day(b) && sign != '.').then(|| days(c, a, b)),
+        (has_short_year && is_month(b) && is_day(c)).then(|| days(a, b, c)),
+    ]
+    .into_iter()
+    .flatten();
+    let day = could_be.next()?;
+    Some(could_be.all(|other| other == day).then_some(day))
 }
 
 /// Days of the calendar since the first of March of the year 0.
@@ -105,6 +153,10 @@ fn days(year: i64, month: i64, day: i64) -> i64 {
 /// `12:00:00.125`, with a point, a comma or a colon before the fraction, and a half of the day behind.
 fn time_of_day(time: &str) -> Option<i64> {
     let time = time.trim().trim_end_matches(['Z', 'z']).trim_end();
+    let (time, ahead) = match time.rfind(['+', '-']) {
+        Some(sign) => (time[..sign].trim_end(), Some(offset(&time[sign..])?)),
+        None => (time, None),
+    };
     let upper = time.len().checked_sub(2).and_then(|at| time.get(at..));
     let half = upper.filter(|end| end.eq_ignore_ascii_case("am") || end.eq_ignore_ascii_case("pm"));
     let (time, half) = match half {
@@ -144,7 +196,27 @@ fn time_of_day(time: &str) -> Option<i64> {
         shown.parse().ok()?
     };
     let fraction = fraction * 10_i64.pow(9 - shown.len() as u32);
-    Some(seconds * 1_000_000_000 + fraction)
+    Some((seconds - ahead.unwrap_or(0)) * 1_000_000_000 + fraction)
+}
+
+/// Seconds by which a clock is ahead of UTC: `+01:00`, `-0530`, `+02`.
+fn offset(text: &str) -> Option<i64> {
+    let digits = text[1..].replacen(':', "", 1);
+    if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let (hours, minutes) = digits.split_at(2);
+    let minutes: i64 = if minutes.is_empty() {
+        0
+    } else {
+        minutes.parse().ok()?
+    };
+    let seconds = 3600 * hours.parse::<i64>().ok()? + 60 * minutes;
+    Some(if text.starts_with('-') {
+        -seconds
+    } else {
+        seconds
+    })
 }
 
 #[cfg(test)]
@@ -152,8 +224,8 @@ mod tests {
     use super::*;
 
     fn seconds(first: &str, cell: &str) -> Option<f64> {
-        let first = Stamp::of(first)?;
-        Stamp::of(cell)?.since(&first).ok()
+        let mut since = Since::of(&Stamp::of(first)?);
+        since.seconds(&Stamp::of(cell)?).ok()
     }
 
     #[test]
@@ -168,12 +240,24 @@ mod tests {
             ("3/1/2024 1:54:32 PM", "3/1/2024 1:54:33 PM", 1.0),
             ("12/31/2023 23:59:59", "12/31/2023 23:59:59.5", 0.5),
             ("10:00:00:125", "10:00:00:250", 0.125),
+            (
+                "2024-03-01T12:00:00+01:00",
+                "2024-03-01T12:00:00.5+01:00",
+                0.5,
+            ),
+            ("2024-03-31T01:59:59+0100", "2024-03-31T03:00:00+02", 1.0),
+            // By the midnight that passed.
+            ("23:59:59.5", "00:00:00.25", 0.75),
+            ("24-03-01 23:59:59", "24-03-02 00:00:01", 2.0),
+            ("3/4/2024 23:59:59", "3/5/2024 00:00:00", 1.0),
         ] {
             let is = seconds(first, cell).unwrap_or(f64::NAN);
             assert!((is - apart).abs() < 1e-9, "{first} to {cell}: {is}");
         }
         // The third of April or the fourth of March.
-        assert_eq!(seconds("3/4/2024 23:59:59", "3/5/2024 00:00:00"), None);
+        assert_eq!(seconds("3/4/2024 12:59:59", "3/5/2024 00:00:00"), None);
+        // A clock that was set back is no midnight.
+        assert_eq!(seconds("12:00:00", "00:00:01"), Some(-43_199.0));
         for cell in [
             "12:00",
             "1:2",
@@ -183,6 +267,8 @@ mod tests {
             "key: 12:00:00",
             ":",
             "12:00:00.",
+            "12:00:00+1",
+            "12:00:00+01:0",
         ] {
             assert_eq!(Stamp::of(cell), None, "{cell}");
         }

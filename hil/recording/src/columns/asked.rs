@@ -1,0 +1,140 @@
+//! What is asked about the columns of a recording, with the options to type.
+
+use super::choose::Choice;
+use super::taken::{self, Candidate, Rank, UnitFound};
+use crate::channel::Channel;
+use crate::error::{InputError, Place, quoted};
+use crate::files::Column;
+
+/// Options that a message offers at most.
+const OPTIONS: usize = 4;
+
+impl Choice<'_> {
+    /// Columns that a channel may be equally well.
+    pub(super) fn several(&self, channel: Channel, columns: &[&str]) -> InputError {
+        let channel = channel.name();
+        let options: Vec<String> = columns
+            .iter()
+            .map(|name| option("channel", channel, name))
+            .collect();
+        InputError::new(
+            self.file,
+            format!(
+                "{} columns could be the {channel}: {}",
+                columns.len(),
+                listed(columns)
+            ),
+            format!("say which: {}", options.join(" or ")),
+        )
+    }
+
+    /// A channel's column of which the unit is not known.
+    pub(super) fn no_unit(&self, channel: Channel, column: usize, problem: String) -> InputError {
+        let name = self.table.columns[column].name.as_str();
+        let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+        let quantity = channel.name();
+        let mend = format!(
+            "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
+            channel.column_names(),
+            units[0],
+            units[1],
+            units.join(", ")
+        );
+        InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
+    }
+
+    /// A channel that no column is.
+    pub(super) fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+        let columns = &self.table.columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let name = channel.name();
+        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
+        let is_measured = |column: &Column| !taken::is_surely_other(column);
+        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
+            let each = columns
+                .iter()
+                .zip(candidates)
+                .filter(|(column, candidates)| {
+                    let is_other = |candidate: &Candidate| {
+                        candidate.channel != channel && candidate.rank >= Rank::Word
+                    };
+                    column.is_numeric
+                        && !column.is_stamp
+                        && is_measured(column)
+                        && !candidates.iter().any(is_other)
+                        && is_it(&taken::unit_for(column, channel))
+                });
+            each.map(|(column, _)| option("channel", name, &column.name))
+                .collect()
+        };
+        let mut options =
+            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(_)));
+        if options.is_empty() {
+            options = could_be(&|unit| matches!(unit, UnitFound::None));
+        }
+        options.truncate(OPTIONS);
+        if options.is_empty() {
+            options.push(format!("--channel {name}=NAME"));
+        }
+        let rate = if channel == Channel::Time {
+            ", or give the samples a second with --rate"
+        } else {
+            ""
+        };
+        let problem = if self.table.is_nameless {
+            format!(
+                "there is no header, the first row holds numbers; its columns are {}",
+                listed(&names)
+            )
+        } else {
+            let words = columns.iter().find_map(|column| {
+                let cell = column.words.as_ref()?;
+                let is_it = |each: &Candidate| each.channel == channel;
+                let is_named = taken::candidates(&taken::of_numbers(column))
+                    .iter()
+                    .any(is_it);
+                is_named.then(|| {
+                    let name = quoted(&column.name);
+                    format!("; column {name} holds words, such as {}", quoted(cell))
+                })
+            });
+            let words = words.unwrap_or_default();
+            format!("there is no {name} column; found {}{words}", listed(&names))
+        };
+        let error = InputError::new(
+            self.file,
+            problem,
+            format!(
+                "name one of them {}, or say which it is: {}{rate}",
+                channel.column_names(),
+                options.join(" or ")
+            ),
+        );
+        match self.table.header_line {
+            Some(line) => error.at(Place::Line(line)),
+            None => error,
+        }
+    }
+}
+
+pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {
+    format!("--{option} {quantity}={}", shell(name))
+}
+
+/// A name as a shell takes it: in quotes where it needs them.
+pub fn shell(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
+    if !name.is_empty() && name.chars().all(plain) {
+        return name.to_owned();
+    }
+    format!("'{}'", name.replace('\'', "'\\''"))
+}
+
+pub(super) fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
+    if names.len() > MOST {
+        shown.push(format!("and {} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}

@@ -1,0 +1,149 @@
+//! The control inputs among the columns.
+
+use super::asked::{listed, option};
+use super::choose::{Choice, ChosenControl, Used, said};
+use super::taken;
+use crate::channel::Channel;
+use crate::control::{UNITS, is_control};
+use crate::error::{InputError, Place, quoted};
+
+impl Choice<'_> {
+    /// The columns that the user says and those that are named so, in the order of the file.
+    pub(super) fn controls(
+        &self,
+        used: &[Used],
+        guesses: &mut Vec<String>,
+    ) -> Result<Vec<ChosenControl>, InputError> {
+        let mut controls: Vec<ChosenControl> = Vec::new();
+        let channels = Channel::ALL.map(Channel::name);
+        for (quantity, name) in &self.reading.channels {
+            if channels.contains(&quantity.as_str()) {
+                continue;
+            }
+            let column = self.named(name, quantity)?;
+            let unit = match said(&self.reading.units, quantity) {
+                Some(written) => super::spelling::control_unit(written, UNITS),
+                None => taken::control_unit_of(&self.table.columns[column]),
+            };
+            let unit = unit.ok_or_else(|| {
+                InputError::new(
+                    self.file,
+                    format!("the unit of the control input {quantity} is not known"),
+                    format!(
+                        "say it: --unit {quantity}=A; units are {}",
+                        UNITS.join(", ")
+                    ),
+                )
+                .at(Place::Column(name.clone()))
+            })?;
+            controls.push(ChosenControl {
+                column,
+                name: format!("{quantity}_{unit}"),
+            });
+        }
+        let is_said = |name: &str| controls.iter().any(|control| control.name == name);
+        let mut found: Vec<(String, bool, usize)> = Vec::new();
+        for (column, each) in self.table.columns.iter().enumerate() {
+            let is_used = used.iter().any(|used| used.column == column)
+                || controls.iter().any(|control| control.column == column);
+            let wanted = |name: &str| match &self.needs.inputs {
+                Some(inputs) => inputs.iter().any(|input| input == name),
+                None => true,
+            };
+            if is_used {
+                continue;
+            }
+            if let Some((name, is_own)) = taken::control_name(each)
+                && wanted(&name)
+                && !is_said(&name)
+            {
+                found.push((name, is_own, column));
+            }
+        }
+        let mut names: Vec<String> = found.iter().map(|(name, ..)| name.clone()).collect();
+        names.sort_unstable();
+        names.dedup();
+        for name in names {
+            let mut of_it: Vec<(bool, usize)> = (found.iter().filter(|(each, ..)| *each == name))
+                .map(|&(_, is_own, column)| (is_own, column))
+                .collect();
+            // A name of our own files is surer than words.
+            if of_it.iter().any(|(is_own, _)| *is_own) {
+                of_it.retain(|(is_own, _)| *is_own);
+            }
+            let [(is_own, column)] = of_it[..] else {
+                let columns: Vec<usize> = of_it.iter().map(|&(_, column)| column).collect();
+                let error = self.several_inputs(&name, &columns);
+                if self.needs.inputs.is_some() {
+                    return Err(error);
+                }
+                guesses.push(format!("{}: none is read; {}", error.problem, error.mend));
+                continue;
+            };
+            if !is_own {
+                let told = quoted(&self.table.columns[column].name);
+                guesses.push(format!("control input {name} is read from column {told}"));
+            }
+            controls.push(ChosenControl { column, name });
+        }
+        controls.sort_by_key(|control| control.column);
+        match &self.needs.inputs {
+            Some(inputs) => inputs
+                .iter()
+                .map(|name| {
+                    let found = controls.iter().find(|control| control.name == *name);
+                    found.cloned().ok_or_else(|| self.no_input(name))
+                })
+                .collect(),
+            None => Ok(controls),
+        }
+    }
+
+    /// A control input that is needed and that no column is.
+    fn no_input(&self, name: &str) -> InputError {
+        let columns = self.table.columns.iter();
+        let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
+        let names = listed(&names);
+        let (problem, (quantity, unit)) = match name.rsplit_once('_') {
+            Some(parts) if is_control(name) => (
+                format!("there is no control input {name}; found {names}"),
+                parts,
+            ),
+            _ => (
+                format!(
+                    "{} is not the name of a control input, which ends in a unit; found {names}",
+                    quoted(name)
+                ),
+                ("current", "A"),
+            ),
+        };
+        InputError::new(
+            self.file,
+            problem,
+            format!(
+                "call its column {quantity}_{unit}, or say which it is: --channel {quantity}=NAME --unit {quantity}={unit}"
+            ),
+        )
+    }
+
+    /// Columns that a control input may be equally well. Given under names of their own, each is one.
+    fn several_inputs(&self, name: &str, columns: &[usize]) -> InputError {
+        let quantity = name.rsplit_once('_').map_or(name, |(quantity, _)| quantity);
+        let names: Vec<&str> = (columns.iter())
+            .map(|&column| self.table.columns[column].name.as_str())
+            .collect();
+        let options: Vec<String> = names
+            .iter()
+            .map(|each| option("channel", quantity, each))
+            .collect();
+        InputError::new(
+            self.file,
+            format!(
+                "{} columns could be the control input {name}: {}",
+                names.len(),
+                listed(&names)
+            ),
+            format!("say which: {}", options.join(" or ")),
+        )
+    }
+}
