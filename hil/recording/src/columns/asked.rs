@@ -1,7 +1,8 @@
 //! What is asked about the columns of a recording, with the options to type.
 
 use super::choose::Choice;
-use super::taken::{self, Candidate, Rank, UnitFound};
+use super::taken::{self, Candidate, Rank};
+use super::unit_found::{self, UnitFound};
 use crate::channel::Channel;
 use crate::error::{InputError, Place, quoted};
 use crate::files::Column;
@@ -62,7 +63,7 @@ impl Choice<'_> {
                         && !column.is_stamp
                         && is_measured(column)
                         && !candidates.iter().any(is_other)
-                        && is_it(&taken::unit_for(column, channel))
+                        && is_it(&unit_found::unit_for(column, channel))
                 });
             each.map(|(column, _)| option("channel", name, &column.name))
                 .collect()

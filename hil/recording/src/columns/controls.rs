@@ -2,7 +2,7 @@
 
 use super::asked::{listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
-use super::taken;
+use super::{taken, unit_found};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
@@ -23,7 +23,7 @@ impl Choice<'_> {
             let column = self.named(name, quantity)?;
             let unit = match said(&self.reading.units, quantity) {
                 Some(written) => super::spelling::control_unit(written, UNITS),
-                None => taken::control_unit_of(&self.table.columns[column]),
+                None => unit_found::control_unit_of(&self.table.columns[column]),
             };
             let unit = unit.ok_or_else(|| {
                 InputError::new(
