@@ -7,6 +7,8 @@ use crate::channel::Channel;
 use crate::error::{InputError, Place, quoted};
 use crate::files::Column;
 
+/// Names that a message lists at most.
+pub(super) const MOST: usize = 12;
 /// Options that a message offers at most.
 const OPTIONS: usize = 4;
 
@@ -16,6 +18,7 @@ impl Choice<'_> {
         let channel = channel.name();
         let options: Vec<String> = columns
             .iter()
+            .take(MOST)
             .map(|name| option("channel", channel, name))
             .collect();
         InputError::new(
@@ -132,7 +135,6 @@ pub fn shell(name: &str) -> String {
 }
 
 pub(super) fn listed(names: &[&str]) -> String {
-    const MOST: usize = 12;
     let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
     if names.len() > MOST {
         shown.push(format!("and {} more", names.len() - MOST));
