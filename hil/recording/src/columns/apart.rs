@@ -1,6 +1,6 @@
 //! Channels that lie in different tables of a file, which were sampled at different times.
 
-use super::taken;
+use super::{taken, unit_found};
 use crate::channel::Channel;
 use crate::error::{InputError, quoted};
 use crate::files::{Column, Needs, Reading, Table};
@@ -62,8 +62,8 @@ fn is_channel(column: &Column, channel: Channel, reading: &Reading) -> bool {
 fn rate(table: &Table) -> Option<f64> {
     let of_times = || {
         let time = table.columns.iter().find(|column| taken::is_time(column))?;
-        let unit = match taken::unit_for(time, Channel::Time) {
-            taken::UnitFound::Known(unit) => unit,
+        let unit = match unit_found::unit_for(time, Channel::Time) {
+            unit_found::UnitFound::Known(unit) => unit,
             _ => return None,
         };
         let (first, last) = (time.first.first()?, time.first.last()?);

@@ -1,11 +1,14 @@
 //! What is asked about the columns of a recording, with the options to type.
 
 use super::choose::Choice;
-use super::taken::{self, Candidate, Rank, UnitFound};
+use super::taken::{self, Candidate, Rank};
+use super::unit_found::{self, UnitFound};
 use crate::channel::Channel;
 use crate::error::{InputError, Place, quoted};
 use crate::files::Column;
 
+/// Names that a message lists at most.
+pub(super) const MOST: usize = 12;
 /// Options that a message offers at most.
 const OPTIONS: usize = 4;
 
@@ -15,6 +18,7 @@ impl Choice<'_> {
         let channel = channel.name();
         let options: Vec<String> = columns
             .iter()
+            .take(MOST)
             .map(|name| option("channel", channel, name))
             .collect();
         InputError::new(
@@ -62,7 +66,7 @@ impl Choice<'_> {
                         && !column.is_stamp
                         && is_measured(column)
                         && !candidates.iter().any(is_other)
-                        && is_it(&taken::unit_for(column, channel))
+                        && is_it(&unit_found::unit_for(column, channel))
                 });
             each.map(|(column, _)| option("channel", name, &column.name))
                 .collect()
@@ -131,7 +135,6 @@ pub fn shell(name: &str) -> String {
 }
 
 pub(super) fn listed(names: &[&str]) -> String {
-    const MOST: usize = 12;
     let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
     if names.len() > MOST {
         shown.push(format!("and {} more", names.len() - MOST));

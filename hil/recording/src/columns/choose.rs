@@ -1,7 +1,8 @@
 //! The columns that a recording is made of.
 
 use super::asked::listed;
-use super::taken::{self, Candidate, Rank, UnitFound};
+use super::taken::{self, Candidate, Rank};
+use super::unit_found::{self, UnitFound};
 use crate::channel::Channel;
 use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
@@ -369,7 +370,7 @@ impl Choice<'_> {
     ) -> Result<Option<Unit>, InputError> {
         let fail = |problem: String| self.no_unit(channel, column, problem);
         let told = &self.table.columns[column];
-        let found = taken::unit_for(told, channel);
+        let found = unit_found::unit_for(told, channel);
         if let Some(written) = said(&self.reading.units, channel.name()) {
             let unit = super::spelling::unit_of(channel, written)
                 .ok_or_else(|| fail(format!("unknown unit {}", quoted(written))))?;
@@ -419,7 +420,7 @@ impl Choice<'_> {
     ) -> Result<Unit, InputError> {
         match &self.needs.unmarked {
             Unmarked::Refused => {
-                let problem = match taken::unknown_unit(&self.table.columns[column]) {
+                let problem = match unit_found::unknown_unit(&self.table.columns[column]) {
                     Some(written) => format!("unknown unit {}", quoted(&written)),
                     None => "the name carries no unit".into(),
                 };

@@ -1,8 +1,10 @@
 //! The control inputs among the columns.
 
-use super::asked::{listed, option};
+use std::collections::BTreeMap;
+
+use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
-use super::taken;
+use super::{taken, unit_found};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
@@ -23,7 +25,7 @@ impl Choice<'_> {
             let column = self.named(name, quantity)?;
             let unit = match said(&self.reading.units, quantity) {
                 Some(written) => super::spelling::control_unit(written, UNITS),
-                None => taken::control_unit_of(&self.table.columns[column]),
+                None => unit_found::control_unit_of(&self.table.columns[column]),
             };
             let unit = unit.ok_or_else(|| {
                 InputError::new(
@@ -42,7 +44,7 @@ impl Choice<'_> {
             });
         }
         let is_said = |name: &str| controls.iter().any(|control| control.name == name);
-        let mut found: Vec<(String, bool, usize)> = Vec::new();
+        let mut found: BTreeMap<String, Vec<(bool, usize)>> = BTreeMap::new();
         for (column, each) in self.table.columns.iter().enumerate() {
             let is_used = used.iter().any(|used| used.column == column)
                 || controls.iter().any(|control| control.column == column);
@@ -57,16 +59,10 @@ impl Choice<'_> {
                 && wanted(&name)
                 && !is_said(&name)
             {
-                found.push((name, is_own, column));
+                found.entry(name).or_default().push((is_own, column));
             }
         }
-        let mut names: Vec<String> = found.iter().map(|(name, ..)| name.clone()).collect();
-        names.sort_unstable();
-        names.dedup();
-        for name in names {
-            let mut of_it: Vec<(bool, usize)> = (found.iter().filter(|(each, ..)| *each == name))
-                .map(|&(_, is_own, column)| (is_own, column))
-                .collect();
+        for (name, mut of_it) in found {
             // A name of our own files is surer than words.
             if of_it.iter().any(|(is_own, _)| *is_own) {
                 of_it.retain(|(is_own, _)| *is_own);
@@ -134,6 +130,7 @@ impl Choice<'_> {
             .collect();
         let options: Vec<String> = names
             .iter()
+            .take(MOST)
             .map(|each| option("channel", quantity, each))
             .collect();
         InputError::new(

@@ -12,6 +12,7 @@ mod name;
 mod scale;
 pub(crate) mod spelling;
 mod taken;
+mod unit_found;
 mod words;
 
 pub use asked::shell;
@@ -49,10 +50,12 @@ pub fn described(column: &Column) -> Option<String> {
     let each = candidates.iter().map(|candidate| {
         let channel = candidate.channel.name();
         match &candidate.unit {
-            taken::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
-            taken::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
-            taken::UnitFound::Unclear(unit) => format!("{channel} in {unit}, which is not clear"),
-            taken::UnitFound::None => format!("{channel} without a unit"),
+            unit_found::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
+            unit_found::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
+            unit_found::UnitFound::Unclear(unit) => {
+                format!("{channel} in {unit}, which is not clear")
+            }
+            unit_found::UnitFound::None => format!("{channel} without a unit"),
         }
     });
     let channels: Vec<String> = each.collect();

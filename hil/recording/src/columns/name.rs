@@ -37,12 +37,21 @@ struct Marked<'t> {
     is_square: bool,
 }
 
+/// Bytes of a name in which a unit is looked for, which takes the square of them. Convention: no name of a column is longer.
+const LONGEST: usize = 256;
+
 const BRACKETS: [[char; 2]; 4] = [['[', ']'], ['(', ')'], ['{', '}'], ['<', '>']];
 
 impl Name {
     /// Takes a name apart.
     pub fn of(text: &str) -> Self {
         let text = text.trim().trim_matches('"').trim();
+        if text.len() > LONGEST {
+            return Self {
+                words: words(text),
+                ..Self::default()
+            };
+        }
         let scale = scale(text).map(str::to_owned);
         if let Some(found) = marked(text) {
             let rest = format!("{} {}", found.before, found.behind);
@@ -229,6 +238,8 @@ mod tests {
         assert_eq!(tails("velocity_mm/s"), [pair("velocity", "mm/s")]);
         assert_eq!(Name::of("Time (s) / ms").others[0], "ms");
         assert_eq!(Name::of("Force [kN] -> N").others, ["-", "N"]);
+        let long = format!("Force [kN] {}", "(/x ".repeat(1 << 20));
+        assert_eq!(Name::of(&long).marked, None);
         assert_eq!(Name::of("Zaman (sn)").bracketed.as_deref(), Some("sn"));
     }
 }

@@ -1,7 +1,26 @@
 //! A factor in a column's name: by how much its values were multiplied, or are to be, nobody can tell.
 
-/// A scale as it is written: `x1000`, `×10`, `*1e3`, `10^3`, `10³`, `1e-3`, `/1000`.
+/// Words that say that there is one.
+const WORDS: [&str; 9] = [
+    "scaled",
+    "factor",
+    "thousand",
+    "thousands",
+    "million",
+    "millions",
+    "skaliert",
+    "faktor",
+    "tausend",
+];
+
+/// A scale as it is written: `x1000`, `×10`, `*1e3`, `10^3`, `10³`, `1e-3`, `/1000`, `in thousands`.
 pub(super) fn scale(text: &str) -> Option<&str> {
+    let mut words = text.split(|c: char| !c.is_alphabetic());
+    let is_scale = |word: &&str| WORDS.contains(&word.to_lowercase().as_str());
+    words.find(is_scale).or_else(|| in_figures(text))
+}
+
+fn in_figures(text: &str) -> Option<&str> {
     text.char_indices().find_map(|(at, sign)| {
         let before = &text[..at];
         let behind = &text[at + sign.len_utf8()..];
@@ -92,6 +111,8 @@ mod tests {
             ("Force_N_x100", "x100"),
             ("Force /100 [N]", "/100"),
             ("Force 1000x [N]", "1000x"),
+            ("Force [N] in thousands", "thousands"),
+            ("Force kN (Scaled)", "Scaled"),
         ] {
             assert_eq!(scale(text), Some(is), "{text}");
         }

@@ -1,13 +1,12 @@
 //! What a column of a file may be taken for.
 
 use super::name::Name;
-use super::spelling::{bare, control_unit, unit_of};
+use super::spelling::{bare, control_unit};
+use super::unit_found::{UnitFound, control_unit_and_words, own_unit, unit_and_words};
 use super::words::{self, Certainty};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
-use crate::error::quoted;
 use crate::files::Column;
-use crate::units::Unit;
 
 /// How surely a column is a channel's; the greater is the surer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,19 +30,6 @@ pub(super) struct Candidate {
     pub rank: Rank,
     /// What is known of its unit.
     pub unit: UnitFound,
-}
-
-/// What a column's name and unit say about the unit of a channel.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum UnitFound {
-    /// One of the channel's.
-    Known(Unit),
-    /// The file says a unit that the channel cannot have, or that is unknown.
-    Unknown(String),
-    /// The file says two, or one that could be two.
-    Unclear(String),
-    /// None is said.
-    None,
 }
 
 /// The channels that a column may be, by its own name and unit.
@@ -145,16 +131,6 @@ pub(super) fn of_numbers(column: &Column) -> Column {
     }
 }
 
-/// What stands in the brackets of a name, where it may be a unit and is none that is known: `Zaman (sn)`.
-pub(super) fn unknown_unit(column: &Column) -> Option<String> {
-    let name = Name::of(&column.name);
-    let written = name.bracketed?;
-    let words = super::name::words(&written);
-    let is_letter = |word: &String| word.chars().count() == 1;
-    let is_word = words::is_other(&words) || words::are_understood(&words);
-    (!is_word || words.iter().any(is_letter)).then_some(written)
-}
-
 /// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
 pub(super) fn is_time(column: &Column) -> bool {
     let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
@@ -164,14 +140,6 @@ pub(super) fn is_time(column: &Column) -> bool {
     };
     let is_said = column.is_time || column.is_stamp;
     column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
-}
-
-/// What the file says of a column's unit, for one channel.
-pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
-    match own_name(&column.name) {
-        Some((own, symbol)) if own == channel => own_unit(column, channel, symbol),
-        _ => unit_and_words(column, &Name::of(&column.name), channel).0,
-    }
 }
 
 /// Whether a name has a word of some quantity in it, and none that makes it another column.
@@ -214,114 +182,6 @@ pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
     Some((format!("{word}_{unit}"), false))
 }
 
-/// The unit that a control input's column has.
-pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
-    let name = Name::of(&column.name);
-    control_unit_and_words(column, &name).map(|(unit, _)| unit)
-}
-
-/// The unit of a control input that a column has, and the words of its name without it; none where another unit stands beside it.
-fn control_unit_and_words<'n>(
-    column: &Column,
-    name: &'n Name,
-) -> Option<(&'static str, &'n [String])> {
-    if let Some(written) = row_unit(column).or(name.marked.as_deref()) {
-        let unit = control_unit(written, UNITS)?;
-        let another = |other: &String| {
-            other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
-        };
-        return (!name.others.iter().any(another)).then_some((unit, &name.words));
-    }
-    let mut tails = name.tails.iter();
-    tails.find_map(|tail| Some((control_unit(&tail.text, UNITS)?, tail.before.as_slice())))
-}
-
-fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
-    if column.is_stamp {
-        return of_stamps();
-    }
-    let known = channel.units().iter().find(|unit| unit.symbol == symbol);
-    match known {
-        Some(unit) => beside(column, channel, *unit, symbol),
-        None if symbol.is_empty() => unit_and_words(column, &Name::default(), channel).0,
-        None => UnitFound::Unknown(symbol.to_owned()),
-    }
-}
-
-/// The unit of dates and times of day, whatever the name says: `Time (ms)`, `Time [hh:mm:ss]`.
-fn of_stamps() -> UnitFound {
-    UnitFound::Known(Channel::Time.unit_in(&crate::units::Units::SI))
-}
-
-/// A unit that the name says, beside that which the file says elsewhere.
-fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
-    match row_unit(column) {
-        Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
-            UnitFound::Unclear(format!("{written} beside {other}"))
-        }
-        _ => UnitFound::Known(unit),
-    }
-}
-
-/// The unit that the file says outside of the name.
-fn row_unit(column: &Column) -> Option<&str> {
-    let said = column.unit.as_deref().map(bare);
-    said.filter(|unit| !unit.is_empty())
-}
-
-/// What is said of the unit for a channel, and the words of the name without it.
-fn unit_and_words<'n>(
-    column: &Column,
-    name: &'n Name,
-    channel: Channel,
-) -> (UnitFound, &'n [String]) {
-    // `Load_N`, and not `Load_Cell`.
-    let mut tails = name.tails.iter();
-    let tail = tails.find(|tail| unit_of(channel, &tail.text).is_some());
-    let words = tail.map_or(&name.words, |tail| &tail.before);
-    if column.is_stamp && channel == Channel::Time {
-        return (of_stamps(), words);
-    }
-    let written = (name.marked.as_deref()).or(tail.map(|tail| tail.text.as_str()));
-    let Some(written) = written.or(row_unit(column)) else {
-        return (UnitFound::None, words);
-    };
-    let found = if is_lost_in_capitals(channel, &column.name, written) {
-        UnitFound::Unclear(format!("{written} in a name of capitals"))
-    } else if let Some(unit) = unit_of(channel, written) {
-        let mut others = name.others.iter();
-        match others.find(|other| is_another(channel, unit, other)) {
-            Some(other) => UnitFound::Unclear(format!("{written} beside {other}")),
-            None => beside(column, channel, unit, written),
-        }
-    } else {
-        UnitFound::Unknown(written.to_owned())
-    };
-    match (&name.scale, found) {
-        (Some(scale), UnitFound::Known(_)) => {
-            let unclear = format!("{written} with the factor {}", quoted(scale));
-            (UnitFound::Unclear(unclear), words)
-        }
-        (_, found) => (found, words),
-    }
-}
-
-/// Whether a word beside a unit is another unit of the channel; a letter alone is one only as our own files write it.
-fn is_another(channel: Channel, unit: Unit, written: &str) -> bool {
-    let is_letter = written.chars().count() == 1;
-    let own = || channel.units().iter().any(|unit| unit.symbol == written);
-    (!is_letter || own()) && unit_of(channel, written).is_some_and(|other| !other.is_same(unit))
-}
-
-/// Whether a unit that capitals make of two, MN of mN, stands where all is in capitals.
-fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
-    let letters = || name.chars().filter(|c| c.is_alphabetic());
-    let is_capital = letters().count() > 3 && letters().all(char::is_uppercase);
-    let folded = written.to_lowercase();
-    let alike = (channel.units().iter()).filter(|unit| unit.symbol.to_lowercase() == folded);
-    is_capital && alike.count() > 1
-}
-
 /// Whether a name is one of our own files, with a unit.
 pub(super) fn is_own(name: &str) -> bool {
     let is_unit = |(channel, symbol): (Channel, &str)| {
@@ -333,7 +193,7 @@ pub(super) fn is_own(name: &str) -> bool {
 /// The channel and the unit's symbol that a name of our own files says: `force_kN`.
 ///
 /// A further word between the two, as in `force_command_kN`, makes it another column.
-fn own_name(name: &str) -> Option<(Channel, &str)> {
+pub(super) fn own_name(name: &str) -> Option<(Channel, &str)> {
     let channel = Channel::ALL
         .into_iter()
         .find(|channel| name.starts_with(channel.name()))?;

@@ -1,8 +1,9 @@
 //! What the words in a column's name say it is, in the languages of test labs.
 //!
 //! Each quantity has its words in one place, by how they say it: alone, at the end of a longer word, or only beside a unit of it. A word
-//! that means two quantities stands in both, and the unit decides. A word that is known and of no quantity of a recording, as `cycle` or
-//! `setpoint`, makes a column another one, whatever else its name says.
+//! that means two quantities stands in both, and the unit decides. A word of what was asked or counted, as `setpoint` or `cycle`, makes a
+//! column another one, whatever else its name says. One that may spoil a column or not, as `corrected`, makes a question where another
+//! column would be taken. So does a word that is not known, where a sensor's column has none that is.
 
 use super::lexicon::{DOUBTFUL, GENERIC, LEXICON, Lexicon, MEASURED, OTHER, Quantity};
 use crate::channel::Channel;

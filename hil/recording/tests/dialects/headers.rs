@@ -1,6 +1,8 @@
 //! What stands above and below the numbers.
 
-use super::corpus::{Dialect, NEWTONS, OWN, Outcome, SAMPLES, rows};
+use mesh_damper_recording::files::Reading;
+
+use super::corpus::{Dialect, NEWTONS, OWN, Outcome, SAMPLES, read, rows};
 
 fn dialect(name: &'static str, text: String, said: &[&'static str]) -> Dialect {
     Dialect {
@@ -10,6 +12,31 @@ fn dialect(name: &'static str, text: String, said: &[&'static str]) -> Dialect {
         columns: OWN,
         outcome: Outcome::Read(said.to_vec()),
     }
+}
+
+/// A row that may be no sample is read as one, and that is said.
+#[test]
+fn a_row_of_numbers_that_may_be_no_sample_is_said() {
+    let samples = || rows(&OWN, ";", ',', "\n");
+    let guesses = |text: String| {
+        let recording = read(text.as_bytes(), &Reading::default()).unwrap();
+        assert_eq!(recording.len(), SAMPLES + 1);
+        recording.guesses().join("; ")
+    };
+    let names = "Zeit;Weg;Kraft\ns;mm;kN\n";
+    let offsets = guesses(format!("{names}0;0;0\n{}", samples()));
+    assert!(
+        offsets.contains("the first row of numbers, line 3, is read as a sample"),
+        "{offsets}"
+    );
+    let sums = guesses(format!("{names}{}\n26,1;1,5;2,5\n", samples()));
+    assert!(
+        sums.contains("the last row of numbers, from line 52 on"),
+        "{sums}"
+    );
+    // Where all rows are alike there is nothing to say.
+    let plain = guesses(format!("{names}0,0000;0,00000;0,00000\n{}", samples()));
+    assert!(!plain.contains("read as"), "{plain}");
 }
 
 pub fn dialects() -> Vec<Dialect> {

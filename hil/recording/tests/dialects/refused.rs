@@ -113,6 +113,14 @@ pub fn dialects() -> Vec<Dialect> {
             &["line 27, column Load [kN]", "\"OVLD\" is not a number"],
         ),
         dialect(
+            "overload behind words",
+            format!(
+                "{names}{all}the pump was on\n{}",
+                "0,9;1,5;OVLD\n".repeat(3)
+            ),
+            &["line 50", "words stand between", "go on in line 51"],
+        ),
+        dialect(
             "overload behind a blank line, to the end",
             format!("{names}{all}\n{}", "0,9;1,5;OVLD\n".repeat(3)),
             &["line 51, column Load [kN]", "\"OVLD\" is not a number"],

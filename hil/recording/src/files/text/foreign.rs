@@ -217,7 +217,7 @@ impl<'r> Reader<'r> {
             }
         }
         // Behind a pause a word is no damaged number, but for one beside a time.
-        let is_label = blocks.has_words() || (blocks.is_paused() && !self.is_sample(cells));
+        let is_label = blocks.is_paused() && !self.is_sample(cells);
         let is_odd = words > 0 && (values == 0 || is_label)
             // Nobody wants what would tell.
             || (words + values == 0
