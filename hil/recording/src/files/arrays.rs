@@ -8,10 +8,12 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use super::beside::Beside;
+pub(super) use super::names::name_of;
+use super::names::tell_apart;
 use super::runs;
 use super::table::Clock;
 use super::{Column, Table};
-use crate::columns::{is_own, is_time};
+use crate::columns::{is_time, may_be_time};
 use crate::error::{InputError, quoted};
 
 /// The most columns that a file may have. Convention: more than any bus logger writes, and little enough to hold their names.
@@ -250,13 +252,18 @@ fn table<S>(
     };
     let paths: Vec<Vec<String>> = members.iter().map(path).collect();
     table.guesses.extend(beside.notes(&paths));
-    if time.is_none() && members.iter().all(|member| member.array.clock.is_none()) {
-        let (clock, said) = beside.clock(&paths);
-        table.clock = clock;
-        table.guesses.extend(said);
-    } else {
+    let has_times = members
+        .iter()
+        .any(|member| member.array.clock.is_some() || may_be_time(&member.array.column));
+    let (clock, said) = match time.is_some() || has_times {
+        true => (None, None),
+        false => beside.clock(&paths),
+    };
+    if clock.is_none() && said.is_none() {
         table.skipped.extend(beside.rates(&paths));
     }
+    table.clock = clock;
+    table.guesses.extend(said);
     let mut seen = HashMap::new();
     for member in &members {
         *seen.entry(member.array.column.name.clone()).or_insert(0) += 1;
@@ -274,37 +281,6 @@ fn table<S>(
         sources.push(array.source);
     }
     (table, sources)
-}
-
-/// Gives tables of one name the number of their samples beside it.
-fn tell_apart(tables: &mut [Table]) {
-    let names: Vec<String> = tables.iter().map(|table| table.name.clone()).collect();
-    for (index, table) in tables.iter_mut().enumerate() {
-        let same = names.iter().filter(|name| **name == table.name).count();
-        if same > 1 {
-            let before = names[..index]
-                .iter()
-                .filter(|name| **name == table.name)
-                .count();
-            let samples = table.rows.unwrap_or_default();
-            let name = table.name.trim();
-            let place = before + 1;
-            table.name = format!("{name} #{place} ({samples} samples)")
-                .trim()
-                .to_owned();
-        }
-    }
-}
-
-/// The names of the columns that a two-dimensional array is taken apart into: `name #1`, `name #2`; of a single one, `name`. Between
-/// brackets a number would be taken for a unit. A name of our own keeps its unit: `force #1 [kN]`.
-pub(super) fn name_of(name: &str, index: u64, columns: u64) -> String {
-    let number = index.saturating_add(1);
-    match name.split_once('_').filter(|_| is_own(name)) {
-        _ if columns == 1 => name.to_owned(),
-        Some((quantity, unit)) => format!("{quantity} #{number} [{unit}]"),
-        None => format!("{name} #{number}"),
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Numbers that stand beside arrays in a file: rates, which give arrays without times a clock, and what might have to be applied.
 
+use super::Reading;
 use super::table::Clock;
 
 /// What a number beside arrays says of those that lie below a path.
@@ -22,6 +23,8 @@ struct Rate {
 pub(super) struct Beside {
     rates: Vec<Said<Rate>>,
     notes: Vec<Said<String>>,
+    /// Whether the user says where the times come from.
+    is_said: bool,
 }
 
 /// Words of a name that say samples a second, and the time between two, without signs and in lower case; a unit may follow.
@@ -73,6 +76,12 @@ const FACTORS: &[&str] = &[
 const ADDENDS: &[&str] = &["offset", "bias", "intercept", "zero", "tare"];
 
 impl Beside {
+    /// Heeds what the user says of the file: a rate or the column of times counts before what stands beside them.
+    pub fn heed(&mut self, reading: &Reading) {
+        let has_times = || reading.channels.iter().any(|(of, _)| of == "time");
+        self.is_said = reading.rate.is_some() || has_times();
+    }
+
     /// Takes in a number called `name`, which says something of what lies below `path`; whether it is one that a recording heeds.
     /// `of` is what messages call it: `attribute fs of force`.
     pub fn number(&mut self, path: &[String], name: &str, of: &str, value: f64) -> bool {
@@ -135,6 +144,9 @@ impl Beside {
 
     /// The clock of arrays that have no times, by the rate that lies nearest to each of them, and what to say of it.
     pub fn clock(&self, arrays: &[Vec<String>]) -> (Option<Clock>, Option<String>) {
+        if self.is_said {
+            return (None, None);
+        }
         let mut found: Vec<&Rate> = Vec::new();
         for array in arrays {
             let of_array = || {
@@ -237,6 +249,19 @@ mod tests {
         assert_eq!(step(&["run/force", "run/disp"]).0, Some(0.02));
         let (none, said) = step(&["run/force", "disp"]);
         assert!(none.is_none() && said.contains("different rates"), "{said}");
+        // What the user says counts first.
+        let rate = Reading {
+            rate: Some(10.0),
+            ..Reading::default()
+        };
+        let channel = Reading {
+            channels: vec![("time".into(), "t".into())],
+            ..Reading::default()
+        };
+        for reading in [rate, channel] {
+            beside.heed(&reading);
+            assert_eq!(beside.clock(&[path("force")]), (None, None));
+        }
     }
 
     #[test]

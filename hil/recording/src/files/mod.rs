@@ -13,6 +13,7 @@ mod mat;
 #[cfg(feature = "mdf")]
 mod mdf;
 mod memory;
+mod names;
 mod needs;
 mod number;
 mod opened;

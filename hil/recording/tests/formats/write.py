@@ -158,6 +158,7 @@ def mat():
     rated = {"displacement_mm": DISPLACEMENT, "force_kN": FORCE}
     save("rate.mat", {"Fs": 1000.0, **rated}, guesses=["the times are made of the number Fs = 1000 Hz"], error=1e-15)
     save("step.mat", {"run": {"dt": 1e-3, **rated}, "dt": 5.0}, guesses=["the times are made of the number run.dt = 0.001 s"], error=1e-15)
+    save("rate_said.mat", {"Fs": 2.0, **rated}, rate=1000.0, skipped=["the number Fs = 2"], error=1e-15)
     save("scale.mat", {**named, "force_scale": 1e-4}, guesses=["the number force_scale = 0.0001 is not applied"])
     save("complex.mat", {**named, "z": FORCE + 1j}, skipped=["z (complex numbers)"])
     save("version_4.mat", named, options={"format": "4"}, refused=["MATLAB of version 4", "-v7"])

@@ -42,12 +42,14 @@ impl Format for Hdf5 {
     fn open<'a>(
         &self,
         source: Source<'a>,
-        _: &Reading,
+        reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, limit) = (source.name(), source.limit());
         let is_matlab = source.head().starts_with(b"MATLAB");
         let bytes = source.bytes()?;
-        guarded(NAME, &name, || open(&name, bytes, limit, is_matlab))
+        guarded(NAME, &name, || {
+            open(&name, bytes, limit, is_matlab, reading)
+        })
     }
 }
 
@@ -56,6 +58,7 @@ fn open<'a>(
     bytes: Vec<u8>,
     limit: ReadLimit,
     is_matlab: bool,
+    reading: &Reading,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
     let most = usize::try_from(limit.file()).unwrap_or(usize::MAX);
     let mut filters = FilterRegistry::new();
@@ -74,7 +77,7 @@ fn open<'a>(
             matlab::Refused::TooLarge => limit.exceeded(name),
             matlab::Refused::Broken(why) => damaged("MATLAB v7.3", name, why.0),
         })?;
-        return super::mat::opened(name.to_owned(), tree);
+        return super::mat::opened(name.to_owned(), tree, reading);
     }
     let mut walk = Walk::default();
     walk.group(&root, &[]).map_err(refused)?;
@@ -83,9 +86,10 @@ fn open<'a>(
         datasets,
         skipped,
         comments,
-        beside,
+        mut beside,
         ..
     } = walk;
+    beside.heed(reading);
     let mut datasets = Datasets::new(datasets);
     let mut values = |place: &cells::Place| datasets.values(place).map_err(refused);
     let (mut tables, places) = arranged(arrays, &beside, &mut values)?;

@@ -45,7 +45,7 @@ impl Format for Json {
     fn open<'a>(
         &self,
         source: Source<'a>,
-        _: &Reading,
+        reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, limit) = (source.name(), source.limit());
         let mut bytes = source.bytes()?;
@@ -61,8 +61,9 @@ impl Format for Json {
             arrays,
             skipped,
             comments,
-            beside,
+            mut beside,
         } = found;
+        beside.heed(reading);
         let (mut tables, sources) =
             arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
         if tables.is_empty() {

@@ -45,7 +45,7 @@ impl Format for Mat {
     fn open<'a>(
         &self,
         source: Source<'a>,
-        _: &Reading,
+        reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, limit) = (source.name(), source.limit());
         let bytes = Arc::new(source.bytes()?);
@@ -75,7 +75,7 @@ impl Format for Mat {
                 tree.variable(matrix).map_err(broken)?;
             }
         }
-        opened(name, tree)
+        opened(name, tree, reading)
     }
 }
 
@@ -83,16 +83,21 @@ impl Format for Mat {
 ///
 /// # Errors
 /// A file without an array.
-pub(super) fn opened<'a>(name: String, mut tree: Tree) -> Result<Box<dyn Tables + 'a>, InputError> {
+pub(super) fn opened<'a>(
+    name: String,
+    mut tree: Tree,
+    reading: &Reading,
+) -> Result<Box<dyn Tables + 'a>, InputError> {
     tree.finish();
     let Tree {
         arrays,
         comments,
         skipped,
         guesses,
-        beside,
+        mut beside,
         ..
     } = tree;
+    beside.heed(reading);
     let (mut tables, sources) = arranged(arrays, &beside, &mut |values| Ok(values.all()))?;
     if let Some(table) = tables.first_mut() {
         table.skipped.extend(skipped);
