@@ -4,6 +4,7 @@ use mesh_damper_model::{Model, ModelError};
 use nalgebra::{Cholesky, DMatrix};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
+use super::common::CommonMotion;
 use super::parameters::{Parameter, of_model};
 use super::run::Run;
 use super::{ComparePolicy, Moment};
@@ -71,85 +72,92 @@ impl Spread {
     ) -> Result<Self, ModelError> {
         let model = moment.model.model();
         let force = run.force(&model, shift)?;
-        let shifted = Shifted { run, shift };
-        let chance = shifted.chance(moment, &model, &force, numbers);
+        let chance = chance(moment, &model, (run, shift), &force, numbers)?;
         Ok(Self { force, chance })
     }
 }
 
-struct Shifted<'a> {
-    run: &'a Run,
-    shift: f64,
-}
-
-impl Shifted<'_> {
-    /// Of the parameters, which were fitted together, and of what the model leaves beyond the noise.
-    ///
-    /// A trace gives the deviation of each parameter, and not how they err together. A fit to this motion would have its parameters err as
-    /// (HᵀH)⁻¹ says of the columns H, what each changes the force by; from that the correlations are taken.
-    fn chance(
-        &self,
-        moment: &Moment,
-        model: &Model,
-        force: &[f64],
-        numbers: &ComparePolicy,
-    ) -> Option<Chance> {
-        let trace = moment.trace.as_ref()?;
-        let mut columns = Vec::new();
-        for parameter in of_model(moment) {
-            match parameter.bounds.deviation(numbers) {
-                Some(deviation) => {
-                    let column = self.changed_by(model, &parameter, deviation, force)?;
-                    // One that is not excited has no part in how the force errs.
-                    if mean_square(&column) > 0.0 {
-                        columns.push(column);
-                    }
-                }
-                // What has no width errs by nothing; what has no bound by anything.
-                None if is_exact(&parameter) => {}
-                None => return None,
+/// Of the parameters, which were fitted together, and of what the model leaves beyond the noise.
+///
+/// A trace gives the deviation of each parameter, and not how they err together. A fit to the motion that the model was fitted on would have
+/// its parameters err as (HᵀH)⁻¹ says of the columns H, what each changes the force by; from that the correlations are taken.
+fn chance(
+    moment: &Moment,
+    model: &Model,
+    (run, shift): (&Run, f64),
+    force: &[f64],
+    numbers: &ComparePolicy,
+) -> Result<Option<Chance>, ModelError> {
+    let Some(trace) = &moment.trace else {
+        return Ok(None);
+    };
+    let own = Run::new(&CommonMotion::own(moment), 0.0, &[moment], numbers);
+    let own_force = own.force(model, 0.0)?;
+    let (mut columns, mut fitted) = (Vec::new(), Vec::new());
+    for parameter in of_model(moment) {
+        let Some(deviation) = parameter.bounds.deviation(numbers) else {
+            // What has no width errs by nothing; what has no bound by anything.
+            if is_exact(&parameter) {
+                continue;
             }
+            return Ok(None);
+        };
+        let off = (&parameter, deviation);
+        let here = changed_by(model, off, force, |model| run.force(model, shift));
+        let there = changed_by(model, off, &own_force, |model| own.force(model, 0.0));
+        let Some((here, there)) = here.zip(there) else {
+            return Ok(None);
+        };
+        // One that its own motion does not excite was fitted to nothing.
+        if mean_square(&there) > 0.0 {
+            columns.push(here);
+            fitted.push(there);
         }
-        // What the trace takes for noise, that of the motion included, is in the intervals already.
-        let left = trace.remainder.as_ref().map_or(0.0, |left| left.nrmse);
-        Some(of_parameters(&columns)?.and(Chance::of(left * left * mean_square(force))))
     }
-
-    /// What the force changes by where a parameter is off by a deviation, kN. `None` where the crate refuses it both above and below.
-    fn changed_by(
-        &self,
-        model: &Model,
-        parameter: &Parameter,
-        deviation: f64,
-        force: &[f64],
-    ) -> Option<Vec<f64>> {
-        [deviation, -deviation].into_iter().find_map(|off| {
-            let mut other = model.clone();
-            *value_in(&mut other, parameter)? += off;
-            let other = self.run.force(&other, self.shift).ok()?;
-            let pairs = other.iter().zip(force);
-            Some(
-                pairs
-                    .map(|(other, force)| (other - force) * off.signum())
-                    .collect(),
-            )
-        })
-    }
+    // What the trace takes for noise, that of the motion included, is in the intervals already.
+    let left = trace.remainder.as_ref().map_or(0.0, |left| left.nrmse);
+    let left = Chance::of(left * left * mean_square(force));
+    Ok(of_parameters(&columns, &fitted).map(|chance| chance.and(left)))
 }
 
-/// The mean square of the sum of `columns`, each times a normal variable of deviation 1, which are correlated as in a fit of them.
-/// `None` where the columns are no independent ones.
-fn of_parameters(columns: &[Vec<f64>]) -> Option<Chance> {
+/// What the force changes by where a parameter is off by a deviation, kN. `None` where the crate refuses it both above and below.
+fn changed_by(
+    model: &Model,
+    (parameter, deviation): (&Parameter, f64),
+    force: &[f64],
+    run: impl Fn(&Model) -> Result<Vec<f64>, ModelError>,
+) -> Option<Vec<f64>> {
+    [deviation, -deviation].into_iter().find_map(|off| {
+        let mut other = model.clone();
+        *value_in(&mut other, parameter)? += off;
+        let other = run(&other).ok()?;
+        let pairs = other.iter().zip(force);
+        Some(
+            pairs
+                .map(|(other, force)| (other - force) * off.signum())
+                .collect(),
+        )
+    })
+}
+
+fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
     let count = columns.len();
-    let products = DMatrix::from_fn(count, count, |i, j| mean_product(&columns[i], &columns[j]));
-    let size: Vec<f64> = (0..count).map(|i| products[(i, i)].sqrt()).collect();
-    let scaled = DMatrix::from_fn(count, count, |i, j| products[(i, j)] / (size[i] * size[j]));
+    DMatrix::from_fn(count, count, |i, j| mean_product(&columns[i], &columns[j]))
+}
+
+/// The mean square of the sum of `columns`, each times a normal variable of deviation 1, which are correlated as in a fit to a motion
+/// where the columns are those `fitted`. `None` where these are no independent ones.
+fn of_parameters(columns: &[Vec<f64>], fitted: &[Vec<f64>]) -> Option<Chance> {
+    let of_fit = products(fitted);
+    let count = columns.len();
+    let size: Vec<f64> = (0..count).map(|i| of_fit[(i, i)].sqrt()).collect();
+    let scaled = DMatrix::from_fn(count, count, |i, j| of_fit[(i, j)] / (size[i] * size[j]));
     let inverse = Cholesky::new(scaled)?.inverse();
     let deviation: Vec<f64> = (0..count).map(|i| inverse[(i, i)].sqrt()).collect();
     let correlated = DMatrix::from_fn(count, count, |i, j| {
         inverse[(i, j)] / (deviation[i] * deviation[j])
     });
-    let off = correlated * products;
+    let off = correlated * products(columns);
     let squares = (&off * &off).trace();
     let chance = Chance {
         sum: off.trace(),
@@ -193,13 +201,20 @@ mod tests {
         let time: Vec<f64> = (0..1000).map(|i| TAU * f64::from(i) / 1000.0).collect();
         let one: Vec<f64> = time.iter().map(|t| t.sin()).collect();
         let other: Vec<f64> = time.iter().map(|t| t.sin() + 0.1 * t.cos()).collect();
-        let alone = of_parameters(std::slice::from_ref(&one)).unwrap();
+        let alone = std::slice::from_ref(&one);
+        let alone = of_parameters(alone, alone).unwrap();
         assert!((alone.sum - 0.5).abs() < 1e-12 && (alone.squares - 0.25).abs() < 1e-12);
-        let both = of_parameters(&[one, other]).unwrap();
+        let columns = [one, other];
+        let both = of_parameters(&columns, &columns).unwrap();
         // With K = ½·[1, 1; 1, 1.01] the correlation is −1/√1.01, and the mean square ½·(2.01 − 2/√1.01).
         let expected = 0.5 * (2.01 - 2.0 / 1.01_f64.sqrt());
         assert!((both.sum - expected).abs() < 1e-9, "{both:?}");
-        assert!(of_parameters(&[vec![1.0, 2.0], vec![2.0, 4.0]]).is_none());
+        let dependent = [vec![1.0, 2.0], vec![2.0, 4.0]];
+        assert!(of_parameters(&dependent, &dependent).is_none());
+        // Where they were fitted they are independent: each errs alone, and their squares add.
+        let apart = [vec![1.0, 0.0], vec![0.0, 1.0]];
+        let alike = [vec![1.0, 1.0], vec![1.0, 1.0]];
+        assert!((of_parameters(&alike, &apart).unwrap().sum - 2.0).abs() < 1e-12);
     }
 
     #[test]

@@ -24,6 +24,20 @@ pub struct CommonMotion {
 }
 
 impl CommonMotion {
+    /// What one model was fitted under, from its own zero.
+    pub(super) fn own(moment: &Moment) -> Self {
+        let range = moment.model.fitted_range();
+        let [slow, fast] = range.velocity;
+        let conditions = moment.conditions();
+        Self {
+            displacement_mm: range.displacement,
+            velocity_mm_s: fast.min(-slow),
+            temperature: conditions.and_then(|conditions| conditions.temperature),
+            cycles: conditions.map(|conditions| conditions.cycles),
+            controls: moment.model.model().controls,
+        }
+    }
+
     /// What every model was fitted under. Each displacement is within the range of every model whether its zero is a place of the specimen
     /// or one of the sensor.
     pub(super) fn of(

@@ -63,7 +63,7 @@ pub(super) fn changes(
 ) -> Result<(Vec<ForceChange>, Vec<Undecided>), InputError> {
     let zero = moments[0].zero();
     let forces = Forces {
-        run: &Run::new(common, zero, moments, numbers),
+        run: &Run::new(common, zero, &moments.iter().collect::<Vec<_>>(), numbers),
         moments,
         common,
         numbers,

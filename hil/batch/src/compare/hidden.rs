@@ -28,17 +28,14 @@ fn axes(common: &CommonMotion) -> [Axis; 2] {
             common: common.temperature,
             own: |moment| moment.conditions()?.temperature,
             depends: Model::depends_on_temperature,
-            set: |held, temperature| Held {
-                temperature,
-                ..held
-            },
+            set: Held::at_temperature,
             typical: typical_loss(),
         },
         Axis {
             common: common.cycles,
             own: |moment| Some(moment.conditions()?.cycles),
             depends: Model::depends_on_cycles,
-            set: |held, cycles| Held { cycles, ..held },
+            set: Held::after_cycles,
             // All recordings begin with their first cycle.
             typical: 0.0,
         },

@@ -22,6 +22,20 @@ pub(super) struct Held {
     pub controls: [f64; CONTROLS],
 }
 
+impl Held {
+    /// The same at another temperature, °C.
+    pub fn at_temperature(mut self, temperature: f64) -> Self {
+        self.temperature = temperature;
+        self
+    }
+
+    /// The same after other cycles.
+    pub fn after_cycles(mut self, cycles: f64) -> Self {
+        self.cycles = cycles;
+        self
+    }
+}
+
 /// A sample that counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
@@ -48,7 +62,7 @@ impl Run {
     pub fn new(
         common: &CommonMotion,
         zero: f64,
-        moments: &[Moment],
+        moments: &[&Moment],
         numbers: &ComparePolicy,
     ) -> Self {
         let [low, high] = common.displacement_mm.map(|end| end - zero);
@@ -79,13 +93,12 @@ impl Run {
         Ok(each.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// The middle of what is held, and that with another temperature or number of cycles.
+    /// The middle of temperatures and cycles, under the first of the control inputs' ends.
     pub fn middle(&self) -> Held {
-        let mut middle = self.ends[0];
-        let last = self.ends[self.ends.len() - 1];
-        middle.temperature = 0.5 * (middle.temperature + last.temperature);
-        middle.cycles = 0.5 * (middle.cycles + last.cycles);
-        middle
+        let (first, last) = (self.ends[0], self.ends[self.ends.len() - 1]);
+        first
+            .at_temperature(0.5 * (first.temperature + last.temperature))
+            .after_cycles(0.5 * (first.cycles + last.cycles))
     }
 
     /// The same under what is `held`.
@@ -165,7 +178,7 @@ fn blocks(
 }
 
 /// Both ends of what a force depends on, each with each.
-fn ends(common: &CommonMotion, moments: &[Moment]) -> Vec<Held> {
+fn ends(common: &CommonMotion, moments: &[&Moment]) -> Vec<Held> {
     let of = |range: [f64; 2], is_felt: bool| match range {
         [low, high] if is_felt && low < high => vec![low, high],
         [low, high] => vec![0.5 * (low + high)],

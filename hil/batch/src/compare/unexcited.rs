@@ -73,13 +73,11 @@ fn own_ends(moment: &Moment, family: &Family, run: &Run) -> Vec<Held> {
         .temperature
         .filter(|_| family.depends_on_temperature())
     {
-        ends.extend(range.map(|temperature| Held {
-            temperature,
-            ..middle
-        }));
+        ends.extend(range.map(|temperature| middle.at_temperature(temperature)));
     }
     if family.depends_on_cycles() {
-        ends.extend(conditions.cycles.map(|cycles| Held { cycles, ..middle }));
+        let cycles = conditions.cycles;
+        ends.extend(cycles.map(|cycles| middle.after_cycles(cycles)));
     }
     ends
 }
