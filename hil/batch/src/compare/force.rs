@@ -178,7 +178,7 @@ impl Forces<'_> {
         Ok((change, spread.chance))
     }
 
-    /// That of the shifts that may be with which the two forces differ least: at an end, or where a straight line between the ends does.
+    /// That of the shifts that may be with which the two forces differ least, by Gauss and Newton from the end that is better.
     fn likely_shift(&self, first: &Spread, model: usize) -> Result<f64, ModelError> {
         let moment = &self.moments[model];
         let [least, largest] = shifts(&self.moments[0], moment, self.numbers);
@@ -189,13 +189,29 @@ impl Forces<'_> {
         let off = |shift: f64| -> Result<Vec<f64>, ModelError> {
             Ok(differences(&self.run.force(&model, shift)?, &first.force))
         };
-        let (at_least, at_largest) = (off(least)?, off(largest)?);
-        let slope = differences(&at_largest, &at_least);
-        let along = -mean_product(&at_least, &slope) / mean_square(&slope);
-        let between = least + along.clamp(0.0, 1.0) * (largest - least);
-        let mut best = (mean_square(&off(between)?), between);
-        for (off, shift) in [(at_least, least), (at_largest, largest)] {
-            let square = mean_square(&off);
+        let mut best = (f64::INFINITY, least);
+        for end in [least, largest] {
+            let square = mean_square(&off(end)?);
+            if square < best.0 {
+                best = (square, end);
+            }
+        }
+        let mut shift = best.1;
+        for _ in 0..SHIFT_STEPS {
+            // Away from the end that is nearer.
+            let step = match shift < 0.5 * (least + largest) {
+                true => SHIFT_STEP * (largest - least),
+                false => -SHIFT_STEP * (largest - least),
+            };
+            let here = off(shift)?;
+            let slope = differences(&off(shift + step)?, &here);
+            let size = mean_square(&slope);
+            if size == 0.0 {
+                break;
+            }
+            shift -= step * mean_product(&here, &slope) / size;
+            shift = shift.clamp(least, largest);
+            let square = mean_square(&off(shift)?);
             if square < best.0 {
                 best = (square, shift);
             }
@@ -203,3 +219,8 @@ impl Forces<'_> {
         Ok(best.1)
     }
 }
+
+/// Steps towards the likeliest shift. It ends a loop: the forces are cubic in it, and the third moves nothing that is seen.
+const SHIFT_STEPS: usize = 4;
+/// The part of the range of shifts over which a slope is taken. Any that is small beside it and large beside a rounding will do.
+const SHIFT_STEP: f64 = 1e-3;
