@@ -53,6 +53,16 @@ pub struct Place {
     pub part: f64,
 }
 
+/// What the forces of all models say.
+pub(super) struct Found {
+    /// Of every model but the first.
+    pub changes: Vec<ForceChange>,
+    /// Effects that the motion does not show.
+    pub undecided: Vec<Undecided>,
+    /// Of each model, whether its law may hide more of the temperature or of the cycles than its intervals say: its coefficients are off by that.
+    pub hides: Vec<bool>,
+}
+
 /// The force of every model but the first beside the first's, and which effects the motion does not show.
 pub(super) fn changes(
     moments: &[Moment],
@@ -60,7 +70,7 @@ pub(super) fn changes(
     effects: &[EffectChange],
     numbers: &ComparePolicy,
     notes: &mut Vec<String>,
-) -> Result<(Vec<ForceChange>, Vec<Undecided>), InputError> {
+) -> Result<Found, InputError> {
     let zero = moments[0].zero();
     let forces = Forces {
         run: &Run::new(common, zero, &moments.iter().collect::<Vec<_>>(), numbers),
@@ -72,9 +82,9 @@ pub(super) fn changes(
         let name = &moments[model].name;
         move |error: ModelError| model_error(name, &error)
     };
-    let first = forces.spread(0, 0.0).map_err(refused(0))?;
+    let (first, hides) = forces.spread(0, 0.0).map_err(refused(0))?;
     let mut changes = Vec::new();
-    let mut chances = vec![first.chance];
+    let (mut chances, mut hides) = (vec![first.chance], vec![hides]);
     for model in 1..moments.len() {
         let mut change = forces.beside(&first, model).map_err(refused(model))?;
         let [least, largest] = shifts(&moments[0], &moments[model], numbers);
@@ -97,6 +107,7 @@ pub(super) fn changes(
             }
         }
         chances.push(change.1);
+        hides.push(change.2);
         changes.push(change.0);
     }
     let mut undecided = Vec::new();
@@ -107,7 +118,11 @@ pub(super) fn changes(
             undecided.extend(unexcited::of(effect, moments, forces.run, chance, numbers)?);
         }
     }
-    Ok((changes, undecided))
+    Ok(Found {
+        changes,
+        undecided,
+        hides,
+    })
 }
 
 /// From where to where the zero of `other` may lie above that of `first`, mm: at the same place of the specimen, where the sensor's zero
@@ -135,23 +150,25 @@ struct Forces<'a> {
 }
 
 impl Forces<'_> {
-    fn spread(&self, model: usize, shift: f64) -> Result<Spread, ModelError> {
+    /// With whether what it may hide is more than its intervals say.
+    fn spread(&self, model: usize, shift: f64) -> Result<(Spread, bool), ModelError> {
         let moment = &self.moments[model];
         let mut spread = Spread::of(moment, self.run, shift, self.numbers)?;
         let of_run = (self.common, self.run);
         let hidden = hidden::chance(moment, &spread.force, self.moments, of_run, self.numbers)?;
+        let hides = spread.chance.is_some_and(|own| hidden.sum > own.sum);
         spread.chance = spread.chance.map(|chance| chance.and(hidden));
-        Ok(spread)
+        Ok((spread, hides))
     }
 
-    /// A model beside the `first`, and its own chance.
+    /// A model beside the `first`, its own chance, and whether it hides more than its intervals say.
     fn beside(
         &self,
         first: &Spread,
         model: usize,
-    ) -> Result<(ForceChange, Option<Chance>), ModelError> {
+    ) -> Result<(ForceChange, Option<Chance>, bool), ModelError> {
         let shift = self.likely_shift(first, model)?;
-        let spread = self.spread(model, shift)?;
+        let (spread, hides) = self.spread(model, shift)?;
         let off = differences(&spread.force, &first.force);
         let scale = mean_square(&first.force);
         let chance = first.chance.zip(spread.chance).map(|(a, b)| a.and(b));
@@ -175,7 +192,7 @@ impl Forces<'_> {
                 part: off[largest] / scale.sqrt(),
             },
         };
-        Ok((change, spread.chance))
+        Ok((change, spread.chance, hides))
     }
 
     /// That of the shifts that may be with which the two forces differ least, by Gauss and Newton from the end that is better.

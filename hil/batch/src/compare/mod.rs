@@ -131,9 +131,9 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     }
     let common_motion = CommonMotion::of(&moments, &numbers, &mut notes)?;
     let effects = effects(&moments);
-    let (mut forces, undecided) =
-        force::changes(&moments, &common_motion, &effects, &numbers, &mut notes)?;
-    let mut parameters = parameters::changes(&moments, &numbers, &mut notes);
+    let found = force::changes(&moments, &common_motion, &effects, &numbers, &mut notes)?;
+    let mut forces = found.changes;
+    let mut parameters = parameters::changes(&moments, &found.hides, &numbers, &mut notes);
     let mut chances: Vec<(Option<f64>, &mut bool)> = forces
         .iter_mut()
         .map(|one| (one.p, &mut one.changed))
@@ -150,7 +150,7 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
         version: 2,
         level: numbers.level,
         changed,
-        undecided,
+        undecided: found.undecided,
         models: moments.iter().map(Moment::compared).collect(),
         common_motion,
         forces,

@@ -111,9 +111,11 @@ pub(super) fn of_model(moment: &Moment) -> Vec<Parameter> {
     all
 }
 
-/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes.
+/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes, about one zero,
+/// that do not hide what the temperature or the cycles did.
 pub(super) fn changes(
     moments: &[Moment],
+    hides: &[bool],
     numbers: &ComparePolicy,
     notes: &mut Vec<String>,
 ) -> Vec<ParameterChange> {
@@ -145,12 +147,22 @@ pub(super) fn changes(
         let same_zero = moment.model.displacement_zero() == moments[0].model.displacement_zero();
         same_law && same_zero && moment.families() == moments[0].families()
     };
-    let alike: Vec<bool> = moments.iter().map(is_alike).collect();
+    let mut alike: Vec<bool> = moments.iter().map(is_alike).collect();
     for (moment, _) in moments.iter().zip(&alike).filter(|(_, alike)| !**alike) {
         notes.push(format!(
             "{} has other effects than {}, or a law at other amplitudes or about another zero: its parameters are not compared, its force is",
             moment.name, moments[0].name
         ));
+    }
+    for (moment, _) in moments.iter().zip(hides).filter(|(_, hides)| **hides) {
+        notes.push(format!(
+            "the law of {} may have taken in what the temperature or the cycles did, more than its intervals say: no parameters are compared with it",
+            moment.name
+        ));
+    }
+    // Others are compared with the first.
+    for (alike, own) in alike.iter_mut().zip(hides) {
+        *alike = *alike && !own && !hides[0];
     }
     let mut distinct: Vec<&Parameter> = Vec::new();
     for parameter in of_models.iter().flatten() {

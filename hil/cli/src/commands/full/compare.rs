@@ -195,7 +195,7 @@ fn common(motion: &CommonMotion) -> String {
         text::number(motion.velocity_mm_s)
     );
     let mut held = |[low, high]: [f64; 2], unit: &str| {
-        let [from, to] = [low, high].map(|end| format!("{end:.4}"));
+        let [from, to] = [low, high].map(|end| format!("{end:.2}"));
         let [from, to] = [from, to].map(|end| {
             end.trim_end_matches('0')
                 .trim_end_matches('.')
@@ -247,15 +247,17 @@ fn print(comparison: &Comparison) {
         common(&comparison.common_motion)
     ));
     for one in &comparison.forces {
-        let expected = match one.expected {
-            Some(expected) => format!("by chance {}", text::percent(expected)),
-            None => "intervals not known".to_owned(),
+        let expected = match one.expected.zip(one.p) {
+            Some((expected, p)) => {
+                format!("by chance {}, {}", text::percent(expected), chance(p))
+            }
+            None => "by chance not known".to_owned(),
         };
         say(&format!(
             "  {}  differs by {} ({expected}){}; most at {} mm and {} mm/s, by {} kN",
             one.model,
             text::percent(one.difference),
-            claim(one.changed, one.p),
+            if one.changed { ": changed" } else { "" },
             text::number(one.largest.displacement_mm),
             text::number(one.largest.velocity_mm_s),
             text::number(one.largest.difference)
