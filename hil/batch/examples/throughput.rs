@@ -103,6 +103,7 @@ fn main() -> Result<(), Failed> {
         name: title.into(),
         unit: unit.into(),
         changed: false,
+        p: None,
         values: measured
             .iter()
             .map(|one| Value {

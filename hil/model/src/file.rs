@@ -55,6 +55,14 @@ pub struct ModelFile {
     controls: Vec<Control>,
     /// The operating range: the motion that the model was fitted on.
     fitted_range: FittedRange,
+    /// Least and largest of what was taken off the displacements of the fitted recordings, mm: the law was given the displacement from
+    /// there. Absent where it is 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    displacement_zero: [f64; 2],
+}
+
+fn is_zero(range: &[f64; 2]) -> bool {
+    *range == [0.0; 2]
 }
 
 /// The units of a model file; no others are known.
@@ -158,6 +166,16 @@ impl ModelFile {
             correction: model.correction,
             controls: model.controls,
             fitted_range,
+            displacement_zero: [0.0; 2],
+        }
+    }
+
+    /// The same of recordings whose displacement had something taken off: from the least to the largest of it, mm.
+    #[must_use]
+    pub fn with_displacement_zero(self, displacement_zero: [f64; 2]) -> Self {
+        Self {
+            displacement_zero,
+            ..self
         }
     }
 
@@ -256,7 +274,7 @@ impl ModelFile {
     }
 
     /// Which model it is: the first bytes of the SHA-256 of what it says of law, effects, residual table and operating range, as JSON
-    /// without spaces. How the file is laid out is no part of it.
+    /// without spaces. How the file is laid out is no part of it, nor is where a recording had its zero: the force of the law is the same.
     ///
     /// # Panics
     /// Never: numbers and names are JSON.
@@ -281,6 +299,11 @@ impl ModelFile {
     /// The motion that it was fitted on.
     pub fn fitted_range(&self) -> FittedRange {
         self.fitted_range
+    }
+
+    /// Least and largest of what was taken off the recorded displacement, mm: a recorded displacement less that is the law's.
+    pub fn displacement_zero(&self) -> [f64; 2] {
+        self.displacement_zero
     }
 
     fn check(&self, name: &str) -> Result<(), InputError> {
@@ -321,6 +344,13 @@ impl ModelFile {
                     format!("{low} to {high} is no finite range"),
                 );
             }
+        }
+        let [low, high] = self.displacement_zero;
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return refused(
+                "displacement_zero".into(),
+                format!("{low} to {high} is no finite range"),
+            );
         }
         for (index, control) in self.controls.iter().enumerate() {
             let others = &self.controls[..index];
@@ -503,6 +533,21 @@ mod tests {
         let file = example();
         let bytes = serde_json::to_vec_pretty(&file).unwrap();
         assert_eq!(ModelFile::from_bytes("m.json", &bytes).unwrap(), file);
+    }
+
+    #[test]
+    fn a_zero_is_kept_and_changes_neither_older_files_nor_the_identity() {
+        let file = example();
+        assert!(!serde_json::to_string(&file).unwrap().contains("zero"));
+        let moved = file.clone().with_displacement_zero([0.13, 0.14]);
+        assert_eq!(moved.identity(), file.identity());
+        let bytes = serde_json::to_vec(&moved).unwrap();
+        let read = ModelFile::from_bytes("m.json", &bytes).unwrap();
+        assert_eq!(read.displacement_zero(), [0.13, 0.14]);
+        assert!(
+            read_changed(|v| v["displacement_zero"] = serde_json::json!([1.0, 0.0]))
+                .starts_with("m.json: field displacement_zero: 1 to 0 is no finite range")
+        );
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub struct Panel {
     pub unit: String,
     /// Whether it changed: its title says so.
     pub changed: bool,
+    /// The chance that it is so of what did not change, in words, where that is known.
+    pub p: Option<String>,
     /// In the order of time.
     pub values: Vec<Value>,
 }
@@ -60,9 +62,13 @@ pub fn picture(title: &str, over: &str, panels: &[Panel]) -> String {
         );
         let layers = [intervals, values].into_iter();
         Drawn {
-            title: match panel.changed {
-                true => format!("{}: changed", panel.title),
-                false => panel.title.clone(),
+            title: {
+                let changed = panel.changed.then_some("changed").map(str::to_owned);
+                let said: Vec<String> = changed.into_iter().chain(panel.p.clone()).collect();
+                match said.is_empty() {
+                    true => panel.title.clone(),
+                    false => format!("{}: {}", panel.title, said.join(", ")),
+                }
             },
             x: Axis::new(over, ""),
             y: Axis::new(panel.name.clone(), panel.unit.clone()),
@@ -88,6 +94,7 @@ mod tests {
             name: "k1".into(),
             unit: "kN/mm".into(),
             changed,
+            p: (!changed).then(|| "p = 0.31".to_owned()),
             values: vec![value(0.0, 1.0), value(3.0, 2.0)],
         };
         let svg = picture(
@@ -96,7 +103,7 @@ mod tests {
             &[panel("law k1", true), panel("law c", false)],
         );
         assert!(
-            svg.contains("law k1: changed") && svg.contains("law c"),
+            svg.contains("law k1: changed") && svg.contains("law c: p = 0.31"),
             "{svg}"
         );
         assert!(

@@ -134,6 +134,7 @@ fn data() -> ReportData {
             },
             adopted: true,
             rejected: None,
+            operating_conditions: None,
         },
         series: vec![
             series(

@@ -2,20 +2,28 @@
 //!
 //! Two comparisons stand beside each other. A parameter of the law or of an effect is compared where all models have the same effects:
 //! effects that differ take forces from each other, and then parameters differ though the specimen does not. The force of the models on one
-//! motion is compared always, and decides: parameters that differ where the force does not took it from each other. The more is compared, the more would seem to have changed by chance: what is claimed is
-//! corrected for that after Holm (1979).
+//! motion is compared always, and decides: parameters that differ where the force does not took it from each other. The motion is within what
+//! all models were fitted under. Where an effect appeared that it does not show, nothing is decided. The more is compared, the more would seem
+//! to have changed by chance: what is claimed is corrected for that after Holm (1979).
 
+mod chance;
+mod common;
 mod force;
+mod hidden;
 mod holm;
 mod moment;
 mod parameters;
+mod run;
+mod unexcited;
 
 use mesh_damper_recording::error::InputError;
 use serde::Serialize;
 
-pub use force::{CommonMotion, ForceChange, Place};
+pub use common::CommonMotion;
+pub use force::{ForceChange, Place};
 pub use moment::Moment;
 pub use parameters::{Bounds, ParameterChange};
+pub use unexcited::Undecided;
 
 mesh_damper_recording::numbers! {
     /// When a model of a specimen is another than before.
@@ -32,6 +40,14 @@ mesh_damper_recording::numbers! {
         cycles: u32 = 3, Convention("the first settles what the law remembers");
         /// Samples to the shortest of its cycles.
         samples: f64 = 100.0, Convention("a law is run at 50 to 1000 samples a cycle");
+        /// Temperatures that lie no farther apart than this are one, °C.
+        same_temperature: f64 = 1.0, Convention("thermometers of a laboratory differ by as much");
+        /// A zero that was taken off the displacement is off by this part of half the motion's range.
+        zero_error: f64 = 0.01, Convention("as a motion of a hundredth of the largest counts for none");
+        /// What a law may hide of the temperature or the cycles, over what a trace takes for noise.
+        unseen: f64 = 1.0, Convention("all of it");
+        /// An effect is shown where its force is at least this part of what it is where it was found.
+        excited: f64 = 0.5, Convention("a half");
     }
 }
 
@@ -77,6 +93,8 @@ pub struct Comparison {
     pub models: Vec<Compared>,
     /// Whether a change is claimed: of the force, and so of the specimen.
     pub changed: bool,
+    /// Effects that not all models have and that the common motion does not show: of these nothing is said where no change is claimed.
+    pub undecided: Vec<Undecided>,
     /// The motion that all were put through.
     pub common_motion: CommonMotion,
     /// The force of every model but the first, beside the first's.
@@ -92,8 +110,8 @@ pub struct Comparison {
 /// Compares models of one specimen.
 ///
 /// # Errors
-/// Fewer than two models; a model that the crate refuses; models whose operating ranges have nothing in common, or that see different
-/// control inputs.
+/// Fewer than two models; a model that the crate refuses; models that share no displacement, velocity, temperature, number of cycles or
+/// value of a control input, or of which that is not known though a force depends on it.
 pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     if moments.len() < 2 {
         return Err(InputError::new(
@@ -111,9 +129,11 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
             moment.name
         ));
     }
-    let common_motion = CommonMotion::of(&moments)?;
-    let mut forces = force::changes(&moments, &common_motion, &numbers)?;
-    let mut parameters = parameters::changes(&moments, &numbers, &mut notes);
+    let common_motion = CommonMotion::of(&moments, &numbers, &mut notes)?;
+    let effects = effects(&moments);
+    let found = force::changes(&moments, &common_motion, &effects, &numbers, &mut notes)?;
+    let mut forces = found.changes;
+    let mut parameters = parameters::changes(&moments, &found.hides, &numbers, &mut notes);
     let mut chances: Vec<(Option<f64>, &mut bool)> = forces
         .iter_mut()
         .map(|one| (one.p, &mut one.changed))
@@ -127,14 +147,15 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     }
     Ok(Comparison {
         format: "mesh-damper comparison",
-        version: 1,
+        version: 2,
         level: numbers.level,
         changed,
+        undecided: found.undecided,
         models: moments.iter().map(Moment::compared).collect(),
         common_motion,
         forces,
         parameters,
-        effects: effects(&moments),
+        effects,
         notes,
     })
 }

@@ -1,8 +1,8 @@
 //! A model of a specimen at a time, with what its trace says of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_identify::trace::result::{OperatingConditions, TraceResult};
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::error::{InputError, Place};
 use mesh_damper_recording::read_limit::{ReadLimit, read_json};
@@ -29,11 +29,7 @@ impl Moment {
     /// # Errors
     /// A model that cannot be read; a trace that is there and cannot be read.
     pub fn read(path: &Path, time: f64, limit: ReadLimit) -> Result<Self, InputError> {
-        let model = match path.is_dir() {
-            true => path.join(MODEL),
-            false => path.to_owned(),
-        };
-        let trace = model.with_file_name(TRACE);
+        let [model, trace] = Self::files(path);
         Ok(Self {
             name: path.display().to_string(),
             time,
@@ -43,6 +39,35 @@ impl Moment {
                 .transpose()?,
             model: ModelFile::read_within(&model, limit)?,
         })
+    }
+
+    /// The files that [`Self::read`] reads: the model, and the trace, which may be missing.
+    pub fn files(path: &Path) -> [PathBuf; 2] {
+        let model = match path.is_dir() {
+            true => path.join(MODEL),
+            false => path.to_owned(),
+        };
+        let trace = model.with_file_name(TRACE);
+        [model, trace]
+    }
+
+    /// What its recordings were made under; `None` where that is not known.
+    pub(super) fn conditions(&self) -> Option<&OperatingConditions> {
+        self.trace.as_ref()?.operating_conditions.as_ref()
+    }
+
+    /// Where the displacement of its law has its zero, mm of the recorded displacement: in the middle, where the recordings differ.
+    pub(super) fn zero(&self) -> f64 {
+        let [low, high] = self.model.displacement_zero();
+        0.5 * (low + high)
+    }
+
+    /// Whether a zero that was taken off is kept. Traces of before it was kept say it in a warning alone.
+    pub(super) fn knows_zero(&self) -> bool {
+        let warnings = self.trace.iter().flat_map(|trace| &trace.warnings);
+        let mut of_zero =
+            warnings.filter(|warning| warning.contains("the displacement's zero lies"));
+        self.conditions().is_some() || of_zero.next().is_none()
     }
 
     /// Families of its effects, each once, by name.

@@ -22,7 +22,9 @@ pub struct ParameterChange {
     pub unit: String,
     /// Its value in each model; null where a model has no such parameter.
     pub values: Vec<Option<Bounds>>,
-    /// The last value less the first one, over the first one's size.
+    /// The model, counted from 0, whose value differs most from that of the first in its interval; null where there is none to compare.
+    pub most_in: Option<usize>,
+    /// Its value less the first one's, over the first one's size.
     pub change: Option<f64>,
     /// The chance, 0…1, of values that differ as much as these where the parameter is the same in all; null where it is not known.
     pub p: Option<f64>,
@@ -109,9 +111,11 @@ pub(super) fn of_model(moment: &Moment) -> Vec<Parameter> {
     all
 }
 
-/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes.
+/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes, about one zero,
+/// that do not hide what the temperature or the cycles did.
 pub(super) fn changes(
     moments: &[Moment],
+    hides: &[bool],
     numbers: &ComparePolicy,
     notes: &mut Vec<String>,
 ) -> Vec<ParameterChange> {
@@ -139,14 +143,26 @@ pub(super) fn changes(
         let (own, first) = (amplitudes(moment), amplitudes(&moments[0]));
         let same_law =
             own.len() == first.len() && own.iter().zip(&first).all(|(&a, &b)| same_amplitude(a, b));
-        same_law && moment.families() == moments[0].families()
+        // About another zero the same force has other coefficients.
+        let same_zero = moment.model.displacement_zero() == moments[0].model.displacement_zero();
+        same_law && same_zero && moment.families() == moments[0].families()
     };
-    let alike: Vec<bool> = moments.iter().map(is_alike).collect();
+    let mut alike: Vec<bool> = moments.iter().map(is_alike).collect();
     for (moment, _) in moments.iter().zip(&alike).filter(|(_, alike)| !**alike) {
         notes.push(format!(
-            "{} has other effects than {}, or a law at other amplitudes: its parameters are not compared, its force is",
+            "{} has other effects than {}, or a law at other amplitudes or about another zero: its parameters are not compared, its force is",
             moment.name, moments[0].name
         ));
+    }
+    for (moment, _) in moments.iter().zip(hides).filter(|(_, hides)| **hides) {
+        notes.push(format!(
+            "the law of {} may have taken in what the temperature or the cycles did, more than its intervals say: no parameters are compared with it",
+            moment.name
+        ));
+    }
+    // Others are compared with the first.
+    for (alike, own) in alike.iter_mut().zip(hides) {
+        *alike = *alike && !own && !hides[0];
     }
     let mut distinct: Vec<&Parameter> = Vec::new();
     for parameter in of_models.iter().flatten() {
@@ -167,12 +183,10 @@ pub(super) fn changes(
                 .zip(&alike)
                 .filter_map(|(bounds, alike)| bounds.filter(|_| *alike))
                 .collect();
-            let change = match compared[..] {
-                [first, .., last] if first.value != 0.0 => {
-                    Some((last.value - first.value) / first.value.abs())
-                }
-                _ => None,
-            };
+            let places = values.iter().zip(&alike).enumerate();
+            let places = places
+                .filter_map(|(place, (bounds, alike))| Some((place, bounds.filter(|_| *alike)?)));
+            let most = most_off(&places.collect::<Vec<_>>(), numbers);
             ParameterChange {
                 of: parameter.of.clone(),
                 amplitude_mm: parameter.amplitude,
@@ -180,7 +194,8 @@ pub(super) fn changes(
                 unit: parameter_unit(&parameter.name)
                     .map_or_else(|| law_unit(&parameter.name), str::to_owned),
                 values,
-                change,
+                most_in: most.map(|(model, _)| model),
+                change: most.and_then(|(_, change)| change),
                 p: match of_models.iter().any(|all| has_several(all, parameter)) {
                     true => None,
                     false => chance(&compared, numbers),
@@ -189,6 +204,27 @@ pub(super) fn changes(
             }
         })
         .collect()
+}
+
+/// Which model's value is farthest from the first one's, in deviations where all have one, and by which part of that.
+fn most_off(values: &[(usize, Bounds)], numbers: &ComparePolicy) -> Option<(usize, Option<f64>)> {
+    let ((_, first), others) = values.split_first()?;
+    let is_known = |bounds: &Bounds| bounds.deviation(numbers).is_some();
+    let all_known = values.iter().all(|(_, bounds)| is_known(bounds));
+    let distance = |bounds: &Bounds| {
+        let apart = (bounds.value - first.value).abs();
+        let deviations = first.deviation(numbers).zip(bounds.deviation(numbers));
+        match deviations.filter(|_| all_known) {
+            Some((a, b)) => apart / a.hypot(b),
+            None => apart,
+        }
+    };
+    let farthest = others
+        .iter()
+        .max_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+    let (model, bounds) = farthest?;
+    let change = (bounds.value - first.value) / first.value.abs();
+    Some((*model, (first.value != 0.0).then_some(change)))
 }
 
 /// Whether its effect has several elements: these take forces from each other, so that only the force of all says what changed.
@@ -239,6 +275,26 @@ mod tests {
             low: Some(value - half),
             high: Some(value + half),
         }
+    }
+
+    #[test]
+    fn the_model_that_is_off_is_named_though_the_last_is_as_the_first() {
+        let numbers = ComparePolicy::default();
+        let values = [
+            (0, bounds(2.0, 0.1)),
+            (1, bounds(2.1, 0.1)),
+            (3, bounds(1.999, 0.1)),
+        ];
+        let (model, change) = most_off(&values, &numbers).unwrap();
+        assert!(model == 1 && (change.unwrap() - 0.05).abs() < 1e-12);
+        // A wide interval says less.
+        let values = [
+            (0, bounds(2.0, 0.1)),
+            (1, bounds(2.1, 9.0)),
+            (2, bounds(1.95, 0.1)),
+        ];
+        assert_eq!(most_off(&values, &numbers).unwrap().0, 2);
+        assert_eq!(most_off(&values[..1], &numbers), None);
     }
 
     #[test]

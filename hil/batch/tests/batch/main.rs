@@ -5,3 +5,4 @@ mod lists;
 mod resumed;
 mod rows;
 mod simulated;
+mod varied;

@@ -126,6 +126,8 @@ fn no_command_replaces_what_it_reads() {
     for name in [
         "in",
         "other",
+        "trace.json",
+        "d/model.json",
         "d/trace.json",
         "d/cycles.csv",
         "d/characterize.svg",
@@ -163,6 +165,10 @@ fn no_command_replaces_what_it_reads() {
         ],
         &["orthogonal", "in", "--json", "in"],
         &["bench", "--baseline", "in", "--json", "in"],
+        &["compare", "d", "other", "--out", "d/model.json"],
+        &["compare", "other", "d", "--json", "./d/trace.json"],
+        &["compare", "d/model.json", "d", "--out", "d/trace.json"],
+        &["compare", "in", "other", "--out", "trace.json"],
     ] {
         destroys_nothing(root.path(), arguments, &["would replace the input "]);
     }

@@ -9,6 +9,7 @@ use super::confirm::Confirmed;
 use super::estimates::law_estimates;
 use super::left_out::{LeftOut, Picked};
 use super::mend::clearly_best;
+use super::operating;
 use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
 use super::select::{self, Selection};
@@ -287,6 +288,7 @@ impl<'a> Closing<'a> {
             },
             adopted: !solution.is_alone() || model.correction.is_some(),
             rejected,
+            operating_conditions: operating::conditions(&self.recordings),
         };
         let forces = self
             .recordings

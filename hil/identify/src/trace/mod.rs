@@ -16,6 +16,7 @@ mod fitted;
 mod left_in_cycles;
 pub(crate) mod left_out;
 pub(crate) mod mend;
+mod operating;
 mod relative_error;
 pub(crate) mod remainder;
 pub mod result;
@@ -118,7 +119,9 @@ impl Trace {
             fitted(|motion| &motion.displacement),
             fitted(|motion| &motion.velocity),
         );
+        let conditions = self.result.operating_conditions;
         ModelFile::new(self.model.clone(), range.unwrap_or(still))
+            .with_displacement_zero(conditions.map_or([0.0; 2], |one| one.displacement_zero))
     }
 }
 

@@ -72,6 +72,22 @@ pub struct TraceResult {
     /// The errors of what was found and not adopted; null where it was, or where nothing was found.
     #[serde(default)]
     pub rejected: Option<Rejected>,
+    /// What the samples that were fitted were recorded under; null in results of before there was the field.
+    #[serde(default)]
+    pub operating_conditions: Option<OperatingConditions>,
+}
+
+/// What fitted samples were recorded under, beside the motion and the control inputs whose ranges `model.json` has. Each is the least
+/// and the largest value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OperatingConditions {
+    /// What was taken off the recorded displacement, mm: the law was given the displacement from there.
+    pub displacement_zero: [f64; 2],
+    /// Temperature, °C; null where a recording has none.
+    pub temperature: Option<[f64; 2]>,
+    /// Cycles since the first sample of the recording.
+    pub cycles: [f64; 2],
 }
 
 impl TraceResult {
@@ -338,7 +354,8 @@ mod tests {
             "guesses": ["a.csv: force is read from column \"Load\" in N"],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}, "adopted": false,
-            "rejected": {"augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.3}, "on_target": {"nrmse_held_out": 0.3}}}"#;
+            "rejected": {"augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.3}, "on_target": {"nrmse_held_out": 0.3}},
+            "operating_conditions": {"displacement_zero": [0.13, 0.14], "temperature": [20.0, 42.0], "cycles": [0.0, 60.5]}}"#;
         let contract: serde_json::Value = serde_json::from_str(text).unwrap();
         let result: TraceResult = serde_json::from_str(text).unwrap();
         assert_eq!(serde_json::to_value(&result).unwrap(), contract);

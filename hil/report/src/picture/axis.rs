@@ -131,7 +131,9 @@ pub fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten, at most `most`, with the decimals that tell them apart.
-fn even(ends: &Range<f64>, most: usize) -> Vec<(f64, usize)> {
+///
+/// Of steps of tens and more the decimals are below 0.
+fn even(ends: &Range<f64>, most: usize) -> Vec<(f64, i32)> {
     let span = ends.end - ends.start;
     if span.is_nan() || span <= 0.0 {
         return Vec::new();
@@ -143,7 +145,7 @@ fn even(ends: &Range<f64>, most: usize) -> Vec<(f64, usize)> {
         .into_iter()
         .find(|step| *step >= least * (1.0 - 1e-9))
         .unwrap_or(10.0 * power);
-    let decimals = (-(step * 1.000_001).log10().floor()).max(0.0) as usize;
+    let decimals = -(step * 1.000_001).log10().floor() as i32;
     let first = (ends.start / step - 1e-9).ceil();
     let last = (ends.end / step + 1e-9).floor();
     let count = (last - first).max(-1.0) as usize;
@@ -185,11 +187,18 @@ fn of_decades(ends: &Range<f64>, most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// A tick's number: plain, unless that takes too many digits.
-fn written(value: f64, decimals: usize) -> String {
-    if decimals > 4 || value.abs() >= 1e6 {
-        return text::nominal(value);
+/// A tick's number: plain, unless that takes too many digits; with an exponent, with those that tell it from the next.
+fn written(value: f64, decimals: i32) -> String {
+    let magnitude = value.abs().log10().floor();
+    // What lies nearer to 0 than a step is 0.
+    if value == 0.0 || magnitude < f64::from(-decimals) - 1.0 {
+        return "0".into();
     }
+    if decimals > 6 || value.abs() >= 1e6 {
+        let digits = (magnitude as i32 + decimals).clamp(0, 15) as usize;
+        return format!("{value:.digits$e}").replace('-', "−");
+    }
+    let decimals = decimals.max(0) as usize;
     let label = format!("{value:.decimals$}");
     match label.trim_start_matches('-').trim_matches(['0', '.']) {
         "" => "0".into(),
@@ -224,6 +233,16 @@ mod tests {
             labels(&axis, 0.0013..0.0031, 4),
             ["0.0015", "0.0020", "0.0025", "0.0030"]
         );
+        // A narrow range far from 0 takes all the decimals that tell its ticks apart.
+        assert_eq!(
+            labels(&axis, 0.029_98..0.030_02, 3),
+            ["0.02998", "0.03000", "0.03002"]
+        );
+        assert_eq!(
+            labels(&axis, 1.0..1.000_000_4, 2),
+            ["1.0000000e0", "1.0000002e0", "1.0000004e0"]
+        );
+        assert_eq!(labels(&axis, 2e6..3e6, 2), ["2.0e6", "2.5e6", "3.0e6"]);
         assert_eq!(axis.label(), "force, kN");
         assert_eq!(Axis::new("loss factor", "").label(), "loss factor");
     }

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use mesh_damper_batch::compare::{Bounds, Comparison, Moment, ParameterChange, compare};
+use mesh_damper_batch::compare::{
+    Bounds, CommonMotion, Comparison, Moment, ParameterChange, compare,
+};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_report::over_time;
@@ -27,8 +29,11 @@ pub struct CompareCommand {
     #[arg(value_name = "MODEL", required = true, num_args = 2..)]
     models: Vec<PathBuf>,
     /// When each was, in any unit; their places from 0 where it is not given
-    #[arg(long, value_name = "TIMES", value_delimiter = ',')]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time)]
     times: Vec<f64>,
+    /// The unit of the times, for the picture: `days`
+    #[arg(long, value_name = "UNIT", requires = "times")]
+    time_unit: Option<String>,
     /// Where a picture of the force and of the parameters over time goes, as SVG
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -42,7 +47,7 @@ pub struct CompareCommand {
 impl CompareCommand {
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new()
-            .reads(&self.models)
+            .reads(self.models.iter().flat_map(|path| Moment::files(path)))
             .writes(&self.out)
             .writes(&self.json)
             .begin()?;
@@ -53,7 +58,7 @@ impl CompareCommand {
                 picture,
                 over_time::picture(
                     "Models of one specimen over time",
-                    "time",
+                    &self.axis(),
                     &panels(&comparison),
                 ),
             );
@@ -68,6 +73,15 @@ impl CompareCommand {
         Ok(())
     }
 
+    /// What the pictures are over.
+    fn axis(&self) -> String {
+        match (&self.time_unit, self.times.is_empty()) {
+            (Some(unit), _) => format!("time, {unit}"),
+            (None, false) => "time, as --times gives it".to_owned(),
+            (None, true) => "place in the list of models".to_owned(),
+        }
+    }
+
     fn moments(&self) -> Result<Vec<Moment>, InputError> {
         let given = self.times.len();
         if given > 0 && given != self.models.len() {
@@ -77,13 +91,6 @@ impl CompareCommand {
                 "give one time for each model",
             ));
         }
-        if let Some(time) = self.times.iter().find(|time| !time.is_finite()) {
-            return Err(InputError::new(
-                "--times",
-                format!("{time} is no time"),
-                "give finite numbers",
-            ));
-        }
         let times = (0..self.models.len())
             .map(|place| self.times.get(place).copied().unwrap_or(place as f64));
         let models = self.models.iter().zip(times);
@@ -91,6 +98,14 @@ impl CompareCommand {
             .map(|(path, time)| Moment::read(path, time, self.reading.limit))
             .collect()
     }
+}
+
+/// A time of `--times`.
+fn time(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|time| time.is_finite())
+        .ok_or_else(|| "not a finite number; give one for each model: 0,61,153".to_owned())
 }
 
 /// The force of each model beside the first's, and each parameter that more than one model has.
@@ -108,6 +123,12 @@ fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
         name: "RMS of the difference".into(),
         unit: "%".into(),
         changed: comparison.forces.iter().any(|one| one.changed),
+        p: comparison
+            .forces
+            .iter()
+            .filter_map(|one| one.p)
+            .min_by(f64::total_cmp)
+            .map(chance),
         values: first
             .chain(
                 comparison
@@ -133,9 +154,10 @@ fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
             .collect();
         (values.len() > 1).then(|| over_time::Panel {
             title: title(one),
-            name: one.parameter.clone(),
+            name: one.parameter.replace('_', " "),
             unit: text::unit(&one.unit),
             changed: one.changed,
+            p: one.p.map(chance),
             values,
         })
     });
@@ -143,27 +165,76 @@ fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
 }
 
 fn title(one: &ParameterChange) -> String {
+    let (of, parameter) = (text::name(&one.of), one.parameter.replace('_', " "));
     match one.amplitude_mm.filter(|amplitude| *amplitude > 0.0) {
-        Some(amplitude) => format!(
-            "{} {} at {} mm",
-            one.of,
-            one.parameter,
-            text::number(amplitude)
-        ),
-        None => format!("{} {}", one.of, one.parameter),
+        Some(amplitude) => format!("{of} {parameter} at {} mm", text::number(amplitude)),
+        None => format!("{of} {parameter}"),
     }
 }
 
+/// What is concluded of the specimen.
+fn heading(comparison: &Comparison) -> &'static str {
+    let nothing_known = comparison.forces.iter().any(|one| one.p.is_none());
+    match (comparison.changed, comparison.undecided.is_empty()) {
+        (true, _) => "The specimen changed.",
+        (false, false) => {
+            "Not decided: an effect differs that what all models were fitted under does not show."
+        }
+        (false, true) if nothing_known => {
+            "Not decided: of some models no interval is known, and nothing is claimed of them."
+        }
+        (false, true) => "No change beyond the intervals.",
+    }
+}
+
+/// What all models were compared under.
+fn common(motion: &CommonMotion) -> String {
+    let [low, high] = motion.displacement_mm.map(text::number);
+    let mut said = format!(
+        "{low} to {high} mm, to {} mm/s",
+        text::number(motion.velocity_mm_s)
+    );
+    let mut held = |[low, high]: [f64; 2], unit: &str| {
+        let [from, to] = [low, high].map(|end| format!("{end:.2}"));
+        let [from, to] = [from, to].map(|end| {
+            end.trim_end_matches('0')
+                .trim_end_matches('.')
+                .replace('-', "−")
+        });
+        said += &match from == to {
+            true => format!(", {from} {unit}"),
+            false => format!(", {from} to {to} {unit}"),
+        };
+    };
+    if let Some(range) = motion.temperature {
+        held(range, "°C");
+    }
+    if let Some(range) = motion.cycles {
+        held(range, "cycles");
+    }
+    for control in &motion.controls {
+        held(control.range, &control.name);
+    }
+    said
+}
+
 fn print(comparison: &Comparison) {
-    say(if comparison.changed {
-        "The specimen changed."
-    } else {
-        "No change beyond the intervals."
-    });
+    say(heading(comparison));
+    for one in &comparison.undecided {
+        say(&format!(
+            "  {} with model {}: {} would show it",
+            text::name(&one.family),
+            one.model,
+            one.would_show
+        ));
+    }
     for (place, model) in comparison.models.iter().enumerate() {
         let effects = match model.effects.len() {
             0 => "the law alone".to_owned(),
-            _ => model.effects.join(", "),
+            _ => {
+                let names = model.effects.iter().map(|family| text::name(family));
+                names.collect::<Vec<_>>().join(", ")
+            }
         };
         say(&format!(
             "  {place}  {} at {}: {effects}",
@@ -171,22 +242,22 @@ fn print(comparison: &Comparison) {
             text::nominal(model.time)
         ));
     }
-    let motion = &comparison.common_motion;
     say(&format!(
-        "Force beside that of model 0, on one motion to {} mm and {} mm/s",
-        text::number(motion.displacement_mm),
-        text::number(motion.velocity_mm_s)
+        "Force beside that of model 0, under what all were fitted: {}",
+        common(&comparison.common_motion)
     ));
     for one in &comparison.forces {
-        let expected = match one.expected {
-            Some(expected) => format!("by chance {}", text::percent(expected)),
-            None => "intervals not known".to_owned(),
+        let expected = match one.expected.zip(one.p) {
+            Some((expected, p)) => {
+                format!("by chance {}, {}", text::percent(expected), chance(p))
+            }
+            None => "by chance not known".to_owned(),
         };
         say(&format!(
             "  {}  differs by {} ({expected}){}; most at {} mm and {} mm/s, by {} kN",
             one.model,
             text::percent(one.difference),
-            claim(one.changed, one.p),
+            if one.changed { ": changed" } else { "" },
             text::number(one.largest.displacement_mm),
             text::number(one.largest.velocity_mm_s),
             text::number(one.largest.difference)
@@ -195,9 +266,15 @@ fn print(comparison: &Comparison) {
     say("Parameters with their 90 % intervals");
     for one in &comparison.parameters {
         let values: Vec<String> = one.values.iter().map(bounds).collect();
-        let change = match one.change {
-            Some(change) => format!(", by {:+.1} %", 100.0 * change),
-            None => String::new(),
+        let change = match one.most_in.zip(one.change) {
+            Some((model, change)) if change != 0.0 => {
+                let sign = if change > 0.0 { "+" } else { "" };
+                format!(
+                    ", model {model} by {sign}{} from model 0",
+                    text::percent(change)
+                )
+            }
+            _ => String::new(),
         };
         say(&format!(
             "  {:34} {} {}{change}{}",
@@ -211,7 +288,8 @@ fn print(comparison: &Comparison) {
         let verb = if one.appeared { "appears" } else { "vanishes" };
         say(&format!(
             "Effect: {} {verb} with model {}",
-            one.family, one.model
+            text::name(&one.family),
+            one.model
         ));
     }
     for note in &comparison.notes {
@@ -234,9 +312,19 @@ fn bounds(bounds: &Option<Bounds>) -> String {
 
 fn claim(changed: bool, p: Option<f64>) -> String {
     match p {
-        // Of less nobody can tell one from another.
-        Some(p) if changed && p < 1e-12 => ": changed (p < 1e-12)".to_owned(),
-        Some(p) if changed => format!(": changed (p = {p:.1e})"),
-        _ => String::new(),
+        Some(p) if changed => format!(": changed ({})", chance(p)),
+        Some(p) => format!(" ({})", chance(p)),
+        None => String::new(),
+    }
+}
+
+fn chance(p: f64) -> String {
+    // Of less nobody can tell one from another.
+    if p < 1e-12 {
+        return "p < 1e−12".to_owned();
+    }
+    match p < 1e-3 {
+        true => format!("p = {p:.1e}").replace('-', "−"),
+        false => format!("p = {p:.3}"),
     }
 }

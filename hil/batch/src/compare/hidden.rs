@@ -1,0 +1,121 @@
+//! What the law of a model may have taken in of the temperature or of the cycles, where it has no effect for them.
+//!
+//! A trace finds no effect that changes the force by less than the noise within the recording. The law has then what the force was in the
+//! middle of the recording's temperatures, and is off at both ends of them.
+
+use mesh_damper::effects::DESCRIPTIONS;
+use mesh_damper_identify::policy::policy;
+use mesh_damper_model::{Model, ModelError};
+
+use super::chance::{Chance, differences, mean_square};
+use super::common::CommonMotion;
+use super::run::{Held, Run};
+use super::{ComparePolicy, Moment};
+
+/// A quantity beside the motion.
+struct Axis {
+    common: Option<[f64; 2]>,
+    own: fn(&Moment) -> Option<[f64; 2]>,
+    depends: fn(&Model) -> bool,
+    set: fn(Held, f64) -> Held,
+    /// The part of the force that one of its unit changes, where no model says.
+    typical: f64,
+}
+
+fn axes(common: &CommonMotion) -> [Axis; 2] {
+    [
+        Axis {
+            common: common.temperature,
+            own: |moment| moment.conditions()?.temperature,
+            depends: Model::depends_on_temperature,
+            set: Held::at_temperature,
+            typical: typical_loss(),
+        },
+        Axis {
+            common: common.cycles,
+            own: |moment| Some(moment.conditions()?.cycles),
+            depends: Model::depends_on_cycles,
+            set: Held::after_cycles,
+            // All recordings begin with their first cycle.
+            typical: 0.0,
+        },
+    ]
+}
+
+/// The part of its force that a specimen loses with each degree, by the description of the effect.
+fn typical_loss() -> f64 {
+    let mut all = DESCRIPTIONS.iter();
+    let effect = all.find(|each| each.family == "temperature");
+    effect.map_or(0.0, |effect| effect.typical[0].abs())
+}
+
+/// The mean square of what the force of `moment` may be off by, kN², on a run where it is `force`.
+pub(super) fn chance(
+    moment: &Moment,
+    force: &[f64],
+    moments: &[Moment],
+    (common, run): (&CommonMotion, &Run),
+    numbers: &ComparePolicy,
+) -> Result<Chance, ModelError> {
+    let mut all = Chance {
+        sum: 0.0,
+        squares: 0.0,
+    };
+    for axis in axes(common) {
+        if (axis.depends)(&moment.model.model()) {
+            continue;
+        }
+        if let Some((common, own)) = axis.common.zip((axis.own)(moment)) {
+            all = all.and(Chance::of(off(
+                &axis, common, own, moment, force, moments, run, numbers,
+            )?));
+        }
+    }
+    Ok(all)
+}
+
+#[expect(
+    clippy::too_many_arguments,
+    reason = "all that the sentence at the top names"
+)]
+fn off(
+    axis: &Axis,
+    common: [f64; 2],
+    own: [f64; 2],
+    moment: &Moment,
+    force: &[f64],
+    moments: &[Moment],
+    run: &Run,
+    numbers: &ComparePolicy,
+) -> Result<f64, ModelError> {
+    let middle = 0.5 * (own[0] + own[1]);
+    // Of values that are as frequent throughout.
+    let deviation = (own[1] - own[0]) / 12.0_f64.sqrt();
+    let noise = moment
+        .trace
+        .as_ref()
+        .map_or(0.0, |trace| trace.noise_floor_nrmse);
+    // A trace takes a remainder of this many times the noise for noise.
+    let unseen = (policy().verdict.noise_limited.powi(2) - 1.0).sqrt();
+    let size = mean_square(force);
+    let mut squares = 0.0;
+    for end in common {
+        let distance = (end - middle).abs();
+        let by_noise = match deviation > 0.0 {
+            true => (numbers.unseen * unseen * noise * distance / deviation).powi(2) * size,
+            false => f64::INFINITY,
+        };
+        let mut by_effect: Option<f64> = None;
+        for other in moments {
+            let model = other.model.model();
+            if (axis.depends)(&model) {
+                let at = |value| run.held(&model, 0.0, &(axis.set)(run.middle(), value));
+                let change = mean_square(&differences(&at(end)?, &at(middle)?));
+                by_effect = Some(by_effect.map_or(change, |known| known.max(change)));
+            }
+        }
+        let by_effect = by_effect.unwrap_or((axis.typical * distance).powi(2) * size);
+        squares += 0.5 * by_noise.min(by_effect);
+    }
+    Ok(squares)
+}
