@@ -205,6 +205,15 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
     }
 }
 
+/// A law over amplitude has taken the warmth in, and leaves more than the noise.
+#[test]
+fn a_trace_that_found_no_effect_of_much_warmth_bounds_nothing() {
+    for seed in [465, 513] {
+        let found = under_others(seed);
+        assert!(!found.changed, "{found:?}");
+    }
+}
+
 #[test]
 fn what_changed_with_the_temperature_is_found_at_its_end() {
     let tests = [warm(0, 0.0, [20.0, 42.0]), warm(0, 0.005, [20.0, 42.5])];
@@ -314,7 +323,8 @@ fn claims(seeds: std::ops::Range<u64>, of: fn(u64) -> Comparison) -> Vec<(u64, C
     let all = seeds.into_par_iter().map(|seed| (seed, of(seed)));
     let claimed: Vec<_> = all.filter(|(_, comparison)| comparison.changed).collect();
     for (seed, comparison) in &claimed {
-        println!("seed {seed}:");
+        let effects: Vec<_> = comparison.models.iter().map(|one| &one.effects).collect();
+        println!("seed {seed}: {effects:?}");
         for force in comparison.forces.iter().filter(|one| one.changed) {
             println!(
                 "  force of model {}: {:.5} for {:.5}, p {:.1e}",
