@@ -190,6 +190,12 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
             let tests = [[20.0, narrow], [20.0, 60.0]].map(|range| warm(seed, 0.005, range));
             let found = compared(tests).unwrap();
             assert!(!found.changed, "{narrow} °C: {found:?}");
+            // Of a law over more amplitudes than the motion has the chance is not known, and nothing is claimed. Some traces find the
+            // effect within the narrow range: then both have it, and no law hides it.
+            let is_found = found.models[0].effects.contains(&"temperature".to_owned());
+            if found.forces[0].p.is_none() || is_found {
+                continue;
+            }
             let mut notes = found.notes.iter();
             assert!(
                 notes.any(|note| note.contains("may have taken in")),
