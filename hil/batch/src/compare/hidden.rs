@@ -73,10 +73,6 @@ pub(super) fn chance(
     Ok(all)
 }
 
-#[expect(
-    clippy::too_many_arguments,
-    reason = "all that the sentence at the top names"
-)]
 fn off(
     axis: &Axis,
     common: [f64; 2],
