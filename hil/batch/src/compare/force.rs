@@ -155,7 +155,7 @@ impl Forces<'_> {
         let moment = &self.moments[model];
         let mut spread = Spread::of(moment, self.run, shift, self.numbers)?;
         let of_run = (self.common, self.run);
-        let hidden = hidden::chance(moment, &spread.force, self.moments, of_run, self.numbers)?;
+        let hidden = hidden::chance(moment, &spread.force, self.moments, of_run)?;
         let hides = spread.chance.is_some_and(|own| hidden.sum > own.sum);
         spread.chance = spread.chance.map(|chance| chance.and(hidden));
         Ok((spread, hides))

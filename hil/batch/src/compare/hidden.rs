@@ -1,16 +1,16 @@
 //! What the law of a model may have taken in of the temperature or of the cycles, where it has no effect for them.
 //!
-//! A trace finds no effect that changes the force by less than the noise within the recording. The law has then what the force was in the
+//! A trace finds no effect that changes the force by less than the noise, or than what it leaves, within the recording. The law has then what the force was in the
 //! middle of the recording's temperatures, and is off at both ends of them.
 
 use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper_identify::policy::policy;
 use mesh_damper_model::{Model, ModelError};
 
+use super::Moment;
 use super::chance::{Chance, differences, mean_square};
 use super::common::CommonMotion;
 use super::run::{Held, Run};
-use super::{ComparePolicy, Moment};
 
 /// A quantity beside the motion.
 struct Axis {
@@ -55,7 +55,6 @@ pub(super) fn chance(
     force: &[f64],
     moments: &[Moment],
     (common, run): (&CommonMotion, &Run),
-    numbers: &ComparePolicy,
 ) -> Result<Chance, ModelError> {
     let mut all = Chance {
         sum: 0.0,
@@ -67,17 +66,13 @@ pub(super) fn chance(
         }
         if let Some((common, own)) = axis.common.zip((axis.own)(moment)) {
             all = all.and(Chance::of(off(
-                &axis, common, own, moment, force, moments, run, numbers,
+                &axis, common, own, moment, force, moments, run,
             )?));
         }
     }
     Ok(all)
 }
 
-#[expect(
-    clippy::too_many_arguments,
-    reason = "all that the sentence at the top names"
-)]
 fn off(
     axis: &Axis,
     common: [f64; 2],
@@ -86,23 +81,31 @@ fn off(
     force: &[f64],
     moments: &[Moment],
     run: &Run,
-    numbers: &ComparePolicy,
 ) -> Result<f64, ModelError> {
     let middle = 0.5 * (own[0] + own[1]);
     // Of values that are as frequent throughout.
     let deviation = (own[1] - own[0]) / 12.0_f64.sqrt();
-    let noise = moment
-        .trace
-        .as_ref()
-        .map_or(0.0, |trace| trace.noise_floor_nrmse);
-    // A trace takes a remainder of this many times the noise for noise.
-    let unseen = (policy().verdict.noise_limited.powi(2) - 1.0).sqrt();
+    let unseen = moment.trace.as_ref().map_or(f64::INFINITY, |trace| {
+        let noise = trace.noise_floor_nrmse;
+        // A trace takes a remainder of this many times the noise for noise; what it leaves beyond that is seen.
+        let limited = policy().verdict.noise_limited * noise;
+        let errors = trace.augmented;
+        let error = errors.nrmse_fitted.max(errors.nrmse_held_out).max(limited);
+        (error * error - noise * noise).sqrt()
+    });
     let size = mean_square(force);
+    // Warmth that grows with the cycles is found as an effect of either, and one that differs from amplitude to amplitude as coefficients
+    // over amplitude or as a residual table: then what is left bounds nothing.
+    let own_model = moment.model.model();
+    let takes_in = own_model.depends_on_temperature()
+        || own_model.depends_on_cycles()
+        || own_model.law.len() > 1
+        || own_model.correction.is_some();
     let mut squares = 0.0;
     for end in common {
         let distance = (end - middle).abs();
-        let by_noise = match deviation > 0.0 {
-            true => (numbers.unseen * unseen * noise * distance / deviation).powi(2) * size,
+        let by_noise = match deviation > 0.0 && !takes_in {
+            true => (unseen * distance / deviation).powi(2) * size,
             false => f64::INFINITY,
         };
         let mut by_effect: Option<f64> = None;

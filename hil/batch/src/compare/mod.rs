@@ -44,8 +44,6 @@ mesh_damper_recording::numbers! {
         same_temperature: f64 = 1.0, Convention("thermometers of a laboratory differ by as much");
         /// A zero that was taken off the displacement is off by this part of half the motion's range.
         zero_error: f64 = 0.01, Convention("as a motion of a hundredth of the largest counts for none");
-        /// What a law may hide of the temperature or the cycles, over what a trace takes for noise.
-        unseen: f64 = 1.0, Convention("all of it");
         /// An effect is shown where its force is at least this part of what it is where it was found.
         excited: f64 = 0.5, Convention("a half");
     }

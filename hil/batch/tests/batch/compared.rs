@@ -190,6 +190,12 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
             let tests = [[20.0, narrow], [20.0, 60.0]].map(|range| warm(seed, 0.005, range));
             let found = compared(tests).unwrap();
             assert!(!found.changed, "{narrow} °C: {found:?}");
+            // Of a law over more amplitudes than the motion has the chance is not known, and nothing is claimed. Some traces find the
+            // effect within the narrow range: then both have it, and no law hides it.
+            let is_found = found.models[0].effects.contains(&"temperature".to_owned());
+            if found.forces[0].p.is_none() || is_found {
+                continue;
+            }
             let mut notes = found.notes.iter();
             assert!(
                 notes.any(|note| note.contains("may have taken in")),
@@ -201,6 +207,15 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
         // No model knows of the temperature, and the one is warmer.
         let tests = [[20.0, 22.0], [21.0, 23.0]].map(|range| warm(seed, 0.005, range));
         let found = compared(tests).unwrap();
+        assert!(!found.changed, "{found:?}");
+    }
+}
+
+/// A law over amplitude has taken the warmth in, and leaves more than the noise.
+#[test]
+fn a_trace_that_found_no_effect_of_much_warmth_bounds_nothing() {
+    for seed in [465, 513] {
+        let found = under_others(seed);
         assert!(!found.changed, "{found:?}");
     }
 }
@@ -314,7 +329,8 @@ fn claims(seeds: std::ops::Range<u64>, of: fn(u64) -> Comparison) -> Vec<(u64, C
     let all = seeds.into_par_iter().map(|seed| (seed, of(seed)));
     let claimed: Vec<_> = all.filter(|(_, comparison)| comparison.changed).collect();
     for (seed, comparison) in &claimed {
-        println!("seed {seed}:");
+        let effects: Vec<_> = comparison.models.iter().map(|one| &one.effects).collect();
+        println!("seed {seed}: {effects:?}");
         for force in comparison.forces.iter().filter(|one| one.changed) {
             println!(
                 "  force of model {}: {:.5} for {:.5}, p {:.1e}",

@@ -181,7 +181,7 @@ fn heading(comparison: &Comparison) -> &'static str {
             "Not decided: an effect differs that what all models were fitted under does not show."
         }
         (false, true) if nothing_known => {
-            "Not decided: of some models no interval is known, and nothing is claimed of them."
+            "Not decided: of some models it is not known by how much their force may be off."
         }
         (false, true) => "No change beyond the intervals.",
     }
