@@ -88,6 +88,7 @@ def test_a_stiffer_specimen_is_another_than_before(tmp_path: Path) -> None:
     assert found.forces.difference[0] == pytest.approx(0.1, rel=0.2)
     assert set(found.parameters.time) == {0.0, 12.5}
     same = mesh_damper.compare([traces[0], traces[0]])
+    assert same.undecided == [] and "no change" in repr(same)
     assert not same.changed and same.forces.difference[0] == 0.0
     assert json.loads(json.dumps(same.to_dict()))["format"] == "mesh-damper comparison"
     with pytest.raises(mesh_damper.InputError, match="times: has 1 for 2 models"):

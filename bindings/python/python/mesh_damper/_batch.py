@@ -221,6 +221,11 @@ class Comparison:
         return list(self._found["effects"])
 
     @property
+    def undecided(self) -> list[dict[str, Any]]:
+        """Effects that the motion which the models share does not show, and the recording that would."""
+        return list(self._found["undecided"])
+
+    @property
     def notes(self) -> list[str]:
         """What could not be compared, and why."""
         return list(self._found["notes"])
@@ -230,7 +235,8 @@ class Comparison:
         return self._found
 
     def __repr__(self) -> str:
-        return f"<Comparison of {len(self._found['models'])} models: {'changed' if self.changed else 'no change'}>"
+        said = "changed" if self.changed else "not decided" if self.undecided else "no change"
+        return f"<Comparison of {len(self._found['models'])} models: {said}>"
 
 
 def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -> Comparison:
