@@ -196,7 +196,7 @@ def test_dates_and_durations_are_seconds_whatever_unit_is_said() -> None:
     expected = mesh_damper.trace(block).to_dict()["law"][0]["k1"]["value"]
     for times in (durations, np.datetime64("2026-01-01") + durations):
         for name in ("time_ms", "Time (ms)", "Zeit"):
-            with pytest.raises(mesh_damper.InputError, match=f"column {re.escape(name)}: holds dates or durations, which are seconds"):
+            with pytest.raises(mesh_damper.InputError, match=f"column {re.escape(name)}: its dates or times of day are read as seconds"):
                 mesh_damper.trace({name: times, **rest}, units={"time": "ms"})
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", mesh_damper.GuessWarning)

@@ -9,7 +9,7 @@ use super::units::Units;
 use super::{Recording, Source};
 use crate::columns::{Chosen, choose_for};
 use crate::error::{InputError, Place};
-use crate::files::{self, Kept, Needs, Reading, Table, Tables, Values, Wanted};
+use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included: its content says which, not its name. A row whose
@@ -118,7 +118,6 @@ impl Recording {
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let mut chosen = choose_for(&name, file.tables(), reading, needs)?;
-        refuse_stamps_in_other_units(&name, &file.tables()[chosen.table], &chosen)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,
@@ -168,29 +167,6 @@ fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
         }
     });
     named.collect()
-}
-
-/// Dates and durations are seconds, whatever unit their name or the user says.
-fn refuse_stamps_in_other_units(
-    file: &str,
-    table: &Table,
-    chosen: &Chosen,
-) -> Result<(), InputError> {
-    for used in &chosen.used {
-        let column = &table.columns[used.column];
-        if column.is_stamp && used.unit.scale != 1.0 {
-            let unit = used.unit.symbol;
-            let problem =
-                format!("holds dates or durations, which are seconds, and {unit} is said of them");
-            let mend = format!(
-                "say --unit {}=s, or give the times as numbers",
-                used.channel.name()
-            );
-            let place = Place::Column(column.name.clone());
-            return Err(InputError::new(file, problem, mend).at(place));
-        }
-    }
-    Ok(())
 }
 
 /// The values of a recording while it is made.

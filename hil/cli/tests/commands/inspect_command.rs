@@ -73,6 +73,7 @@ fn a_file_that_no_option_makes_right_is_shown_before_it_is_refused() {
         "{out}"
     );
     assert!(err.contains("rig.txt: line"), "{err}");
+    assert!(!out.contains("next"), "{out}");
     let (code, json, _) = said(root.path(), &["inspect", "rig.txt", "--json", "-"]);
     assert_eq!(code, Some(2));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();

@@ -219,7 +219,9 @@ mod tests {
         for name in ["time_ms", "Time (ms)", "Zeit", "Datum"] {
             let error = read(name, "ms").unwrap_err().to_string();
             assert!(
-                error.contains("holds dates or durations, which are seconds, and ms is said"),
+                error.contains(
+                    "its dates or times of day are read as seconds, and --unit time=ms says ms"
+                ),
                 "{error}"
             );
             assert_eq!(read(name, "s").unwrap().time[99], 0.99, "{name}");

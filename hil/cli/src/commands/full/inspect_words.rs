@@ -32,6 +32,10 @@ pub fn of(file: &Inspected) -> String {
             .iter()
             .map(|question| format!("  question: {question}")),
     );
+    if file.problem.is_some() {
+        // It is mended before anything is traced.
+        return lines.join("\n");
+    }
     let how = if file.questions.is_empty() {
         "next"
     } else {
