@@ -1,4 +1,4 @@
-//! Every check on so many seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames; and on a tenth.
+//! Every check on seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames; and on a tenth.
 //!
 //! `cargo test -p mesh-damper-fuzz -- --ignored --nocapture`, and without `--ignored`.
 

@@ -7,7 +7,7 @@ use super::control::ControlChannel;
 use super::faults::{ChannelFault, ChannelFaultKind};
 use super::units::Units;
 use super::{Recording, Source};
-use crate::columns::{Chosen, choose_for};
+use crate::columns::{Chosen, choose};
 use crate::error::{InputError, Place};
 use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
@@ -117,7 +117,7 @@ impl Recording {
         needs: &Needs,
     ) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let mut chosen = choose_for(&name, file.tables(), reading, needs)?;
+        let mut chosen = choose(&name, file.tables(), reading, needs)?;
         let used = chosen.used.iter().map(|used| Wanted {
             column: used.column,
             must_be_numeric: true,

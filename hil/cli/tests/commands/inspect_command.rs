@@ -58,7 +58,7 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
     assert!((rate - 200.0).abs() < 1e-6, "{rate}");
 }
 
-/// Where a file cannot be read it is looked at to see why: what it holds is told all the same.
+/// A user inspects a file to see why it cannot be read, so its columns are listed before the refusal.
 #[test]
 fn a_file_that_no_option_makes_right_is_shown_before_it_is_refused() {
     let root = tempfile::tempdir().unwrap();

@@ -48,26 +48,12 @@ pub struct Chosen {
     pub assumed: Option<String>,
 }
 
-/// Chooses the columns of a recording among those of a file. Of the channels, the `needed` ones must be there.
+/// Chooses the columns of a recording among those of a file, of which those that it `needs` must be there.
 ///
 /// # Errors
-/// A channel that is missing, that two columns may be, or whose unit is not known; an option that names no column; several tables that
-/// could be meant. The message has the option that says it.
+/// A channel that is missing, that two columns may be, or whose unit is not known; a control input that is needed and not there; an
+/// option that names no column; several tables that could be meant. The message has the option that says it.
 pub fn choose(
-    file: &str,
-    tables: &[Table],
-    reading: &Reading,
-    needed: &dyn Fn(Channel) -> bool,
-) -> Result<Chosen, InputError> {
-    let needs = Needs::of(Channel::ALL.into_iter().filter(|&channel| needed(channel)));
-    choose_for(file, tables, reading, &needs)
-}
-
-/// [`choose`] for who says all that the recording must have.
-///
-/// # Errors
-/// As [`choose`], and a control input that is needed and not there.
-pub fn choose_for(
     file: &str,
     tables: &[Table],
     reading: &Reading,
@@ -411,7 +397,7 @@ impl Choice<'_> {
         }
     }
 
-    /// The unit of a channel's column of which nothing says it. One that is assumed is told in `assumed`.
+    /// The unit of a channel's column of which nothing says it. `assumed` takes the one that is assumed.
     fn unmarked(
         &self,
         channel: Channel,
@@ -490,7 +476,7 @@ mod tests {
     }
 
     fn chosen(names: &[&str], reading: &Reading) -> Result<Chosen, String> {
-        let chosen = choose("a.csv", &[table(names)], reading, &Channel::is_required);
+        let chosen = choose("a.csv", &[table(names)], reading, &Needs::default());
         chosen.map_err(|error| error.to_string())
     }
 

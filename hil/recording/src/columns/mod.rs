@@ -16,7 +16,7 @@ mod unit_found;
 mod words;
 
 pub use asked::shell;
-pub use choose::{Chosen, ChosenControl, Used, choose, choose_for};
+pub use choose::{Chosen, ChosenControl, Used, choose};
 pub use taken::Rank;
 
 use crate::channel::Channel;

@@ -74,7 +74,7 @@ static CASES: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 const DRAWN: u32 = 400;
 
 /// Of all cases at least this part is read without a question. 63 % are: a seventh has no unit, in an eighth commas divide cells and
-/// decimals, in an eighth it is MN in capitals, and some names of two words stand between blanks. So many draws scatter by 2.4 %, and
+/// decimals, in an eighth it is MN in capitals, and some names of two words stand between blanks. The share over these draws scatters by 2.4 %, and
 /// four times that is left to them.
 const LEAST_READ: f64 = 0.53;
 

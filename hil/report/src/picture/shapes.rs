@@ -178,7 +178,7 @@ fn cells(sheet: &mut Sheet, map: &Cells, places: &[(f64, f64)]) {
     }
 }
 
-/// A sample of a layer for a legend: so many px long, from `at` on.
+/// A sample of a layer for a legend, from `at` on; its length is in px.
 pub fn piece(sheet: &mut Sheet, layer: &Layer, at: (f64, f64), length: f64) {
     let colour = layer.colour.light();
     let fine = 1.0 / FINE;

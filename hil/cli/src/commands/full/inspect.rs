@@ -7,7 +7,7 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::columns::{self, Chosen, Rank};
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::{Channel, ChannelFaultKind};
-use mesh_damper_recording::files::{self, Column, Kept, Reading, Table, Wanted};
+use mesh_damper_recording::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
 use mesh_damper_recording::output::Plan;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -175,7 +175,7 @@ fn inspect(
     };
     let tables = opened.tables().to_vec();
     drop(opened);
-    let chosen = columns::choose(&name, &tables, &said, &Channel::is_required);
+    let chosen = columns::choose(&name, &tables, &said, &Needs::default());
     if let Err(question) = &chosen {
         questions.extend(asked(&name, &tables, &said, question));
     }
@@ -222,8 +222,7 @@ fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Ve
         .into_iter()
         .filter(|channel| channel.is_required())
     {
-        let alone = |each: Channel| each == channel;
-        if let Err(question) = columns::choose(name, tables, said, &alone)
+        if let Err(question) = columns::choose(name, tables, said, &Needs::of([channel]))
             && !questions.contains(&question)
         {
             questions.push(question);

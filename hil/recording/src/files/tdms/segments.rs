@@ -135,7 +135,7 @@ pub(super) struct Object {
     pub unread: Option<&'static str>,
     /// When its first sample was taken, in 2⁻⁶⁴ s, where the file says it.
     pub start: Option<i128>,
-    /// Whether its clock was started anew among its samples, at another time than that to which its steps lead.
+    /// Whether its clock was started again among its samples, at another time than that to which its steps lead.
     pub is_restarted: bool,
 }
 
