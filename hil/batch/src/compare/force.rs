@@ -86,7 +86,8 @@ pub(super) fn changes(
     let mut changes = Vec::new();
     let (mut chances, mut hides) = (vec![first.chance], vec![hides]);
     for model in 1..moments.len() {
-        let mut change = forces.beside(&first, model).map_err(refused(model))?;
+        let (mut change, chance, hides_more) =
+            forces.beside(&first, model).map_err(refused(model))?;
         let [least, largest] = shifts(&moments[0], &moments[model], numbers);
         if least < largest {
             let has_nodes = |moment: &Moment| moment.model.model().law.len() > 1;
@@ -103,12 +104,12 @@ pub(super) fn changes(
                     "{} cannot be compared with {}: a law with coefficients for each amplitude holds about its own zero alone",
                     moments[model].name, moments[0].name
                 ));
-                (change.0.p, change.0.expected) = (None, None);
+                (change.p, change.expected) = (None, None);
             }
         }
-        chances.push(change.1);
-        hides.push(change.2);
-        changes.push(change.0);
+        chances.push(chance);
+        hides.push(hides_more);
+        changes.push(change);
     }
     let mut undecided = Vec::new();
     for effect in effects {
