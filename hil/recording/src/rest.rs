@@ -15,7 +15,7 @@ crate::numbers! {
         /// Fewest samples of a rest.
         shortest: usize = 32, Derived("their mean is known to a sixth of the noise, so that a motion of a noise within them shows");
         /// The mean of the last [`RestPolicy::shortest`] samples differs from that of all before by less than this many of its
-        /// deviations.
+        /// deviations, and a turn's squares from one cubic exceed those of noise by less than as many of theirs.
         same: f64 = 5.0, Derived("noise alone exceeds it once in two million times, and it is asked at every sample");
     }
 }
@@ -125,7 +125,9 @@ fn is_turn(samples: &[f64], rest: &Range<usize>, noise: f64) -> bool {
     let more = rest.len() / 2;
     let around = rest.start.saturating_sub(more)..(rest.end + more).min(samples.len());
     let error = left_by_polynomial(&samples[around.clone()], 3);
-    around != *rest && leaves_only_noise(error, around.len() as f64 - 4.0, noise)
+    let freedom = around.len() as f64 - 4.0;
+    let noise_squares = noise * noise * (freedom + policy().rest.same * (2.0 * freedom).sqrt());
+    around != *rest && error <= noise_squares
 }
 
 #[cfg(test)]
@@ -146,6 +148,13 @@ mod tests {
         let noise = Normal::new(0.0, NOISE).unwrap();
         let samples = (0..count).map(|index| displacement(index as f64));
         samples.map(|y| y + noise.sample(&mut random)).collect()
+    }
+
+    /// Noise at this turn is 4.4 of its deviations above the mean of noise.
+    #[test]
+    fn an_unlikely_turn_is_no_standstill() {
+        let sine = noisy(4000, 6040597495397802227, |index| 0.1 * (TAU * index / 5858.145514347705 + 0.2653984200002955).sin());
+        assert_eq!(find_rests(&sine, NOISE), vec![]);
     }
 
     proptest! {
