@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "recipes"))
-from rows import Rows  # noqa: E402
+from rows import Rows
 
 
 def test_a_row_is_made_again_where_its_recording_was_changed(tmp_path):

@@ -114,9 +114,13 @@ def _in_numpy(values: Any) -> npt.NDArray[Any]:
     array: npt.NDArray[Any] = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
     if not isinstance(array, np.ma.MaskedArray):
         return array
+    missing: Any = np.nan
     if array.dtype.kind in "Mm":
-        return array.filled(np.array("NaT", dtype=array.dtype))
-    return array.astype(float).filled(np.nan) if array.dtype.kind in "fiub" else array.astype(object).filled(np.nan)
+        missing = np.array("NaT", dtype=array.dtype)[()]
+    else:
+        array = array.astype(float if array.dtype.kind in "fiub" else object)
+    filled: npt.NDArray[Any] = np.ma.filled(array, missing)
+    return filled
 
 
 def seconds(times: Any) -> Array | None:

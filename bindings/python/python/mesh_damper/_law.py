@@ -282,7 +282,9 @@ class DamperLaw:
             except (TypeError, ValueError):
                 step = np.nan
             if not (np.isfinite(step) and step > 0):
-                raise InputError(f"t: {repr(t) if isinstance(t, str) else t} is no time between samples; give one above 0, or the samples' times")
+                raise InputError(
+                    f"t: {repr(t) if isinstance(t, str) else t} is no time between samples; give one above 0, or the samples' times"
+                )
             t = step * np.arange(rows)
         columns["time"] = t
         if y is not None:
