@@ -153,7 +153,9 @@ mod tests {
     /// Noise at this turn is 4.4 of its deviations above the mean of noise.
     #[test]
     fn an_unlikely_turn_is_no_standstill() {
-        let sine = noisy(4000, 6040597495397802227, |index| 0.1 * (TAU * index / 5858.145514347705 + 0.2653984200002955).sin());
+        let sine = noisy(4000, 6040597495397802227, |index| {
+            0.1 * (TAU * index / 5858.145514347705 + 0.2653984200002955).sin()
+        });
         assert_eq!(find_rests(&sine, NOISE), vec![]);
     }
 

@@ -27,6 +27,7 @@ mod outputs;
 mod paper_command;
 mod policy_option;
 mod predict;
+mod quotes;
 mod read_limit;
 mod readme;
 mod refusal;
