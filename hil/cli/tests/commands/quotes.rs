@@ -24,7 +24,7 @@ fn quoted(source: &str) -> Result<String, String> {
             let place = |mark: String| {
                 let found = lines
                     .iter()
-                    .position(|line| line.trim_end().ends_with(&mark));
+                    .position(|line| line.trim_end_matches(" */").ends_with(&mark));
                 found.ok_or(format!("{path} has no {mark}"))
             };
             let start = place(format!("ANCHOR: {anchor}"))?;
