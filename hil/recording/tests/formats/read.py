@@ -44,7 +44,8 @@ compare("pred.parquet by pandas", arrays(pandas.read_parquet(folder / "pred.parq
 compare("pred.parquet by polars", arrays(polars.read_parquet(folder / "pred.parquet")))
 schema = pyarrow.parquet.read_schema(folder / "pred.parquet")
 assert schema.field("force_kN").metadata[b"unit"] == b"kN"
-assert schema.metadata[b"comments"].decode().splitlines() == comments
+own = pyarrow.parquet.read_metadata(folder / "pred.parquet").metadata
+assert own[b"comments"].decode().splitlines() == comments
 mat = scipy.io.loadmat(folder / "pred.mat")
 columns = {name: values[:, 0] for name, values in mat.items() if name in truth.columns}
 compare("pred.mat by scipy", columns)
