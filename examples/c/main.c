@@ -50,6 +50,7 @@ void systick(void)
         done = true;
         return;
     }
+    /* ANCHOR: tick */
     const md_motion motion = {
         .displacement = now.displacement,
         .velocity = now.velocity,
@@ -57,6 +58,7 @@ void systick(void)
         .temperature = 20.0f,
     };
     const float force = md_law_force(&law, &motion);
+    /* ANCHOR_END: tick */
     md_cycle cycle;
     if (md_cycles_update(&cycles, now.displacement, force, now.phase, &cycle)) {
         if (ready) {

@@ -66,10 +66,12 @@ async fn main(_spawner: Spawner) {
     static LAW: StaticCell<Law> = StaticCell::new();
 
     let mut board = Board::new().await;
+    // ANCHOR: law
     let law = amplitude_independent::law(DENSITY).expect("the density is in range");
     let law = LAW.init_with(|| RunningLaw::new(law));
     let controller = controller(&board.wiring, law).expect("motion and settings are in range");
     let rig = Rig::wire(controller, board.sensors, board.actuator).await;
+    // ANCHOR_END: law
 
     // Below the DMA's interrupts and the clock's, which have the highest priority.
     interrupt::UART4.set_priority(Priority::P6);
@@ -121,6 +123,7 @@ async fn tick(mut rig: Rig) {
     let mut due = Instant::now();
     let mut ticker = Ticker::every(PERIOD);
     loop {
+        // ANCHOR: tick
         ticker.next().await;
         due += PERIOD;
         // It wraps, as the rig takes it.
@@ -136,5 +139,6 @@ async fn tick(mut rig: Rig) {
         if Instant::now() >= due + PERIOD {
             rig.overrun().await;
         }
+        // ANCHOR_END: tick
     }
 }

@@ -56,9 +56,11 @@ impl Excited {
     /// # Errors
     /// The number of the motion or of the law that is out of range.
     pub fn new(law: &'static mut DamperLaw) -> Result<Self, ConfigError> {
+        // ANCHOR: fill
         // Effects hold numbers that are true at one rate only.
         const { assert!(mount::TICK_RATE == TICK_RATE as f32) };
         mount::fill(law)?;
+        // ANCHOR_END: fill
         let mut programme = Programme::new(TICK_RATE.into(), RAMP_CYCLES)?;
         for sine in SINES {
             programme = programme.with(Block::sine(sine.amplitude, sine.frequency, CYCLES)?)?;
@@ -79,6 +81,7 @@ impl Excited {
 
     /// One tick: the cycle that ended with it, if one did that was in no ramp; none at all once the motion is over.
     pub fn tick(&mut self) -> Option<Option<Ended>> {
+        // ANCHOR: tick
         let now = self.generator.tick();
         let force = self.law.force(&Motion {
             displacement: now.displacement,
@@ -86,6 +89,7 @@ impl Excited {
             acceleration: now.acceleration,
             ..Motion::default()
         });
+        // ANCHOR_END: tick
         self.forces.add(force);
         let ended = self
             .accumulator

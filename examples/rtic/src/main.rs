@@ -96,6 +96,7 @@ mod app {
         let Ok(bus) = ExclusiveDevice::new_no_delay(bus, b.pb12.into_push_pull_output());
         let dac = Ad5761::new(bus, scale(FORCE)).expect("an AD5761R is connected to SPI2");
 
+        // ANCHOR: law
         let law = context.local.law;
         let (eq13, effects) =
             amplitude_independent::parts(DENSITY).expect("the density is in range");
@@ -107,6 +108,7 @@ mod app {
         };
         let mut damper = DamperEmulation::new(adc, dac, enable, &settings, law)
             .expect("the settings are in range");
+        // ANCHOR_END: law
 
         let (said, to_report) = make_channel!(Said, QUEUE);
         report::spawn(to_report).expect("it is spawned once");
@@ -133,6 +135,7 @@ mod app {
         )
     }
 
+    // ANCHOR: tick
     /// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper. So does one that comes late,
     /// or not at all.
     #[task(binds = TIM2, priority = 2, local = [timer, clock, damper, said, stopped: bool = false])]
@@ -159,6 +162,7 @@ mod app {
             damper.overrun();
         }
     }
+    // ANCHOR_END: tick
 
     /// Sends what is said. The tick interrupts it.
     #[task(priority = 1, local = [serial])]

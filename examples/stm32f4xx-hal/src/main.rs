@@ -98,6 +98,7 @@ fn main() -> ! {
     let dac = Ad5761::new(bus, wiring.command).expect("an AD5761R is connected");
     let actuator = SpiActuator::new(dac, enable);
 
+    // ANCHOR: law
     let (law, effects) = amplitude_independent::parts(DENSITY).expect("the density is in range");
     LAW.set(law, effects);
     let settings = DamperEmulationSettings {
@@ -108,6 +109,7 @@ fn main() -> ! {
     let controller = EmulationController::new(&settings, &wiring, LAW);
     let controller = controller.expect("the settings are in range");
     let mut damper = Damper::wire(controller, sensors, actuator);
+    // ANCHOR_END: law
 
     let mut clock = peripherals.TIM5.counter_us(&mut rcc);
     clock
@@ -170,6 +172,7 @@ fn TIM2() {
     else {
         return;
     };
+    // ANCHOR: tick
     timer.clear_flags(Flag::Update);
     let seen = damper.tick(clock.now().ticks());
     critical_section::with(|section| {
@@ -183,4 +186,5 @@ fn TIM2() {
     if timer.flags().contains(Flag::Update) {
         damper.overrun();
     }
+    // ANCHOR_END: tick
 }

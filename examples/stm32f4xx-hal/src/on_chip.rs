@@ -40,6 +40,7 @@ impl Sensors for OnChip {
     /// A conversion always ends.
     type Error = Infallible;
 
+    // ANCHOR: read
     /// Two conversions of 27 clocks, one after the other: 2.6 µs in all. The force is 1.3 µs later than the displacement, which at
     /// 10 Hz makes an error of 8e-5 in the loss factor.
     fn read(&mut self) -> Result<Reading, Infallible> {
@@ -54,4 +55,5 @@ impl Sensors for OnChip {
             controls: [0.0; CONTROLS],
         })
     }
+    // ANCHOR_END: read
 }

@@ -1,4 +1,4 @@
-"""What a damper's law lacks, found in recordings of its force and displacement.
+"""Find the effects that a damper's law lacks, in recordings of its force and displacement.
 
 >>> import mesh_damper
 >>> found = mesh_damper.trace("rig-test.csv.gz")        # a path, a data frame, arrays

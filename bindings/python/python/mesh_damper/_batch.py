@@ -1,4 +1,4 @@
-"""Traces of many recordings, and models of one specimen over time."""
+"""Traces of many recordings, and the comparison of models of one specimen over time."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ from . import _core, _frames
 from ._errors import InputError
 from ._trace import Trace, model_of
 
-#: A folder, list or table as a path; paths; or a data frame with a column `path`.
+#: The path of a folder, a list or a table; several paths; or a data frame with a column `path`.
 Recordings = Any
-#: A path of a model or of its trace's folder, or a trace.
+#: The path of a model or of its trace's folder, or a trace.
 ModelLike = Union[str, "os.PathLike[str]", Trace]
 
 _COLUMNS = ("path", "group", "specimen", "role", "held_out")
 
 
 class Batch:
-    """What became of many traces. `trace_many` makes it."""
+    """The outcomes of many traces. `trace_many` makes it."""
 
     def __init__(self, summary: str, outcomes: dict[str, Any], effects: dict[str, Any], folder: Path, library: Any) -> None:
         self._summary: dict[str, Any] = json.loads(summary)
         #: The folder with outcomes.parquet, effects.parquet, index.html and the folders of all traces.
         self.folder = folder
-        #: A row a trace, as a data frame; docs/batch.md has its columns.
+        #: A data frame with a row for each trace; docs/batch.md describes its columns.
         self.outcomes: Any = _frames.make(outcomes, library)
-        #: A row a parameter of the law and of the effects of every trace, as a data frame.
+        #: A data frame with a row for each parameter of the law and of the effects of every trace.
         self.effects: Any = _frames.make(effects, library)
 
     @property
     def traced(self) -> int:
-        """Traces that were made, now or earlier."""
+        """How many traces succeeded, in this run or earlier."""
         return int(self._summary["traced"])
 
     @property
     def failed(self) -> int:
-        """Traces that could not be made: the column `error` says why."""
+        """How many traces failed; the column `error` says why."""
         return int(self._summary["failed"])
 
     @property
     def computed(self) -> int:
-        """Traces that were made, or failed, in this run; the others were kept from earlier."""
+        """How many traces succeeded or failed in this run; the others are from earlier runs."""
         return int(self._summary["computed"])
 
     @property
     def shared(self) -> list[str]:
-        """Recordings that are in several traces, in words."""
+        """Sentences that name the recordings used in several traces."""
         return list(self._summary["shared"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -78,12 +78,18 @@ def trace_many(
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Batch:
-    """Traces many recordings, as `hil batch` does, into the folder `out`.
+    """Trace many recordings into the folder `out`, as `hil batch` does.
 
-    `recordings` is a folder; a list of paths as a text file; a table as CSV or Parquet, or a data frame, with a column `path`, and `group`,
-    `specimen`, and `role` or `held_out` where they are wanted: the rows of one group are one trace; or a sequence of paths.
-    `jobs` traces are made at the same time, as many as there are cores where it is not given. What an earlier run into `out` has made of
-    the same recordings with the same options is not made again. A recording that cannot be read or traced is a row with its `error`.
+    `recordings` is one of these:
+
+    - a folder;
+    - a text file with a path on each line;
+    - a table, as CSV, Parquet or a data frame, with a column `path` and the optional columns `group`, `specimen`, and `role` or
+      `held_out`; the rows of one group are one trace;
+    - a sequence of paths.
+
+    `jobs` traces run at the same time; the default is the number of cores. A trace that an earlier run made into `out`, of the same
+    recordings with the same options, is not repeated. A recording that cannot be read or traced gets a row with its `error`.
     """
     given: Any = None
     table: str | None = None
@@ -126,7 +132,7 @@ def _settings(
 
 
 def _table(frame: Any, names: Sequence[str]) -> str:
-    """A frame of paths as CSV."""
+    """Write a frame of paths as CSV."""
     if "path" not in names:
         raise InputError(f"recordings: there is no column 'path'; found {', '.join(map(repr, names)) or 'none'}")
     used = [name for name in _COLUMNS if name in names]
@@ -162,9 +168,10 @@ def outcome(
     law: Any = None,
     max_read: int | None = None,
 ) -> dict[str, Any]:
-    """The row of one trace, of which no file is written and no exception raised: what a scheduler of your own maps over paths.
+    """Return the row of one trace, for a scheduler of your own that maps over paths.
 
-    It takes one core. `outcomes` makes a table of many.
+    It writes no file, and returns a failed trace as a row instead of raising an exception. It uses one core. `outcomes` makes a table of
+    many rows.
     """
     paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
     settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, False)
@@ -173,24 +180,24 @@ def outcome(
 
 
 def outcomes(rows: Sequence[dict[str, Any]]) -> Any:
-    """The rows of `outcome` as a data frame with the columns of `outcomes.parquet`."""
+    """Return rows of `outcome` as a data frame with the columns of `outcomes.parquet`."""
     return _frames.make(_core.outcomes_of([json.dumps(row) for row in rows]))
 
 
 class Comparison:
-    """What changed from model to model. `compare` makes it."""
+    """The changes from model to model. `compare` makes it."""
 
     def __init__(self, text: str) -> None:
         self._found: dict[str, Any] = json.loads(text)
 
     @property
     def changed(self) -> bool:
-        """Whether a change is claimed; of a specimen that stays as it is, that is so in one case of twenty."""
+        """Whether a change is claimed. For a specimen that does not change, this happens in at most one case of twenty."""
         return bool(self._found["changed"])
 
     @property
     def forces(self) -> Any:
-        """The force of every model but the first beside the first's, on one motion, as a data frame."""
+        """The force of every later model, compared with that of the first on one motion, as a data frame."""
         names = ("model", "difference", "expected", "p", "changed")
         rows = self._found["forces"]
         columns: dict[str, list[Any]] = {name: [row[name] for row in rows] for name in names}
@@ -200,7 +207,7 @@ class Comparison:
 
     @property
     def parameters(self) -> Any:
-        """A row a parameter and model: its value with its 90 % interval, and whether a change is claimed of the parameter."""
+        """A row for each parameter and model: the value, its 90 % interval, and whether a change of the parameter is claimed."""
         columns: dict[str, list[Any]] = {
             name: [] for name in ("of", "amplitude_mm", "parameter", "unit", "time", "value", "low", "high", "p", "changed")
         }
@@ -217,17 +224,17 @@ class Comparison:
 
     @property
     def effects(self) -> list[dict[str, Any]]:
-        """Effects that appeared or vanished."""
+        """The effects that appeared or vanished."""
         return list(self._found["effects"])
 
     @property
     def undecided(self) -> list[dict[str, Any]]:
-        """Effects that the motion which the models share does not show, and the recording that would."""
+        """Effects that the shared motion does not excite, each with the recording that would show it."""
         return list(self._found["undecided"])
 
     @property
     def notes(self) -> list[str]:
-        """What could not be compared, and why."""
+        """Sentences: the comparisons that were not possible, with the reason."""
         return list(self._found["notes"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -240,9 +247,9 @@ class Comparison:
 
 
 def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -> Comparison:
-    """Sets models of one specimen beside each other, as `hil compare` does: what changed, beyond its interval.
+    """Compare models of one specimen, as `hil compare` does, and report the changes beyond their intervals.
 
-    Each of `models` is a trace, the folder that a trace wrote, or a `model.json`. `times` says when each was, in any unit.
+    Each of `models` is a trace, the folder that a trace wrote, or a `model.json`. `times` gives the time of each model, in any unit.
     """
     if times is None:
         times = range(len(models))

@@ -24,12 +24,12 @@ class Characterization:
 
     @property
     def kind(self) -> str:
-        """`static` or `dynamic`."""
+        """The kind of test: `static` or `dynamic`."""
         return str(self._found["kind"])
 
     @property
     def cycles(self) -> Any:
-        """Every cycle as a row of a data frame; of a dynamic test `block` says which it is of, counted from 0."""
+        """A data frame with a row for each cycle. In a dynamic test, `block` is the number of its block, counted from 0."""
         if self.kind == "static":
             return self._frame(self._found["cycles"])
         blocks = enumerate(self._found["blocks"])
@@ -37,7 +37,7 @@ class Characterization:
 
     @property
     def blocks(self) -> Any:
-        """Of a dynamic test the averaged cycle of every block, with mean and deviation of its steady cycles; of a static test the means."""
+        """Dynamic: the averaged cycle of every block, with mean and deviation of its steady cycles. Static: the means."""
         if self.kind == "static":
             return self._frame([_spreads(self._found, ("equivalent_stiffness", "loss_factor"))])
         return self._frame(
@@ -49,15 +49,15 @@ class Characterization:
 
     @property
     def notes(self) -> list[str]:
-        """What was done with the recording, and what is odd about it, in sentences."""
+        """Sentences: how the recording was processed, and what is unusual about it."""
         return list(self._found["notes"])
 
     def to_json(self) -> str:
-        """What `hil characterize --json` writes."""
+        """The JSON that `hil characterize --json` writes."""
         return self._json
 
     def plot(self, number: int = 0, ax: Any = None) -> Any:
-        """The loop of a cycle of a static test, or of a block of a dynamic one, as a figure of matplotlib."""
+        """Plot the loop of a cycle (static) or of a block (dynamic) as a matplotlib figure."""
         from ._plot import characterized
 
         if not -len(self._loops) <= number < len(self._loops):
@@ -90,7 +90,7 @@ def _spreads(found: dict[str, Any], names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _flat(name: str, entry: Any) -> list[tuple[str, Any]]:
-    """A list of times is a column each."""
+    """Give each entry of a list its own column."""
     if isinstance(entry, list):
         return [(f"{name}_{place}", value) for place, value in enumerate(entry)]
     return [(name, np.nan if entry is None else entry)]
@@ -105,9 +105,9 @@ def characterize(
     force: ChannelLike | None = None,
     units: Units = None,
 ) -> Characterization:
-    """Stiffness and loss factor of a recording, as `hil characterize` finds them.
+    """Compute stiffness and loss factor of a recording, as `hil characterize` does.
 
-    They are of load–unload curves (`static`), or of cycles (`dynamic`). The recording and its units are given as to `trace`.
+    `kind` is `static` for load–unload curves, or `dynamic` for cycles. Give the recording and its units as for `trace`.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")

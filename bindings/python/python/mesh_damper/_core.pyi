@@ -1,4 +1,4 @@
-"""The compiled part: what the Rust crates do, for arrays and texts."""
+"""The compiled part: the functions of the Rust crates, for arrays and texts."""
 
 from collections.abc import Callable, Sequence
 from os import PathLike
@@ -30,7 +30,7 @@ __all__ = [
 
 __version__: str
 
-#: Its name; its values, or why they are no numbers; whether these are dates or durations; whether it is the index of its frame.
+#: Its name; its values, or why they are not numbers; whether they are dates or durations; whether it is the index of its frame.
 _Column: TypeAlias = tuple[str, npt.NDArray[np.float64] | str, bool, bool]
 
 @final

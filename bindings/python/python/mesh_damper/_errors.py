@@ -1,21 +1,21 @@
-"""What is refused, and what is assumed."""
+"""Errors for refused input, and warnings about assumptions."""
 
 
 class InputError(ValueError):
-    """Input that was refused. Its text is the line that the command `hil` prints: what, where, why, and how to mend it."""
+    """Input was refused. The text is the line that the command `hil` prints: what is wrong, where, why, and how to mend it."""
 
 
 class MissingFileError(InputError, FileNotFoundError):
-    """A file that is not there."""
+    """A file does not exist."""
 
 
 class NotFittedError(ValueError, AttributeError):
-    """A law that was asked for a force before it was fitted or loaded."""
+    """A law was asked for a force before it was fitted or loaded."""
 
 
 class GuessWarning(UserWarning):
-    """What a column of a recording was taken for without being sure. Its text is the note that the command `hil` prints."""
+    """The meaning of a column was not certain, and was guessed. The text is the note that the command `hil` prints."""
 
 
 class UnitWarning(GuessWarning):
-    """A unit that neither a column's name nor `units` says, and that was assumed."""
+    """A unit was assumed, because neither the column's name nor `units` gives it."""

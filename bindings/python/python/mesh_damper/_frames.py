@@ -1,4 +1,4 @@
-"""Data frames in and out: pandas or polars, whichever is there."""
+"""Data frames in and out, with pandas or polars, whichever is installed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import numpy.typing as npt
 
 from ._errors import InputError
 
-#: One column of numbers.
+#: A column of numbers.
 Array = npt.NDArray[np.float64]
-#: The library that a frame is of.
+#: The library of a frame.
 Library = Literal["pandas", "polars"]
 
 
 def library_of(data: object) -> Library | None:
-    """The library whose frame `data` is."""
+    """Return the library whose frame `data` is, or `None`."""
     module = type(data).__module__.split(".")[0]
     if module == "pandas":
         return "pandas"
@@ -27,7 +27,7 @@ def library_of(data: object) -> Library | None:
 
 
 def column_names(data: Any) -> list[str] | None:
-    """The names of the columns of a frame, a mapping or a record array; `None` of what is none of these."""
+    """Return the column names of a frame, a mapping or a record array; `None` for anything else."""
     if library_of(data) == "polars" and type(data).__name__ == "LazyFrame":
         raise InputError("recording: a LazyFrame has no values yet; give its .collect()")
     if isinstance(data, Mapping):
@@ -42,7 +42,7 @@ def column_names(data: Any) -> list[str] | None:
 
 
 def column(data: Any, name: str) -> Any:
-    """The column of that name; a name that is no text in the frame is found by its text."""
+    """Return the column of that name. A frame's name that is not a text is compared by its text."""
     if isinstance(data, np.ndarray) or name in data:
         return data[name]
     keys = data.keys() if isinstance(data, Mapping) else data.columns
@@ -53,7 +53,7 @@ def column(data: Any, name: str) -> Any:
 
 
 def index(data: Any) -> tuple[str, Any] | None:
-    """The index of a pandas frame with its name, where it has one or is of dates or durations."""
+    """Return the index of a pandas frame with its name, if it has a name or holds dates or durations."""
     if library_of(data) != "pandas":
         return None
     is_times = getattr(data.index.dtype, "kind", "") in ("M", "m")
@@ -62,11 +62,11 @@ def index(data: Any) -> tuple[str, Any] | None:
 
 
 class NotNumbers(ValueError):
-    """Why values are no column of numbers."""
+    """The reason why values are not a column of numbers."""
 
 
 def to_array(values: Any, what: str) -> Array:
-    """`values` as numbers, a missing one as NaN."""
+    """Return `values` as numbers, with NaN for a missing value."""
     try:
         return numbers(values)
     except NotNumbers as error:
@@ -74,7 +74,7 @@ def to_array(values: Any, what: str) -> Array:
 
 
 def numbers(values: Any) -> Array:
-    """The same, and `NotNumbers` for what is none. Texts are none, whatever stands in them: which sign is decimal, they do not say."""
+    """Do the same, but raise `NotNumbers`. Texts are refused even if they hold digits: they do not show which sign is decimal."""
     library = library_of(values)
     try:
         if library == "polars":
@@ -110,7 +110,7 @@ def _of_polars(values: Any) -> npt.NDArray[Any]:
 
 
 def _in_numpy(values: Any) -> npt.NDArray[Any]:
-    """`values` as NumPy has them. What is masked is missing: under the mask stands whatever the file was filled with."""
+    """Return `values` as a NumPy array. A masked value is missing: the value under the mask is only the file's fill value."""
     array: npt.NDArray[Any] = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
     if not isinstance(array, np.ma.MaskedArray):
         return array
@@ -124,7 +124,7 @@ def _in_numpy(values: Any) -> npt.NDArray[Any]:
 
 
 def seconds(times: Any) -> Array | None:
-    """Seconds since the first of `times`, where these are dates, times of day or durations; a missing one is NaN."""
+    """Return seconds since the first of `times` if these are dates, times of day or durations; NaN for a missing one."""
     dtype: Any = getattr(times, "dtype", None)
     if library_of(times) == "polars":
         polars = import_module("polars")
@@ -144,7 +144,7 @@ def seconds(times: Any) -> Array | None:
 
 
 def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library | None = None) -> Any:
-    """A frame of `columns`: of the library `like`, else of pandas or polars, whichever is there, else a NumPy record array."""
+    """Make a frame of `columns`: of the library `like`, else of pandas or polars if installed, else a NumPy record array."""
     order: list[Library] = ["pandas", "polars"]
     if like == "polars":
         order.reverse()

@@ -1,4 +1,4 @@
-"""What a notebook shows: small, and readable on light and dark ground."""
+"""The view in a notebook: small, and readable on a light and a dark background."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from ._characterize import Characterization
     from ._trace import Trace
 
-#: As the pictures have them, a little lighter for dark ground.
+#: The colours of the pictures, a little lighter for a dark background.
 MEASURED, BEFORE, AFTER = "#909090", "#e0701a", "#2b8cd6"
-#: Colours are the notebook's own, but for those of the lines.
+#: All colours except those of the lines are the notebook's.
 _STYLE = (
     ".md-damper{font-size:13px;line-height:1.45;color:inherit;max-width:58em}"
     ".md-damper .md-row{display:flex;flex-wrap:wrap;gap:4px 28px;align-items:flex-start}"
@@ -31,7 +31,7 @@ _STYLE = (
 
 
 def trace(found: Trace) -> str:
-    """Verdict, effects, errors, a loop, and what is to be known."""
+    """Show verdict, effects, errors, a loop, and notes."""
     heading, sentence = found._core.verdict_in_words()
     notes = "".join(f"<li>{escape(text)}</li>" for text in [*found.assumed, *found.warnings])
     return (
@@ -81,7 +81,7 @@ def _errors(found: Trace) -> str:
 
 
 def _loop(found: Trace) -> str:
-    """One loop as a picture of a few kilobytes."""
+    """Draw one loop as a picture of a few kilobytes."""
     series = found._core.series()[0]
     samples, what = cycle_of(series, None)
     y = series["displacement"][samples]
@@ -112,7 +112,7 @@ def _loop(found: Trace) -> str:
 
 
 def characterization(found: Characterization) -> str:
-    """Its blocks or cycles as a table."""
+    """Show blocks or cycles as a table."""
     rows = found.blocks if found.kind == "dynamic" else found.cycles
     table = rows._repr_html_() if hasattr(rows, "_repr_html_") else f"<pre>{escape(str(rows))}</pre>"
     notes = "".join(f"<li>{escape(text)}</li>" for text in found.notes)
@@ -120,7 +120,7 @@ def characterization(found: Characterization) -> str:
 
 
 def framed(page: str, height: int) -> str:
-    """A page of its own within a notebook."""
+    """Embed a whole page in a notebook."""
     return (
         f'<iframe srcdoc="{escape(page, quote=True)}" title="Report" '
         f'style="box-sizing:border-box;width:100%;height:{height}px;border:1px solid rgba(128,128,128,.5)"></iframe>'

@@ -1,4 +1,4 @@
-"""A damper's law in the manner of scikit-learn and PySINDy: fit, predict, score, print."""
+"""A damper's law with the interface of scikit-learn and PySINDy: fit, predict, score, print."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ from ._frames import Array
 from ._recordings import ChannelLike, Given, RecordingLike, Units
 from ._trace import Trace, model_of, trace
 
-#: Time of the samples, or the time between two of them.
+#: The times of the samples, or the time between two samples.
 Time = ChannelLike | float | Sequence[Any] | None
 
 
 class DamperLaw:
     """The mixed damping law F = k1·y + k3·y³ + c·|v|^α·sgn v, with the effects that it lacks.
 
-    The law is fitted to displacement and force over time. It has the methods of a regressor of scikit-learn, and can be cloned, searched
-    and pickled like one. Fitting and predicting need the time besides: `t` is the samples' times or the time between two of them, and `dt`
-    the latter for whoever calls without `t`, as a search of scikit-learn does.
+    The law is fitted to displacement and force over time. It has the methods of a scikit-learn regressor, and can be cloned, searched and
+    pickled like one. In addition, fitting and predicting need the time: `t` is the samples' times, or the time between two samples. `dt` is
+    the time between two samples for calls without `t`, such as those of a search of scikit-learn.
 
     Parameters
     ----------
     families, exclude
-        Which families of effects are sought, and which are not; all without them.
+        The families of effects to seek, and those to leave out. By default all are sought.
     baseline
         The law without effects: `mixed`, `linear` or `none`.
     known
-        A model whose effects are known: they stay in the law.
+        A model whose effects are known; they stay in the law.
     inputs
-        Names of control inputs, such as `["current_A"]`: the columns of X beside the displacement.
+        Names of control inputs, such as `["current_A"]`: the columns of X after the displacement.
     units
-        A unit for each channel, such as `{"force": "N"}`, or `"SI"`. Without it s, mm and kN are assumed, with a warning.
+        A unit for each channel, such as `{"force": "N"}`, or `"SI"`. By default s, mm and kN are assumed, with a warning.
     dt
-        The time between two samples where `t` is not given.
+        The time between two samples, used if `t` is not given.
     embedded
-        Whether forces are predicted as firmware computes them, in f32, and not in f64.
+        Whether to predict forces in f32, as firmware computes them, instead of f64.
 
     Attributes
     ----------
     trace_ : the `Trace`, with verdict, effects, errors and report
-    model_ : the model as model.json has it
-    coefficients_ : k1, k3, c and alpha by name; of a law over amplitude an array of each
+    model_ : the model, as in model.json
+    coefficients_ : k1, k3, c and alpha by name; for a law over amplitude, an array of each
     effects_ : the effects by family, each with its parameters
     verdict_ : `none`, `found`, `ambiguous` or `unlisted`
     n_features_in_ : columns of X
@@ -80,10 +80,10 @@ class DamperLaw:
         self.embedded = embedded
 
     def fit(self, X: Any, y: Any, *, t: Time = None, held_out: RecordingLike = None, progress: Any = None) -> DamperLaw:
-        """Fits the law to the displacement `X` and the force `y` at the times `t`, and finds what it lacks.
+        """Fit the law to the displacement `X` and the force `y` at the times `t`, and find the effects that it lacks.
 
-        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` are
-        recordings that are never fitted, as `trace` takes them.
+        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` gives
+        recordings that are never fitted, in the form that `trace` accepts.
         """
         recordings = self._recordings(X, y, t)
         found = trace(
@@ -103,16 +103,16 @@ class DamperLaw:
         return self._take(found._core.model)
 
     def predict(self, X: Any, *, t: Time = None) -> Array:
-        """The force in the unit of `y` for the displacement `X` at the times `t`, in which the specimen begins at rest.
+        """Predict the force, in the unit of `y`, for the displacement `X` at the times `t`. The specimen begins at rest.
 
-        The displacement counts from where the specimen rests. A sample whose displacement is missing has a missing force.
+        The displacement is measured from the specimen's rest position. A sample with a missing displacement gets a missing force.
         """
         return self._force(X, None, t)
 
     def score(self, X: Any, y: Any, *, t: Time = None) -> float:
-        """The coefficient of determination R² of the predicted force: 1 less the squared error over the squares about the mean.
+        """Return R² of the predicted force: 1 minus the sum of squared errors over the sum of squares about the mean.
 
-        As `hil predict` does, it takes a zero and a delay of the channels from the force.
+        As `hil predict` does, it determines a zero and a delay of the channels from the force.
         """
         measured = _frames.to_array(y, "y")
         predicted = self._force(X, y, t)
@@ -121,12 +121,12 @@ class DamperLaw:
         return float(1.0 - np.sum((measured[told] - predicted[told]) ** 2) / np.sum(about**2))
 
     def coefficients(self) -> Array:
-        """k1, k3, c and alpha, a row for each amplitude at which they were fitted."""
+        """Return k1, k3, c and alpha, with a row for each amplitude at which they were fitted."""
         law = self._found()["law"]
         return np.array([[node[name] for name in _COEFFICIENTS] for node in law])
 
     def equations(self, precision: int = 3) -> list[str]:
-        """The law in words, a line for each amplitude and each effect."""
+        """Return the law as texts, a line for each amplitude and each effect."""
         model = self._found()
         lines = []
         for node in model["law"]:
@@ -141,21 +141,21 @@ class DamperLaw:
         return [line.replace("+ -", "− ") for line in lines]
 
     def print(self, precision: int = 3) -> None:
-        """Prints the equations, in mm, s and kN."""
+        """Print the equations, in mm, s and kN."""
         print("\n".join(self.equations(precision)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the model as a model.json, which the commands take."""
+        """Write the model as a model.json, which the commands read."""
         self._model().write(path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], **parameters: Any) -> DamperLaw:
-        """The law of a model.json, that this or `hil trace` wrote."""
+        """Load the law of a model.json that `save` or `hil trace` wrote."""
         return cls.of(path, **parameters)
 
     @classmethod
     def of(cls, model: Any, **parameters: Any) -> DamperLaw:
-        """The law of a trace, of the contents of a model.json, or of its path."""
+        """Make the law of a trace, of the contents of a model.json, or of its path."""
         law = cls(**parameters)
         found = model_of(model)
         if isinstance(model, Trace):
@@ -167,11 +167,11 @@ class DamperLaw:
         return law._take(found)
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """The parameters by name."""
+        """Return the parameters by name."""
         return {name: getattr(self, name) for name in self._names()}
 
     def set_params(self, **parameters: Any) -> DamperLaw:
-        """Sets parameters by name."""
+        """Set parameters by name."""
         for name, value in parameters.items():
             if name not in self._names():
                 raise InputError(f"DamperLaw: no parameter is called {name!r}; give {', '.join(self._names())}")
@@ -250,7 +250,7 @@ class DamperLaw:
         return predicted
 
     def _recordings(self, X: Any, y: Any, t: Time, one: bool = False) -> list[Mapping[str, Any]]:
-        """The columns of each recording."""
+        """Return the columns of each recording."""
         t = self.dt if t is None else t
         if t is None:
             raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
@@ -308,7 +308,7 @@ class DamperLaw:
 
 
 def _not_fitted(text: str) -> NotFittedError:
-    """The error that scikit-learn looks for as well, where that is in use."""
+    """Make an error that scikit-learn also recognizes, if it is in use."""
     theirs = sys.modules.get("sklearn.exceptions")
     if theirs is None:
         return NotFittedError(text)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ._errors import InputError
 
-#: Told apart by anyone who sees colours in whatever way, and on light and dark ground.
+#: Distinguishable with any colour vision, on a light and a dark background.
 MEASURED, BEFORE, AFTER = "#8a8a8a", "#d55e00", "#0072b2"
 _NAMES = {"before": ("law alone", BEFORE), "after": ("with what was found", AFTER)}
 
@@ -22,7 +22,7 @@ def _pyplot() -> Any:
 
 
 def worst_block(series: dict[str, Any]) -> int:
-    """The block whose representative cycle the law alone misses most; 0 where there is none."""
+    """Return the block whose representative cycle has the largest error of the law alone; 0 if there is no block."""
     errors = []
     for (start, stop), *_ in series["blocks"]:
         force, before = series["force"][start:stop], series["before"][start:stop]
@@ -32,7 +32,7 @@ def worst_block(series: dict[str, Any]) -> int:
 
 
 def cycle_of(series: dict[str, Any], block: int | None) -> tuple[slice, str]:
-    """The samples of a block's loop, and what they are in words; of a motion without blocks all of it."""
+    """Return the samples of a block's loop and a description of it; for a motion without blocks, all samples."""
     blocks = series["blocks"]
     if not blocks:
         return slice(None), "whole recording"
@@ -44,7 +44,7 @@ def cycle_of(series: dict[str, Any], block: int | None) -> tuple[slice, str]:
 
 
 def traced(series: dict[str, Any], kind: Literal["all", "loop", "residual"], block: int | None, ax: Any, noise: float) -> Any:
-    """Loop and residual of one recording."""
+    """Plot loop and residual of one recording."""
     if kind not in ("all", "loop", "residual"):
         raise InputError(f"kind: no picture is called {kind!r}; give all, loop or residual")
     if kind == "all":
@@ -103,7 +103,7 @@ def _rms(values: Any) -> float:
 
 
 def characterized(measured: Any, line: Any, what: str, ax: Any) -> Any:
-    """A measured loop, and the line that was made of it."""
+    """Plot a measured loop and the line computed from it."""
     if ax is None:
         _, ax = _pyplot().subplots(figsize=(5.0, 4.2), layout="constrained")
     ax.plot(measured[:, 0], measured[:, 1], color=MEASURED, linewidth=1.0, label="measured")

@@ -1,4 +1,4 @@
-"""What a caller gives as a recording, as the core takes it: which column is which channel, and in which unit, is for the core to say."""
+"""Pass a caller's recording to the core. The core decides which column is which channel, and in which unit."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ RecordingLike = Any
 ChannelLike = str | npt.ArrayLike
 #: A unit for each channel, such as ``{"force": "N"}``; or ``"SI"`` for s, m and N, or ``"mm-kN-s"``.
 Units = Mapping[str, str] | str | None
-#: Names of columns that are control inputs; or by such names other columns or the values.
+#: Names of columns that are control inputs; or a mapping from such names to other columns or to the values.
 Inputs = Sequence[str] | Mapping[str, ChannelLike] | None
-#: A column as the core takes it: its name; its values, or why they are no numbers; whether these are dates or durations; whether it is the
-#: index of its frame.
+#: A column for the core: its name; its values, or why they are not numbers; whether they are dates or durations; whether it is the index of
+#: its frame.
 Column = tuple[str, Array | str, bool, bool]
 
 _Read = TypeVar("_Read", _core.Recording, _core.Drive)
@@ -32,22 +32,22 @@ _Read = TypeVar("_Read", _core.Recording, _core.Drive)
 
 @dataclass
 class Given:
-    """How the channels of a caller's recordings are called, and in which units they are."""
+    """The names and units of the channels of a caller's recordings."""
 
     channels: dict[str, ChannelLike | float | None] = field(default_factory=dict)
     inputs: Inputs = None
     units: Units = None
     needs_force: bool = True
     max_read: int | None = None
-    #: Units that were assumed, in sentences.
+    #: Sentences: the units that were assumed.
     assumed: list[str] = field(default_factory=list)
-    #: What was taken for what without being sure, in sentences.
+    #: Sentences: the guesses about the meaning of columns.
     guesses: list[str] = field(default_factory=list)
     #: The library of the first frame that was given.
     library: Library | None = None
 
     def recordings(self, data: RecordingLike, what: str) -> list[_core.Recording]:
-        """Each of `data`, called by its path, or by `what` and a number."""
+        """Return each recording of `data`, named by its path, or by `what` and a number."""
         if data is None and not any(channel is not None for channel in self.channels.values()):
             return []
         several = isinstance(data, (list, tuple))
@@ -56,7 +56,7 @@ class Given:
         return [self.recording(one, name) for one, name in zip(each, names)]
 
     def recording(self, data: RecordingLike, name: str) -> _core.Recording:
-        """One of them."""
+        """Return one recording."""
         if isinstance(data, _core.Recording):
             return data
         if isinstance(data, (str, os.PathLike)):
@@ -64,13 +64,13 @@ class Given:
         return self._heard(_core.Recording.of_columns(name, self._columns(data, name), self.reading()))
 
     def drive(self, data: RecordingLike, name: str, is_force: bool) -> _core.Drive:
-        """The one channel that drives something, and its times."""
+        """Return the channel that drives the mass, with its times."""
         if isinstance(data, (str, os.PathLike)):
             return self._heard(_core.Drive.read(data, self._reading_of_file(os.fspath(data)), is_force))
         return self._heard(_core.Drive.of_columns(name, self._columns(data, name), self.reading(), is_force))
 
     def by_names(self) -> Given:
-        """The same for other recordings: arrays are of the one that they were given for."""
+        """Return the same settings for other recordings, without the arrays, which belong to one recording."""
         kept: dict[str, ChannelLike | float | None] = {
             name: channel for name, channel in self.channels.items() if isinstance(channel, str) or _is_step(name, channel)
         }
@@ -78,17 +78,17 @@ class Given:
         return replace(self, channels=kept)
 
     def notes(self) -> list[str]:
-        """What was assumed and taken for what, in sentences."""
+        """Return the assumptions and guesses as sentences."""
         return [*self.assumed, *self.guesses]
 
     def warn(self, stacklevel: int) -> None:
-        """Warns of what was assumed and taken for what."""
+        """Warn about the assumptions and guesses."""
         for sentences, category in ((self.assumed, UnitWarning), (self.guesses, GuessWarning)):
             for sentence in sentences:
                 warnings.warn(sentence, category, stacklevel=stacklevel + 1)
 
     def reading(self) -> _core.Reading:
-        """What is said of the recordings, as the options of the command say it."""
+        """Return the caller's settings as the options of the command."""
         channels = [(channel, _name_of(channel, source)) for channel, source in self._sources()]
         units = list(self.units.items()) if isinstance(self.units, Mapping) else []
         inputs: list[str] | None = None
@@ -117,7 +117,7 @@ class Given:
         return self.reading()
 
     def _sources(self) -> list[tuple[str, ChannelLike]]:
-        """The channels of which a column is given, by its name or itself."""
+        """Return the channels that the caller gave, as a column's name or as values."""
         given = self.channels.items()
         return [(channel, source) for channel, source in given if source is not None and not _is_step(channel, source)]
 
@@ -126,7 +126,7 @@ class Given:
         return float(np.asarray(time)) if _is_step("time", time) else None
 
     def _columns(self, data: Any, name: str) -> list[Column]:
-        """The columns that are given themselves, and those of a frame."""
+        """Return the columns that were given as values, and those of a frame."""
         self.library = self.library or _frames.library_of(data)
         names = [] if data is None else _frames.column_names(data)
         if names is None:
@@ -144,7 +144,7 @@ class Given:
         return columns
 
     def _heard(self, read: _Read) -> _Read:
-        """What the core has to say of it is kept."""
+        """Keep the core's assumptions and guesses about the recording."""
         if (assumed := read.assumed()) is not None:
             self.assumed.append(f"{read.name}: {assumed}")
         if self._step() is not None and self.reading().scale("time") is None:
@@ -154,12 +154,12 @@ class Given:
 
 
 def _is_step(channel: str, source: object) -> bool:
-    """Whether it is the time between samples, and no column."""
+    """Return whether it is the time between samples, not a column."""
     return channel == "time" and isinstance(source, (int, float, np.number)) and not isinstance(source, bool)
 
 
 def _name_of(argument: str, source: ChannelLike) -> str:
-    """The name of a column; one that is given itself is called by its argument."""
+    """Return the name of a column; values are named by their argument."""
     return source if isinstance(source, str) else f"{argument}="
 
 

@@ -18,22 +18,22 @@ from ._trace import model_of
 class Response:
     """The motion of a mass on a damper. `respond` makes it."""
 
-    #: Time, the damper's displacement, velocity and force, the mass's displacement, velocity and acceleration, and what drives it, as a
-    #: data frame. Units are in the names. `trace` takes it as a recording.
+    #: A data frame: time; the damper's displacement, velocity and force; the mass's displacement, velocity and acceleration; the drive.
+    #: Units are in the names. `trace` accepts it as a recording.
     motion: Any
     #: J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
     energy: dict[str, float]
     #: Step of the integration, s.
     step: float
-    #: By which part the displacements changed when the steps were halved last.
+    #: The part by which the displacements changed at the last halving of the steps.
     change_on_halving: float
-    #: Whether that is within the tolerance.
+    #: Whether this change is within the tolerance.
     settled: bool
-    #: Mass of the model's own effect `inertia`, kg.
+    #: The mass of the model's effect `inertia`, kg.
     model_mass: float
-    #: Effects that act in another way than on a prediction, with the reason.
+    #: Effects that act differently from a prediction, with the reason.
     left_out: dict[str, str]
-    #: What is to be known of it, in sentences.
+    #: Sentences: warnings about the result.
     warnings: list[str]
 
 
@@ -50,11 +50,11 @@ def respond(
     tolerance: float | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Response:
-    """The motion of `mass` kg on the damper of `model`, as `hil respond` computes it.
+    """Compute the motion of `mass` kg on the damper of `model`, as `hil respond` does.
 
-    It moves under a `force` on the mass, or on a `base` that moves. Either is a path, a data frame with a time and that channel, or an
-    array with `t`: the samples' times or the time between two.
-    `controls` are control inputs that hold throughout. Units are given as to `trace`.
+    The mass moves under a `force`, or on a moving `base`. Either is a path, a data frame with a time and that channel, or an array. An
+    array needs `t`: the samples' times, or the time between two samples.
+    `controls` gives constant values of control inputs. Give units as for `trace`.
     """
     if force is None and base is None:
         raise InputError("respond: nothing drives the mass; give a force on it or a motion of its base, as force= or base=")
@@ -88,12 +88,12 @@ def transmissibility(
     with_offset: bool = False,
     progress: Callable[[str], object] | None = None,
 ) -> Any:
-    """How far `mass` kg move on a base that moves by sines, as `hil respond --sweep` computes it.
+    """Compute the transmissibility of `mass` kg on a base that moves by sines, as `hil respond --sweep` does.
 
     The sines have `amplitudes` in mm, and `points` frequencies from `start` to `stop` Hz.
 
-    A data frame with a row a motion: `base_amplitude` in mm, `frequency` in Hz, `transmissibility`, `phase` in degrees, `peak`,
-    `damper_amplitude` in mm, `damper_speed` in mm/s, `cycles`, `steady`, `change`.
+    Returns a data frame with a row for each motion: `base_amplitude` in mm, `frequency` in Hz, `transmissibility`, `phase` in degrees,
+    `peak`, `damper_amplitude` in mm, `damper_speed` in mm/s, `cycles`, `steady`, `change`.
     """
     all_amplitudes = [amplitudes] if isinstance(amplitudes, (int, float)) else list(amplitudes)
     text = _core.sweep(

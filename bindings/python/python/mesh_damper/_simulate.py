@@ -1,4 +1,4 @@
-"""Tests of the simulated rig, for whoever has no recording at hand."""
+"""Tests of the simulated rig, for users without a recording."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ._errors import InputError
 class Simulation:
     """A recording of the simulated rig. `simulate` makes it."""
 
-    #: Time, displacement, force, and what else was recorded, as a data frame whose names carry the units.
+    #: A data frame of time, displacement, force and the other recorded channels, with units in the names.
     recording: Any
-    #: What the specimen hides: `density` in g/cm³, `effect`, and its `share` of the law's force.
+    #: The hidden properties of the specimen: `density` in g/cm³, `effect`, and its `share` of the law's force.
     hidden: dict[str, Any]
 
 
 def simulate(seed: int = 4, test: Literal["protocol", "check"] = "protocol") -> Simulation:
-    """A test of a simulated specimen that hides an effect, which `seed` draws, as `cargo hil demo` runs it.
+    """Run a test of a simulated specimen with a hidden effect, as `cargo hil demo` does. `seed` draws the effect.
 
-    `protocol` is a test over amplitude and frequency, of 26 s at 1 kHz. `check` is another test of the same specimen, with other noise.
+    `protocol` is a test over amplitude and frequency, 26 s long at 1 kHz. `check` is another test of the same specimen, with other noise.
     """
     if test not in ("protocol", "check"):
         raise InputError(f"test: no test is called {test!r}; give protocol or check")

@@ -1,4 +1,4 @@
-"""A trace: what a law lacks in recordings, and the law with it."""
+"""A trace: the effects that a law lacks in recordings, and the augmented model."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a model's force, RMS over the RMS of the measured force."""
+    """Errors of a model's force: RMS error over RMS of the measured force."""
 
-    #: On the samples that were fitted; `None` where it was not computed.
+    #: On the samples that were fitted; `None` if it was not computed.
     nrmse_fitted: float | None
     #: On the samples that were never fitted.
     nrmse_held_out: float
@@ -34,46 +34,46 @@ class Errors:
 
 @dataclass(frozen=True)
 class Baseline(Errors):
-    """The law before anything was added to it."""
+    """The law alone, before any effect is added."""
 
     #: `mixed_damping`, `linear` or `none`.
     law: str
-    #: The families of effects that were known before.
+    #: The families of the effects that were already known.
     known: tuple[str, ...]
 
 
 class Trace:
-    """What a trace found. `trace` makes it."""
+    """The result of a trace. `trace` makes it."""
 
     def __init__(self, core: _core.Trace, assumed: Sequence[str] = (), library: Library | None = None) -> None:
         self._core = core
         self._json = core.to_json()
         self._found: dict[str, Any] = json.loads(self._json)
         self._library = library
-        #: Units that were assumed, and what columns were taken for without being sure, in sentences.
+        #: Sentences: the units that were assumed, and the guesses about the meaning of columns.
         self.assumed: list[str] = list(assumed)
 
     @property
     def verdict(self) -> str:
-        """`none`, `found`, `ambiguous` or `unlisted`."""
+        """The verdict: `none`, `found`, `ambiguous` or `unlisted`."""
         return str(self._found["verdict"])
 
     @property
     def effects(self) -> Any:
-        """The effects that were found, a row a parameter, with their 90 % intervals.
+        """The effects that were found, with a row for each parameter and its 90 % interval.
 
-        A pandas data frame, or a polars one where the recording was one. An end of an interval that the data set no bound to is infinite.
+        It is a pandas data frame, or a polars frame if the recording was one. The end of an interval without a bound is infinite.
         """
         return self._effects(self._found["effects"])
 
     @property
     def unconfirmed(self) -> Any:
-        """Effects of the model that are not confirmed, as `effects`."""
+        """The effects of the model that are not confirmed, in the form of `effects`."""
         return self._effects(self._found["unconfirmed"])
 
     @property
     def candidates(self) -> Any:
-        """All families that were tried, the best first, as a data frame."""
+        """A data frame of all families that were tried, the best first."""
         names = (
             "family",
             "step",
@@ -89,7 +89,7 @@ class Trace:
 
     @property
     def baseline(self) -> Baseline:
-        """The law alone."""
+        """The errors of the law alone."""
         found = self._found["baseline"]
         return Baseline(
             nrmse_fitted=found["nrmse_fitted"],
@@ -100,58 +100,58 @@ class Trace:
 
     @property
     def augmented(self) -> Errors:
-        """The law with what was found, in f64: the errors of `model`."""
+        """The errors of the augmented model in f64, that is of `model`."""
         found = self._found["augmented"]
         return Errors(found["nrmse_fitted"], found["nrmse_held_out"])
 
     @property
     def on_target(self) -> Errors:
-        """The same as firmware runs it, in f32."""
+        """The errors of the augmented model in f32, as firmware runs it."""
         return Errors(None, self._found["on_target"]["nrmse_held_out"])
 
     @property
     def noise_floor(self) -> float:
-        """The noise of the measured force, over its RMS."""
+        """The noise of the measured force over the RMS of that force."""
         return float(self._found["noise_floor_nrmse"])
 
     @property
     def adopted(self) -> bool:
-        """Whether the model has what was found; else it is the law alone."""
+        """Whether `model` is the augmented model; otherwise it is the law alone."""
         return bool(self._found["adopted"])
 
     @property
     def depends_on(self) -> list[str]:
-        """What the force beyond the law depends on."""
+        """The quantities on which the residual of the law depends."""
         return list(self._found["depends_on"])
 
     @property
     def remainder(self) -> dict[str, Any] | None:
-        """What the law with all effects leaves beyond the noise; `None` where it leaves nothing."""
+        """The residual of the augmented model beyond the noise; `None` if the residual is at the noise."""
         remainder: dict[str, Any] | None = self._found["remainder"]
         return remainder
 
     @property
     def separating_test(self) -> str | None:
-        """The test that would tell the candidates apart, where the verdict is `ambiguous`."""
+        """The test that would tell the candidates apart, if the verdict is `ambiguous`."""
         test: str | None = self._found["separating_test"]
         return test
 
     @property
     def warnings(self) -> list[str]:
-        """What is wrong with the recordings, in sentences."""
+        """Sentences: the faults of the recordings."""
         return list(self._found["warnings"])
 
     @property
     def model(self) -> dict[str, Any]:
-        """The model, as model.json has it."""
+        """The contents of model.json."""
         model: dict[str, Any] = json.loads(self._core.model.to_json())
         return model
 
     def series(self, recording: int = 0) -> Any:
-        """Motion and forces of a recording as a data frame.
+        """Return motion and forces of a recording as a data frame.
 
-        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the law
-        with what was found; and `measured`, which is false where a channel had a fault.
+        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the
+        augmented model; and `measured`, which is false for a sample with a channel fault.
         """
         series = self._series(recording)
         names = {
@@ -166,17 +166,17 @@ class Trace:
         return _frames.make({column: series[name] for column, name in names.items()}, self._library)
 
     def to_json(self) -> str:
-        """The contents of trace.json, as `hil trace` writes it."""
+        """Return the contents of trace.json, as `hil trace` writes it."""
         return self._json
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as a dictionary."""
+        """Return the contents of trace.json as a dictionary."""
         found: dict[str, Any] = json.loads(self._json)
         return found
 
     @property
     def law(self) -> DamperLaw:
-        """The law with what was found, fitted: it predicts, scores and is saved."""
+        """The model as a fitted `DamperLaw`, which can predict, score and save."""
         from ._law import DamperLaw
 
         return DamperLaw.of(self)
@@ -189,9 +189,9 @@ class Trace:
         block: int | None = None,
         ax: Any = None,
     ) -> Any:
-        """The loop of a block, measured, by the law alone and with what was found; and what both leave over time. A figure of matplotlib.
+        """Plot the loop of a block (measured, law alone, augmented model), and both residuals over time, as a matplotlib figure.
 
-        Without `block` it is the one on which the law alone is furthest off. `ax` are axes of `kind` `loop` or `residual`.
+        By default, `block` is the one with the largest error of the law alone. `ax` are the axes for `kind` `loop` or `residual`.
         """
         from ._plot import traced
 
@@ -200,14 +200,14 @@ class Trace:
         return traced(series, kind, block, ax, noise)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> Report:
-        """The report, as `hil trace` writes it; a notebook shows it. With `path` it is written there as well."""
+        """Return the report, as `hil trace` writes it; a notebook shows it. With `path`, also write it to that file."""
         report = Report(self._core.report())
         if path is not None:
             report.save(path)
         return report
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Writes trace.json, model.json and report.html into `folder`, as `hil trace --out` does."""
+        """Write trace.json, model.json and report.html into `folder`, as `hil trace --out` does."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         (place / "trace.json").write_text(self._json, encoding="utf-8")
@@ -258,14 +258,14 @@ class Trace:
 
 
 class Report:
-    """A report: one page that needs nothing else. A notebook shows it."""
+    """A report: a self-contained HTML page. A notebook shows it."""
 
     def __init__(self, html: str) -> None:
-        #: The page.
+        #: The HTML of the page.
         self.html = html
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page."""
+        """Write the page."""
         Path(path).write_text(self.html, encoding="utf-8")
 
     def __str__(self) -> str:
@@ -299,26 +299,26 @@ def trace(
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Trace:
-    """Finds what the law lacks in recordings of one specimen.
+    """Find the effects that the law lacks in recordings of one specimen.
 
-    `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without it `time`,
-    `displacement` and `force` are the arrays themselves.
+    `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without `data`, give
+    `time`, `displacement` and `force` as arrays.
 
-    The columns of a file and of a frame are found by their names, `force_kN`, `Force (lbf)` or `Prüfkraft [N]`, as `hil trace` finds
-    them, and a `GuessWarning` says what was taken for what without being sure. `time=`, `displacement=`, `force=`, `velocity=`,
-    `temperature=` name them or are arrays. `time` may be the time between samples. A unit comes from a column's name or from `units`; where
-    neither says one of a frame or an array, s, mm and kN are assumed, with a `UnitWarning`.
+    The columns of a file or a frame are found by their names, such as `force_kN`, `Force (lbf)` or `Prüfkraft [N]`, as `hil trace` finds
+    them. If the meaning of a column is not certain, a `GuessWarning` says how it was read. `time=`, `displacement=`, `force=`, `velocity=`
+    and `temperature=` name the columns, or are arrays. `time` may also be the time between samples. A unit comes from the column's name or
+    from `units`. If a column of a frame or an array has no unit, s, mm and kN are assumed, with a `UnitWarning`.
 
-    `inputs` are control inputs such as `["current_A"]`; without it, all columns are whose names are such.
+    `inputs` names the control inputs, such as `["current_A"]`. By default, every column with the name of a control input is one.
 
-    `held_out` are recordings that are never fitted; without it, the last cycles of each block and one whole block are held out.
+    `held_out` gives recordings that are never fitted. By default, the last cycles of each block and one whole block are held out.
 
-    `families` and `exclude` restrict what is sought, `baseline` is the law without effects (`mixed`, `linear` or `none`), and `law` is a
-    model whose effects are known.
+    `families` and `exclude` restrict the families that are sought. `baseline` is the law without effects: `mixed`, `linear` or `none`.
+    `law` is a model whose effects are known.
 
     `progress` is called with a sentence at each step. Ctrl-C ends a trace.
 
-    Raises `InputError`, a `ValueError`, for input that is refused.
+    Raises `InputError`, a `ValueError`, for refused input.
     """
     channels: dict[str, ChannelLike | float | None] = {
         "time": time,
@@ -349,7 +349,7 @@ def trace(
 
 
 def model_of(law: Any) -> _core.Model:
-    """The model of a path, a trace, a fitted law, or the contents of model.json."""
+    """Return the model of a path, a trace, a fitted law, or the contents of model.json."""
     if isinstance(law, _core.Model):
         return law
     if isinstance(law, Trace):

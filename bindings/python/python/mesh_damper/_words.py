@@ -1,4 +1,4 @@
-"""Numbers in words, with sensible digits."""
+"""Numbers as text, with sensible digits."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import math
 
 
 def percent(part: float) -> str:
-    """A part as a percentage of three digits."""
+    """Write a part as a percentage with three digits."""
     return f"{number(100.0 * part)} %"
 
 
 def number(value: float) -> str:
-    """Three significant digits, with an exponent only where it is very large or very small."""
+    """Write three significant digits, with an exponent only for a very large or very small number."""
     if value == 0.0:
         return "0"
     if not math.isfinite(value):
@@ -22,7 +22,7 @@ def number(value: float) -> str:
 
 
 def interval(low: float | None, value: float, high: float | None) -> tuple[str, str, str]:
-    """The ends of an interval and the value in it, with as many decimals as tell them apart; an end without a bound is infinite."""
+    """Write an interval's ends and value with enough decimals to tell them apart; an end without a bound is infinite."""
     if low is None or high is None or not high > low:
         return number(-math.inf if low is None else low), number(value), number(math.inf if high is None else high)
     decimals = 1 - math.floor(math.log10(high - low))
@@ -34,7 +34,7 @@ def interval(low: float | None, value: float, high: float | None) -> tuple[str, 
 
 
 def unit_in_words(unit: str) -> str:
-    """A unit as a reader writes it: kN·s/mm, kN/mm³."""
+    """Write a unit in typographic form: kN·s/mm, kN/mm³."""
     if unit == "1":
         return ""
     written, raised = "", False
