@@ -280,6 +280,7 @@ impl<'a> Closing<'a> {
                 left,
                 (&without, &with),
                 &over_noise,
+                noise_floor,
             ),
             guesses: Vec::new(),
             augmented: with,

@@ -27,6 +27,8 @@ mesh_damper_recording::numbers! {
         most_left: f64 = 0.12, Tuned("the blind trial");
         /// What is left below this many times the noise does not show.
         unseen: f64 = 0.6, Tuned("the blind trial");
+        /// An error of more than this many times the noise of the force, all of which may come from the estimated motion, is warned of.
+        hidden_by_motion: f64 = 3.0, Convention("twice what a noise-limited law leaves");
     }
 }
 
@@ -136,14 +138,15 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
     names
 }
 
-/// What a reader should know before trusting the result: `left` times the noise is what effects leave, `errors` are of the law
-/// alone and with what was added.
+/// What a reader should know before trusting the result: `left` times what a perfect law would leave is what effects leave, `errors`
+/// are of the law alone and with what was added, and `noise_floor` is the noise of the force over its RMS.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     left: f64,
     errors: (&Errors, &Errors),
     over_noise: &OverNoise,
+    noise_floor: f64,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
@@ -197,6 +200,12 @@ pub(super) fn warnings<'t>(
     } else if left > policy().verdict.noise_limited {
         warnings.push(format!(
             "what is left is {left:.1} times the noise of the force: more is missing from the law than was found"
+        ));
+    } else if errors.1.nrmse_fitted > policy().verdict.hidden_by_motion * noise_floor {
+        warnings.push(format!(
+            "the error of the fit is {:.1} times the noise of the force, and the uncertainty of the estimated velocity can explain all of \
+             it: an effect may be hidden; record at a higher rate, or with less noise of the displacement",
+            errors.1.nrmse_fitted / noise_floor
         ));
     }
     warnings

@@ -2,6 +2,7 @@
 
 mod confirmed;
 mod elements;
+mod hidden_by_motion;
 mod known;
 mod play_and_wear;
 mod rules;
