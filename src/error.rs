@@ -70,7 +70,7 @@ mod tests {
     use std::string::ToString as _;
 
     #[test]
-    fn what_is_refused_is_told_in_words() {
+    fn a_refusal_is_written_in_words() {
         let out_of_range = |value| {
             ConfigError::OutOfRange {
                 field: "lead",
@@ -88,7 +88,7 @@ mod tests {
         );
         assert_eq!(out_of_range(1e15), "lead = 1.000e15 is outside 0…0.1");
         assert_eq!(out_of_range(-2.5e38), "lead = -2.500e38 is outside 0…0.1");
-        let told = [
+        let text = [
             ConfigError::NonFinite("size"),
             ConfigError::NotIncreasing("densities"),
             ConfigError::Full {
@@ -99,7 +99,7 @@ mod tests {
         ]
         .map(|error| error.to_string());
         assert_eq!(
-            told,
+            text,
             [
                 "size is not a finite number",
                 "densities must increase from node to node",

@@ -421,7 +421,7 @@ mod tests {
     /// from the last, and a drift adds a and b as far as it has progressed. A dashpot and a drift's stiffness are in none. The
     /// force changes by the adaptation's part of each.
     #[test]
-    fn what_is_followed_is_the_sum_of_its_parts() {
+    fn the_adaptation_is_the_sum_of_its_parts() {
         let followed = Adaptation {
             k1: 0.1,
             k3: -0.2,

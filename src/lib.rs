@@ -49,7 +49,7 @@
 //!         break;
 //!     }
 //!     let force = law.force(now.displacement, now.velocity);
-//!     // The first cycle is the ramp that leads up to the block.
+//!     // The first cycle is the ramp before the block.
 //!     if let (Some([cycle]), 2..) = (accumulator.update(now.displacement, [force], now.phase), now.cycle) {
 //!         assert!((cycle.stiffness - 1.6915).abs() < 1e-4);
 //!         assert!((cycle.loss_factor - 0.6249).abs() < 1e-4);

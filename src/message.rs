@@ -195,8 +195,8 @@ pub struct About {
     pub law_waits: bool,
     /// Ticks that were not in time.
     pub late_ticks: u32,
-    /// Identity of the pack received last: that of the waiting law, or of the law in force. Both numbers are 0 before the first
-    /// pack, and for a pack without a stamp.
+    /// Identity of the pack received last: that of the waiting law, or of the law in force. Identity and revision are 0 before the
+    /// first pack, and for a pack without a stamp.
     pub identity: Identity,
     /// Revision of the same pack.
     pub revision: u32,

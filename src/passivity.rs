@@ -25,7 +25,7 @@
 //! use mesh_damper::law::Law;
 //! use mesh_damper::passivity::Passivity;
 //!
-//! // A dashpot below 0 beside friction: passive where the motion is slow.
+//! // A dashpot below 0 parallel to friction: passive where the motion is slow.
 //! let law = AugmentedLaw::<f32, 1>::new(Law::new(1.6, 0.0, 0.1, 0.3)?);
 //! let law = FastLaw::new(law.with(Effect::Viscous(Viscous::new(-0.5)?))?);
 //! let active = Passivity::new(None, 1e4).check(&law).unwrap_err();

@@ -303,8 +303,8 @@ pub struct Telemetry {
     pub state: State,
     /// The cycle that ended with this tick; always `None` for a stream.
     pub report: Option<CycleReport>,
-    /// A fault found at this tick, or shortly before at the same time as another, for the first time since the last clear. A damper
-    /// emulation reports only that of the temperature.
+    /// Event of the health monitor found at this tick, or shortly before together with another one. Each cause is reported once,
+    /// until events are cleared. A damper emulation reports only implausible temperatures.
     pub event: Option<Event>,
 }
 

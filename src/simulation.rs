@@ -28,7 +28,7 @@ use crate::sine::{
 };
 use crate::sum::Sum;
 
-/// The first sector with a step at whose beginning the velocity is no longer positive, and the first at whose beginning it is not
+/// The first sector with a step at whose beginning the velocity is no longer positive, and the last at whose beginning it is not
 /// yet positive.
 const RISEN: usize = SECTORS / 4 + 1;
 const FALLEN: usize = 3 * SECTORS / 4 - 1;

@@ -391,8 +391,8 @@ fn duration(from: f64, to: f64, cycles: u32) -> f64 {
     f64::from(cycles) / from * slowing
 }
 
-/// `part` of a cycle, below 1, in units of 2⁻¹²⁸, rounded down. Computed in two digits of 64 bits, each exact, because a direct
-/// cast from f64 to u128 is a function that the C libraries of 32-bit targets lack.
+/// `part` of a cycle, below 1, in units of 2⁻¹²⁸, rounded down, with the last bit cleared. Computed in two digits of 64 bits, each
+/// exact, because a direct cast from f64 to u128 is a function that the C libraries of 32-bit targets lack.
 fn fraction(part: f64) -> u128 {
     const DIGIT: f64 = (1u128 << 64) as f64;
     let scaled = part * DIGIT;

@@ -277,7 +277,7 @@ impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
         let balance = elastic + self.viscous * v + self.others - stiffness * deflection;
         let tangent = self.law.k1() + R::from_f64(3.0) * self.law.k3() * (x * x);
         let rate = step * (stiffness + tangent) + self.viscous;
-        // A law whose stiffness is more negative than the spring's is positive has no solution.
+        // A law with a negative stiffness beyond the spring's has no solution.
         let least = R::from_f64(0.25) * step * stiffness;
         Tried {
             displacement: x,

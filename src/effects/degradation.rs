@@ -28,7 +28,7 @@ pub struct Degradation<R> {
 
 impl<R: Real> Degradation<R> {
     /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `softening`: m₀, the largest displacement at which half of the stiffness remains, mm, 1e-9…1e7
+    /// * `softening`: m₀, the largest displacement so far at which half of the stiffness remains, mm, 1e-9…1e7
     /// * `pinching`: p, 0…1
     ///
     /// # Errors

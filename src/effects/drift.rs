@@ -37,8 +37,8 @@ impl<R: Real> Drift<R> {
 
     /// The same with a change of eq 13's forces.
     ///
-    /// * `elastic_change`: a, −1…1e3. No force reverses. The final value of a slow change may be far beyond the part of it that a
-    ///   test sees
+    /// * `elastic_change`: a, −1…1e3. Below −1 the force would reverse. The upper end is high, because the final value of a slow
+    ///   change may be far beyond the change within a test
     /// * `damping_change`: b, −1…1e3
     ///
     /// # Errors

@@ -14,8 +14,8 @@ const CORNER: [f64; 2] = [1e-4, 1e3];
 /// Butterworth low-pass with damping 1/√2 (S. Butterworth, "On the theory of filter amplifiers", Wireless Engineer 7, 1930).
 ///
 /// At r times the corner frequency its gain is 1/√(1 + r⁴) and its phase lag atan2(√2·r, 1 − r²): 1 and 0 at rest, 1/√2 and a
-/// quarter turn at the corner. A slow force is late by √2/ω. Before the first tick the first force is assumed to have been
-/// constant.
+/// quarter turn at the corner. A slow force is late by √2/ω. Before the first tick the force is assumed to have had its first value
+/// for ever.
 ///
 /// For a force that is linear within a tick of Δt the step is exact. Let e be the output minus the input, and g = e + √2·F′/ω, with
 /// a = ω·Δt/√2 and ΔF the change of the force:
@@ -23,7 +23,7 @@ const CORNER: [f64; 2] = [1e-4, 1e3];
 /// - e ← e + im·g − lost·e + along·ΔF, along = −lost/a
 /// - g ← g − im·e − lost·g + across·ΔF, across = −im/a
 ///
-/// where 1 − lost = e^(−a)·cos a and im = e^(−a)·sin a. Both shrink by e^(−a) per tick, so that nothing grows, however the
+/// where 1 − lost = e^(−a)·cos a and im = e^(−a)·sin a. e and g shrink by e^(−a) per tick, so that nothing grows, however the
 /// coefficients are rounded; at rest e is 0 to the last bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceFilter<R> {

@@ -17,7 +17,7 @@ pub struct Gap<R> {
 
 impl<R: Real> Gap<R> {
     /// * `half_width`: w, mm, 0…1e4
-    /// * `damps_inside`: velocity and acceleration stay within ±w
+    /// * `damps_inside`: whether velocity and acceleration are those of y within ±w too
     ///
     /// # Errors
     /// `half_width` not finite or out of range.

@@ -60,7 +60,7 @@ macro_rules! effects {
             /// Writes its number, its number of words, and the words.
             pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
                 let mut words = heapless::Vec::<f32, MOST_WORDS>::new();
-                // Counts the words that fit.
+                // Takes as many words as fit.
                 let mut put = |word| {
                     let _ = words.push(word);
                 };

@@ -307,7 +307,7 @@ impl<const N: usize> AugmentedLaw<f32, N> {
         to: usize,
     ) -> Option<bool> {
         let is_last = self.correction.unpack_cells(reader, from, to)?;
-        // The law must not depend on the settings of a table without force.
+        // A table without force must leave no memory in the law.
         if is_last && self.effects.present & CORRECTION == 0 {
             self.correction = ResidualTable::NONE;
         }
@@ -385,7 +385,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if written.is_ok() && self.correction.is_there() {
             self.effects.present |= CORRECTION;
         } else {
-            // The law must not depend on the settings of a table that is absent.
+            // An absent table must leave no memory in the law.
             self.correction = ResidualTable::NONE;
         }
         written

@@ -26,7 +26,7 @@ const STEPS: usize = 2;
 ///
 /// The spring k has the stretch e. The dashpot behind it moves at the rate w with the force k·x·tanh(w/v₀) + k·τ·w. At a steady
 /// velocity v the force is thus k·x·tanh(v/v₀) + k·τ·v. With x = 0 it is a branch of [`Relaxation`](super::Relaxation) with the
-/// time τ; for small forces it is one with x/v₀ + τ. With τ = 0 and a small v₀ it is a Jenkins element of
+/// time τ; for small forces it is one with the time x/v₀ + τ. With τ = 0 and a small v₀ it is a Jenkins element of
 /// [`StickSlip`](super::StickSlip) with the slip limit x.
 ///
 /// It is passive for k ≥ 0: the stored energy is k·e²/2, and the power of the dashpot, k·e·w, is never below 0.

@@ -8,7 +8,7 @@ use crate::law;
 use crate::limits;
 use crate::real::in_range;
 
-/// F = k1·y + k3·y³ + c·|v|^α·sgn v, over parts of full scale.
+/// F = k1·y + k3·y³ + c·|v|^α·sgn v, in parts of full scale.
 ///
 /// The error is within 3e-5 of full scale everywhere, relative to the law's own force for the same parts; its mean over a cycle is
 /// much smaller.

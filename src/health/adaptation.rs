@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn it_comes_to_the_truth_in_a_straight_way_at_its_rate() {
+    fn it_converges_to_the_truth_on_a_straight_path_at_its_rate() {
         let truth = [-0.05, 0.08, 0.02];
         for (cycles, part) in [(10, 0.125f32), (30, 0.375), (100, 1.0)] {
             let adaptation = follow([1.0; 3], truth, 0.2, cycles);
@@ -325,7 +325,7 @@ mod tests {
 
     /// One coefficient has a thousandth of the others' force: it stays as given, and the others adapt.
     #[test]
-    fn what_hardly_has_a_force_is_left_be() {
+    fn a_coefficient_with_hardly_any_force_stays() {
         let [k1, k3, c] = follow([1.0, 1e-3, 1.0], [0.05, 0.5, 0.05], 0.6, 500).followed;
         assert!(k3.abs() < 0.01, "{k3}");
         assert!((k1 - 0.05).abs() < 1e-3 && (c - 0.05).abs() < 1e-3);
@@ -421,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_does_not_stay() {
+    fn nan_does_not_stay() {
         let mut adaptation = Adapter::new();
         let (nan, infinity) = (f32::NAN, f32::INFINITY);
         for (part, residual) in [
@@ -443,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_what_the_law_in_force_has_beyond_the_given() {
+    fn the_share_is_the_law_in_force_minus_the_given_law() {
         let mut adaptation = Adapter::new();
         adaptation.followed = [0.1, -0.2, 0.3];
         assert!((adaptation.share([10.0, 1.0, 2.0]) - 1.4).abs() < 1e-6);

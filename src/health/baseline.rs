@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_scatter_is_that_of_what_it_follows() {
+    fn the_scatter_is_that_of_the_statistic() {
         let mut baseline = Baseline::default();
         for n in 0..400u16 {
             baseline.follow(if n % 2 == 0 { 0.01 } else { -0.01 });

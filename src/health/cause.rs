@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_takes_more_of_the_third_harmonic_than_what_breaks() {
+    fn a_gap_removes_more_of_the_third_harmonic_than_a_break() {
         for (law_third, gap) in [(0.1, 1.0 / 3.0), (0.0, 1.0 / 3.0), (-1.0 / 3.0, 2.0 / 15.0)] {
             assert!((gap_harmonic(law_third) - gap).abs() < 1e-6);
         }
@@ -494,28 +494,28 @@ mod tests {
             }
         }
         let gain = Some(HealthCause::SensorGain(Channel::Force));
-        let told = |shift: Shift| {
+        let named = |shift: Shift| {
             let (cause, or, _) = cause(&shift, 0.0, Course::Step);
             (cause, or)
         };
         assert_eq!(
-            told([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
+            named([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::Stiffening, gain)
         );
         let far = Some(HealthCause::SensorGain(Channel::Displacement));
         assert_eq!(
-            told([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
+            named([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::Stiffening, far)
         );
         let unexplained = (HealthCause::Unexplained, None);
-        assert_eq!(told([0.0, -1.8, 0.0, 1.5, 0.0, 0.0]), unexplained);
-        assert_eq!(told([0.001, 0.003, 0.0, 0.1, 0.0, 0.0]), unexplained);
+        assert_eq!(named([0.0, -1.8, 0.0, 1.5, 0.0, 0.0]), unexplained);
+        assert_eq!(named([0.001, 0.003, 0.0, 0.1, 0.0, 0.0]), unexplained);
         assert_eq!(
-            told([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
+            named([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::WireBreakage, gain)
         );
         assert_eq!(
-            told([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
+            named([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::FrictionRise, None)
         );
         let evidence = |shift: Shift| cause(&shift, 0.0, Course::Step).2;
@@ -525,7 +525,7 @@ mod tests {
         let by_stiffness = [0.05, -0.04, 0.0, 0.04, 0.0, 0.0];
         assert_eq!(evidence(by_stiffness), Statistic::Stiffness);
         let reversed = HealthCause::SensorReversed(Channel::Force);
-        let (cause, or) = told([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
+        let (cause, or) = named([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
         assert_eq!(
             (cause, or),
             (
@@ -534,7 +534,7 @@ mod tests {
             )
         );
         assert_eq!(
-            told([0.001, 0.0, 0.0, 0.2, 0.0, 0.0]),
+            named([0.001, 0.0, 0.0, 0.2, 0.0, 0.0]),
             (HealthCause::Unexplained, None)
         );
     }

@@ -10,8 +10,8 @@
 use super::cause::{Channel, HealthCause};
 use crate::converter::{MIDSCALE, Sample, Scale};
 
-/// Squared jumps may be this many times the largest that was learned, which is twice the jump. Gaussian noise of σ jumps there and
-/// back by t once in about e^(t²/3σ²) ticks, so that after 1e4 ticks of learning it takes 1e16 ticks to exceed 2·t.
+/// Squared jumps may be this many times the largest that was learned, so that a jump may be twice as large. Gaussian noise of σ
+/// jumps there and back by t once in about e^(t²/3σ²) ticks, so that after 1e4 ticks of learning it takes 1e16 ticks to exceed 2·t.
 const SPIKE_FACTOR: i32 = 4;
 /// Minus the square of a jump of 16 converter steps, which is never a spike.
 const LEAST_SPIKE: i32 = -256;
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_there_and_back_may_be_twice_what_was_learned() {
+    fn a_jump_there_and_back_may_be_twice_the_learned_one() {
         let mut watch = watch();
         watch.learn(true);
         spikes(
@@ -318,7 +318,7 @@ mod tests {
 
     /// With a constant force, which gives no information.
     #[test]
-    fn what_stays_at_no_voltage_after_a_jump_has_dropped_out() {
+    fn a_channel_that_stays_at_no_voltage_after_a_jump_has_dropped_out() {
         let mut watch = watch();
         watch.learn(true);
         watch.learn(false);
@@ -379,7 +379,7 @@ mod tests {
 
     /// Held above 0 V, while the force moves inwards; an inverting channel shows less for more.
     #[test]
-    fn what_is_held_while_the_force_comes_in_is_stuck() {
+    fn a_channel_held_while_the_force_comes_in_is_stuck() {
         let stuck = HealthCause::SensorStuck(Channel::Force);
         for (full_scale, code, cause) in [
             (2.0, 20_000, Some(stuck)),
@@ -396,7 +396,7 @@ mod tests {
 
     /// Held while the force went out and came back.
     #[test]
-    fn what_is_held_while_the_force_is_further_out_is_clipped_once_it_lets_go() {
+    fn a_channel_held_while_the_force_is_further_out_is_clipped_once_it_changes() {
         let mut watch = watch();
         assert_eq!(found(&mut watch, &[20_000; 4], -0.5), []);
         let clipped = HealthCause::SensorClipped(Channel::Force);

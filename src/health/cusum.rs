@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_does_not_stay() {
+    fn nan_does_not_stay() {
         let mut cusum = Cusum::default();
         cusum.update(f32::NAN, 1.0);
         cusum.update(3.0, 1.0);

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_still_is_seen_within_a_cycle_and_what_lags_never() {
+    fn a_standstill_is_detected_within_a_cycle_and_a_lag_never() {
         for offset in [0.0, 0.3, -5.0] {
             let frozen = |look, d| {
                 if look < 1000 {

@@ -258,7 +258,7 @@ mod tests {
 
     /// y = 0.8·d + 0.01·v about a mean of 0.3, for a motion of 0.1.
     #[test]
-    fn a_response_is_what_it_is_made_of_about_any_mean() {
+    fn a_response_is_found_about_any_mean() {
         let (a, b, mean) = (0.8f32, 0.01f32, 0.3f32);
         let mut sums = Sums::default();
         for look in 0..48u8 {
@@ -290,7 +290,7 @@ mod tests {
     /// Of 0.05 mm. A displacement that is a quarter of a cycle late is not reversed, nor is one that stands still or follows the
     /// demand.
     #[test]
-    fn the_opposite_is_told() {
+    fn the_opposite_is_detected() {
         let is_reversed = |motion: fn(f32) -> f32| {
             let mut watch = ResponseWatch::default();
             for look in 0..24u32 {
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_change_is_normal() {
+    fn a_constant_response_is_normal() {
         for (gain, lag, mean) in [(1.0, 0.0, 0.0), (0.8, 0.1, 0.0), (1.1, -0.05, 0.1)] {
             assert_eq!(found(20, |turns| mean + gain * sine(turns - lag)), None);
         }
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_stands_still_is_dead() {
+    fn only_a_standstill_is_dead() {
         for (gain, dead) in [(1.0, false), (0.9, false), (0.0, true)] {
             let mut watch = ResponseWatch::default();
             for look in 0..32u32 {
@@ -390,7 +390,7 @@ mod tests {
 
     /// As in a ramp, after which another response may be normal.
     #[test]
-    fn what_is_normal_is_learned_anew_after_a_restart() {
+    fn the_normal_response_is_learned_again_after_a_restart() {
         let mut watch = ResponseWatch::default();
         for look in 0..32 * 16u32 {
             let turns = look as f32 / 32.0;

@@ -164,7 +164,7 @@ mod tests {
 
     /// Breakage, a gap, and rising friction.
     #[test]
-    fn what_a_specimen_leaves_is_smooth() {
+    fn the_residual_of_a_specimen_is_smooth() {
         for level in [0.002, 0.004, 0.01] {
             let quiet = |_: f32, noise: f32| level * noise;
             let y = |turns: f32| libm::sinf(TAU * turns);

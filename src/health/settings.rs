@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn false_alarms_are_shared_out_among_both_sides_of_what_is_watched() {
+    fn false_alarms_are_shared_among_both_sides_of_all_watched_statistics() {
         let settings = HealthSettings {
             false_alarm_cycles: 1e4,
             ..HealthSettings::default()

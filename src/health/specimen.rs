@@ -1,11 +1,11 @@
 //! The specimen from cycle to cycle: its normal state, its changes, and their causes.
 //!
 //! ```text
-//!                               ┌──────── what drifts ────────┐
+//!                               ┌─────────── drift ───────────┐
 //!                               │                             ▼
 //! settling ──▶ learning ──▶ watching ──▶ suspecting ──▶ (an event, until cleared)
 //!    ▲ another block            ▲             │
-//!    └───────────────           └─────────────┘ what moved has moved back
+//!    └───────────────           └─────────────┘ the change has gone
 //! ```
 //!
 //! While watching, the deviation of each cycle from its [`Baseline`] goes into the [`Cusum`]s. The baselines follow one cycle late,
@@ -480,7 +480,7 @@ impl SpecimenWatch {
             return None;
         }
         self.suspicion = None;
-        // The mean of two cycles has half of the variance.
+        // Averaging two cycles halves the variance of the noise.
         let shift = self.beyond(self.mean_values());
         self.clear_sums();
         let least = 0.5 * config.size + self.warmth(config, self.temperature);

@@ -27,7 +27,7 @@ pub struct TelemetryConfig {
     pub within: u32,
     /// Number of control inputs sent with a row, from the first on, 0 to [`CONTROLS`].
     pub controls: u8,
-    /// Number of the request. Each frame repeats it, so that frames of an earlier request can be told from it.
+    /// Number of the request. Each frame repeats it, so that frames of an earlier request can be recognized.
     pub session: u8,
 }
 

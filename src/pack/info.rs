@@ -17,8 +17,8 @@ const STAMP: usize = 4 + 4 + 8;
 const LARGEST_DESCRIPTION: usize = (1 + 16) + (1 + 4) + (1 + 4) + (1 + NAME);
 /// Largest size of a [`PackInfo`] in a pack, bytes.
 pub(super) const LARGEST_INFO: usize = STAMP + 1 + LARGEST_DESCRIPTION;
-/// Two tick rates are the same if they differ by no more than this part. Derived: above the difference by rounding one rate to f32
-/// twice, 1.2e-7, and far below a change with an effect.
+/// Two tick rates are the same if they differ by no more than this part. Derived: above the difference between two f32 roundings of
+/// one rate, 1.2e-7, and far below a difference that changes an effect.
 const SAME_RATE: f32 = 1e-6;
 /// Tick rates for which effects can be made, Hz.
 const TICK_RATES: [f64; 2] = [1e-3, 1e7];

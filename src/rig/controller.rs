@@ -34,8 +34,8 @@ use super::state::State;
 /// # use mesh_damper::amplitude_independent;
 /// # use mesh_damper::fast_law::RunningLaw;
 ///
-/// /// The interrupt: what the ADC wrote goes in, and what the modulator and the enable pin are to have comes out. `clock` is the
-/// /// count of a timer that runs freely.
+/// /// The interrupt: takes the codes that the ADC wrote, and gives the level of the enable pin and the value of the modulator.
+/// /// `clock` is the count of a free-running timer.
 /// fn on_samples(damper: &mut impl Controller, wiring: &Wiring, samples: [u16; 2], clock: u32) -> (u16, bool) {
 ///     let [displacement, force] = samples;
 ///     let reading = Reading {
@@ -51,14 +51,14 @@ use super::state::State;
 /// let force = Scale::new(5.0, 0.0)?;
 /// let wiring = Wiring { displacement: Scale::new(0.5, 0.0)?, force, command: force };
 /// # let law = RunningLaw::new(amplitude_independent::law(3.0)?);
-/// // 1 MHz: 100 counts to each tick of 10 kHz.
+/// // 1 MHz: 100 counts per tick at 10 kHz.
 /// let settings = DamperEmulationSettings { clock_rate: 1e6, ..Default::default() };
 /// let mut damper = EmulationController::new(&settings, &wiring, law)?;
 /// damper.start().expect("it is at rest");
 /// // 0x800 is 0 mm and 0 kN, and 0x8000 drives no force.
 /// assert_eq!(on_samples(&mut damper, &wiring, [0x800, 0x800], 17), (0x8000, true));
 /// assert_eq!(on_samples(&mut damper, &wiring, [0x800, 0x800], 117), (0x8000, true));
-/// // A channel at its end stops it in that very tick, as a tick that comes late does.
+/// // A channel at the end of its range stops it in that very tick, and so does a late tick.
 /// assert_eq!(on_samples(&mut damper, &wiring, [0xFFF, 0x800], 217), (0x8000, false));
 /// # Ok::<(), ConfigError>(())
 /// ```

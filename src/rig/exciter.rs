@@ -47,7 +47,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Exciter for SineGenerator<B, P> {
     }
 }
 
-/// Either of the two, for a rig that is told which at its set-up.
+/// Either of the two, for a rig whose set-up selects one.
 #[derive(Clone, Debug)]
 pub enum AnyExciter<const B: usize, P = Programme<B>> {
     /// A programme of sines.

@@ -29,8 +29,8 @@ pub enum TripCause {
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit,
     /// The measured displacement responded with less than a tenth of the demanded amplitude, or with the opposite sign. The check
-    /// covers a cycle outside the ramps, or, in a ramp or a streamed motion, the time that it takes to move. The reason is a dead
-    /// actuator or a frozen sensor, at amplitudes too small for the limit on tracking.
+    /// covers a cycle outside the ramps, or, in a ramp or a streamed motion, the time in which the demand moves enough. The cause
+    /// is a dead actuator or a frozen sensor, at amplitudes too small for the limit on tracking.
     NoResponse,
     /// A force or command was infinite or NaN.
     NotFinite,

@@ -374,7 +374,7 @@ mod tests {
 
     /// A late tick stops a running controller, and is always counted.
     #[test]
-    fn a_late_tick_stops_what_runs() {
+    fn a_late_tick_stops_a_running_controller() {
         let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), 2, 0, paced());
         for (tick, clock) in (1..).zip([7, 8, 10]) {
             guard.pace(clock, tick);

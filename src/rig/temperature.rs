@@ -144,13 +144,13 @@ mod tests {
 
     /// 1372 °C is the end of the range of a type K thermocouple.
     #[test]
-    fn what_cannot_be_moves_nothing_and_is_told_once() {
+    fn an_implausible_temperature_changes_nothing_and_is_reported_once() {
         for shown in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1372.0, -80.0] {
             let mut temperature = Temperature::default();
             temperature.show(&config(), 30.0, false);
             assert_eq!(after(&mut temperature, shown, 10_000), 30.0);
-            let told = temperature.take_implausible().unwrap();
-            assert_eq!(told.to_bits(), shown.to_bits());
+            let implausible = temperature.take_implausible().unwrap();
+            assert_eq!(implausible.to_bits(), shown.to_bits());
             after(&mut temperature, shown, 10);
             assert!(temperature.take_implausible().is_none());
             // Repaired, and broken once more.
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_followed_at_the_rate_of_a_specimen_and_told() {
+    fn a_jump_is_followed_at_the_rate_of_a_specimen_and_reported() {
         let mut temperature = Temperature::default();
         assert!((after(&mut temperature, 50.0, 250) - 25.0).abs() < 1e-3);
         assert_eq!(temperature.take_implausible(), Some(50.0));
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_it_is_what_is_shown() {
+    fn at_rest_it_is_the_shown_one() {
         let mut temperature = Temperature::default();
         temperature.show(&config(), 80.0, false);
         assert_eq!(temperature.taken(), 80.0);

@@ -95,7 +95,7 @@ fn from_then(changed: Specimen) -> impl Fn(u32) -> Specimen {
 }
 
 #[test]
-fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
+fn a_sudden_change_is_named_with_its_size_three_cycles_on() {
     let settings = HealthSettings::default();
     let (wire, friction) = (HealthCause::WireBreakage, HealthCause::FrictionWear);
     for (elastic, of_friction, mean, cause, value) in [
@@ -125,7 +125,7 @@ fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
 }
 
 #[test]
-fn what_goes_back_before_it_is_judged_and_what_is_too_small_are_nothing() {
+fn a_change_that_reverts_in_time_or_is_too_small_is_no_event() {
     let settings = HealthSettings::default();
     let short = |number: u32| Specimen {
         friction: if number == THEN { 0.7 } else { 1.0 },
@@ -148,7 +148,7 @@ fn slowly(number: u32, changed: fn(f32) -> Specimen) -> Specimen {
 }
 
 #[test]
-fn what_comes_slowly_is_named_at_its_limit() {
+fn a_slow_change_is_named_at_its_limit() {
     let friction: fn(f32) -> Specimen = |part| Specimen {
         friction: 1.0 - part,
         ..WHOLE
@@ -346,7 +346,7 @@ fn a_specimen_that_is_hot_from_the_start_is_watched_as_any_other() {
 
 /// With a law whose own third harmonic is 0.3/4/1.3. The gap removes g·(k1 + 3·k3·y²)·sgn y.
 #[test]
-fn a_gap_is_loosening_and_its_limit_is_told() {
+fn a_gap_is_loosening_and_its_limit_is_reported() {
     let loose = from_then(Specimen { gap: 0.05, ..WHOLE });
     let named = watched(&HealthSettings::default(), 60, loose);
     let (_, first) = named.first().expect("nothing was named");
@@ -360,7 +360,7 @@ fn a_gap_is_loosening_and_its_limit_is_told() {
 }
 
 #[test]
-fn what_has_moved_back_before_it_is_judged_is_nothing() {
+fn a_change_that_has_reverted_before_it_is_classified_is_no_event() {
     let at = |number: u32| Specimen {
         elastic: match number {
             n if n < THEN => 1.0,
