@@ -1,4 +1,4 @@
-//! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
+//! A recording prepared for identification: uniform time base, estimated motion, cycles and blocks.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ crate::numbers! {
     }
 }
 
-/// Motion and force on a uniform time base, with what can be read off them.
+/// Motion and force on a uniform time base, with derived quantities.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     /// The recording's name.
@@ -54,8 +54,8 @@ pub struct Trajectory {
     pub tick: f64,
     /// Displacement, velocity and acceleration.
     pub motion: MotionEstimate,
-    /// What was taken off the recorded displacement, mm: the middle of the motion where that is a sensor's zero that was left in
-    /// and not where a specimen is held; 0 otherwise.
+    /// Offset subtracted from the recorded displacement, mm: the middle of the motion if it is a sensor's zero rather than the
+    /// position of the specimen; 0 otherwise.
     pub centre: f64,
     /// The middle of the recorded displacement, mm.
     pub middle: f64,
@@ -63,37 +63,37 @@ pub struct Trajectory {
     pub force: Vec<f64>,
     /// Measured temperature, °C.
     pub temperature: Option<Vec<f64>>,
-    /// Control inputs. Shared as the cycles are.
+    /// Control inputs. Shared like the cycles.
     pub controls: Arc<Vec<ControlChannel>>,
-    /// Blocks of like cycles; they cover the recording.
+    /// Blocks of equal cycles; they cover the recording.
     pub blocks: Vec<FoundBlock>,
-    /// Cycles since the first sample, fraction included. Shared by all that a fit [moves](Self::motion_alone), as the next is.
+    /// Cycles since the first sample, fraction included. Shared by all copies that a fit [moves](Self::motion_alone), like the next
+    /// field.
     pub cycles: Arc<Vec<f64>>,
-    /// Amplitude of the block that the sample is in, mm.
+    /// Amplitude of the block that contains the sample, mm.
     pub amplitude: Arc<Vec<f64>>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
     /// RMS of the force, kN.
     pub force_rms: f64,
-    /// An error that the motion may have.
+    /// A possible error of the motion.
     pub motion_error: MotionError,
-    /// Variance of the force that the error of the motion leaves, kN²; empty until [`Trajectory::carry_motion_error`] tells.
+    /// Variance of the force due to the error of the motion, kN²; empty until [`Trajectory::carry_motion_error`] sets it.
     pub carried: Vec<f64>,
-    /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
-    /// channel was found.
+    /// Whether the force was measured about this tick; false inside a gap of the recording, and where a channel fault was found.
     pub measured: Vec<bool>,
-    /// What the channels were smoothed by before they were written.
+    /// The average that smoothed the channels before they were written.
     pub average: Option<MovingAverage>,
-    /// By how much the force's noise is larger than quick changes show; 1 where they show all of it.
+    /// Ratio of the force's noise to the noise in fast changes; 1 if they are equal.
     pub noise_beside: f64,
-    /// Time in s that the force was late by and was moved back, below 0 where it was early; 0 where it was not moved.
+    /// Delay of the force in s by which it was moved back, below 0 if it was early; 0 if it was not moved.
     pub late: f64,
     /// Faults of the recording's channels.
     pub faults: Vec<ChannelFault>,
 }
 
 impl Trajectory {
-    /// Conditions a recording, on a uniform time base.
+    /// Prepares a recording, on a uniform time base.
     ///
     /// # Errors
     /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
@@ -101,7 +101,7 @@ impl Trajectory {
         Self::knowing(recording, Known::default())
     }
 
-    /// The same where something of its channels is known already.
+    /// The same if some properties of its channels are known already.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -129,13 +129,13 @@ impl Trajectory {
         Ok(trajectory)
     }
 
-    /// Whether the force, which was not moved, may be late by `late` s, as that of another recording of the rig is.
+    /// Whether the force, which was not moved, may be late by `late` s, like that of another recording of the rig.
     pub fn may_be_late_by(&self, late: f64) -> bool {
         self.late == 0.0 && Shift::may_be(self, (late / self.tick).round() as isize)
     }
 
-    /// The same with both channels as they were recorded, for who measures losses and not a law: an average takes as much of
-    /// the force as of the displacement, and a purely viscous specimen's force is as that of a spring that is early.
+    /// The same with both channels as recorded, for measuring losses rather than a law: an average affects force and displacement
+    /// equally, and the force of a purely viscous specimen looks like that of a spring that is early.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -143,7 +143,7 @@ impl Trajectory {
         Ok(Self::prepared(recording, None)?.0)
     }
 
-    /// With the average that its channels show, which is not seen through yet.
+    /// With the average found in its channels, which is not taken into account yet.
     fn prepared(
         recording: &Recording,
         known_off: Option<bool>,
@@ -171,7 +171,7 @@ impl Trajectory {
             ));
         }
         let average = MovingAverage::find(&uniform.displacement, &uniform.force);
-        // Nobody knows whether a velocity of its own went through it.
+        // It is unknown whether a measured velocity was averaged too.
         if average.is_some() {
             uniform.velocity = None;
         }

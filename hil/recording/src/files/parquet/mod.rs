@@ -103,7 +103,7 @@ fn values(
             .with_batch_size(BATCH)
             .build()
             .map_err(|error| refused(name, &error))?;
-    // Of the columns, only this one is in the batches.
+    // The batches contain only this one column.
     let mut leaf = leaf.clone();
     leaf.fields[0] = 0;
     let mut gathered = Gathered::default();
