@@ -200,7 +200,7 @@ impl Trajectory {
                 "check the displacement's channel and unit",
             ));
         }
-        // The gaps between the harmonics of a motion with corners look like notches of an average over half a period and more.
+        // The gaps between the harmonics of a motion with corners look like the notches of an average over half a period or more.
         let fastest = trajectory.blocks.iter().map(|block| block.frequency);
         let shortest = 1.0 / fastest.fold(0.0, f64::max);
         let average = average.filter(|a| {
@@ -235,7 +235,7 @@ impl Trajectory {
         )
     }
 
-    /// The same with the middle of the motion taken for its zero, or not.
+    /// As [`Trajectory::new`]; `is_off` says whether to take the middle of the motion as its zero.
     fn about(
         is_off: bool,
         name: String,
@@ -307,7 +307,7 @@ impl Trajectory {
         }
     }
 
-    /// Takes noise and size of the force from the samples of `runs` alone, as nothing may be learned from the others.
+    /// Takes noise and size of the force from the samples of `runs` alone: nothing may be learned from the others.
     pub fn size_force_by(&mut self, runs: &[Range<usize>]) {
         let force = &self.force;
         let seen = runs.iter().flat_map(|run| &force[run.clone()]).copied();
@@ -320,8 +320,8 @@ impl Trajectory {
         self.force_noise = self.noise_beside * noise;
     }
 
-    /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm, a
-    /// velocity in mm/s and an acceleration in mm/s², kN.
+    /// Carries the error of the motion into the tolerance for a law's force. `force` is roughly the law's force, kN, at a
+    /// displacement in mm, a velocity in mm/s and an acceleration in mm/s².
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {
         let deviations = |error: &[f64]| -> Vec<f64> {
             let variances = self.variance_of(error).into_iter();
@@ -344,10 +344,10 @@ impl Trajectory {
         self.carried = (0..self.len()).map(carried).collect();
     }
 
-    /// The same with a motion that it may be as well: off by one draw of its error.
+    /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.
     #[must_use]
     pub fn as_it_may_be(&self) -> Self {
-        // Without the error itself, which takes a quarter of the memory.
+        // Without the error, which takes a quarter of the memory.
         let mut other = self.motion_alone();
         other
             .motion
@@ -373,19 +373,20 @@ impl Trajectory {
         other
     }
 
-    /// Variance at every sample of what is `off` by so much where the motion is [off by one draw](Self::as_it_may_be) of its error.
+    /// Variance at every sample of a quantity that changes by `off` when the motion is [off by one draw](Self::as_it_may_be) of its
+    /// error.
     pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
         MotionError::variance(off, |index| self.is_telling(index))
     }
 
-    /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that
-    /// was [carried](Trajectory::carry_motion_error) into the force.
+    /// Variance of the residual of a perfect law at a sample, kN²: the noise of the force, and the error of the motion if it was
+    /// [carried](Trajectory::carry_motion_error) into the force.
     pub fn tolerance(&self, index: usize) -> f64 {
         let carried = self.carried.get(index).copied().unwrap_or_default();
         self.force_noise.powi(2) + carried
     }
 
-    /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
+    /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.
     fn undo(&mut self, shift: Shift) {
         self.late = shift.late * self.tick;
         self.faults.push(shift.fault(self.tick));
@@ -407,7 +408,7 @@ impl Trajectory {
         self.measured = moved;
     }
 
-    /// The motion before it was averaged, taken for a sine about its mean in every block.
+    /// The motion before it was averaged, assuming a sine about its mean in every block.
     fn see_through(&mut self, average: MovingAverage) {
         self.average = Some(average);
         self.force_noise = average.noise(self.force_noise);
@@ -443,7 +444,8 @@ impl Trajectory {
         }
     }
 
-    /// What laws and effects see of it, without force, deviations and faults: what a fit moves need not carry the rest.
+    /// The part that laws and effects see, without force, deviations and faults. A fit that moves the motion need not carry the
+    /// rest.
     #[must_use]
     pub fn motion_alone(&self) -> Self {
         Self {
@@ -481,8 +483,8 @@ impl Trajectory {
         self.motion.displacement.is_empty()
     }
 
-    /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
-    /// velocity is certain enough for the law's steep |v|^α, or certainly none.
+    /// Whether the law can be compared with the force at a sample. The force was measured there, the sample is not next to a kink,
+    /// and its velocity is either certain enough for the law's steep |v|^α or certainly 0.
     pub fn is_telling(&self, index: usize) -> bool {
         let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
         let at_kink = self
@@ -495,7 +497,7 @@ impl Trajectory {
         self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
     }
 
-    /// What the channel shows of `force`, one value per sample.
+    /// The reading of the force channel for a true `force`, one value per sample.
     pub fn shown(&self, force: Vec<f64>) -> Vec<f64> {
         match &self.average {
             Some(average) => average.of(&force),
@@ -511,10 +513,10 @@ impl Trajectory {
     }
 }
 
-/// What is known of a recording's channels from others of the same rig.
+/// Facts about a recording's channels that are known from other recordings of the same rig.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known {
-    /// Time in s that the force is late by, below 0 where it is early.
+    /// Delay of the force, s; negative where it is early.
     pub late: Option<f64>,
     /// Whether the middle of the motion is its zero.
     pub is_off: Option<bool>,
@@ -530,13 +532,13 @@ fn middle(displacement: &[f64]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Whether the middle of the motion is a zero that was left in: it lies more than half an amplitude from 0, or the specimen does
-/// not feel it.
+/// Whether the middle of the motion is a zero that was left in. It is if it lies more than half an amplitude from 0, or if the
+/// specimen does not feel it.
 fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let (low, high) = least_and_largest(displacement);
     let middle = middle(displacement);
     let largest = 0.5 * (high - low);
-    // A motion that is not about its middle says nothing of a zero, nor does one without like cycles.
+    // A motion that is not about its middle says nothing about a zero, nor does a motion without similar cycles.
     let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
     let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
         && has_like_cycles(displacement);
@@ -546,15 +548,15 @@ fn is_off(displacement: &[f64], force: &[f64]) -> bool {
             && !feels_it(displacement, force, middle, largest)
 }
 
-/// Whether most samples are of cycles that are like a neighbour.
+/// Whether most samples belong to cycles that resemble a neighbour.
 fn has_like_cycles(displacement: &[f64]) -> bool {
     let cycles = Cycles::find(displacement, 1.0, hysteresis(displacement));
     let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
     2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
 }
 
-/// Whether the force at displacement `middle` is more than [`TrajectoryPolicy::felt`] of that of a spring of the stiffness that the channels show
-/// there, by a cubic through the force: what is stiffer on one side has none.
+/// Whether the force at displacement `middle` exceeds [`TrajectoryPolicy::felt`] of the force of a spring with the stiffness that
+/// the channels show there, by a cubic through the force. A specimen that is stiffer on one side has no such middle.
 fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
     let mut gram = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
@@ -572,8 +574,8 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
     (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
 }
 
-/// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
-/// amplitude that counts as motion.
+/// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, and below the smallest amplitude
+/// that counts as motion.
 pub(super) fn hysteresis(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
     let TrajectoryPolicy {
