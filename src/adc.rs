@@ -4,13 +4,14 @@
 //! ranges". SPI mode 1 (data changes on the rising edge of SCLK and is read on the falling one), at most 17 MHz, most
 //! significant bit and byte first, chip select low throughout a frame.
 //!
-//! - Conversion frame, 32 bits: a 16-bit command goes in, then the 16-bit result of the channel that the *previous*
-//!   command selected comes out. It is sampled where chip select falls.
-//! - Register frame, 24 bits: 7 bits of address, 1 for writing or 0 for reading, 8 of data, and 8 in which a read register comes out.
+//! - Conversion frame, 32 bits: a 16-bit command goes in, then the 16-bit result of the channel that the *previous* command
+//!   selected comes out. The part samples where chip select falls.
+//! - Register frame, 24 bits: 7 bits of address, 1 bit (1 writes, 0 reads), 8 bits of data, and 8 bits in which a read register
+//!   comes out.
 //! - Results are offset binary: 0x0000 is −10.24 V, 0x8000 is 0 V, 0xFFFF is one step below +10.24 V.
 //!
-//! Displacement is on channel 0, force on channel 1. They are sampled one frame apart, 2 µs at 17 MHz. At 10 Hz that
-//! turns force against displacement by 1.3e-4 rad, which is the error it makes in the loss factor.
+//! Displacement is on channel 0, force on channel 1. The part samples them one frame apart, 2 µs at 17 MHz. At 10 Hz this delay is
+//! a phase of 1.3e-4 rad between force and displacement, and the error of the loss factor is as large.
 
 #[cfg(feature = "async")]
 mod asynchronous;
@@ -23,7 +24,7 @@ use crate::converter::Scale;
 use crate::effects::CONTROLS;
 use crate::rig::Reading;
 
-/// What the bus must be set to.
+/// SPI mode that the bus must use.
 pub const SPI_MODE: Mode = embedded_hal::spi::MODE_1;
 
 /// Input at full scale with the internal reference of 4.096 V, V: 2.5 times the reference.
@@ -32,26 +33,26 @@ pub const INPUT_RANGE: f64 = 10.24;
 const RESET: u8 = 0x85;
 const SELECT_DISPLACEMENT: u8 = 0xC0;
 const SELECT_FORCE: u8 = 0xC4;
-/// Range registers of channels 0 and 1, and what is written into them, in this order. What comes first is what neither a reset
-/// nor a line that is held or echoes leaves there, each bit once 0 and once 1: 0…2.5 and ±0.625 times the reference. Then follows
-/// what they are to be: ±2.5 times the reference.
+/// Range registers of channels 0 and 1, and the values written to them, in this order. The first two values are ones that neither a
+/// reset nor a stuck or echoing line leaves there, with each bit once 0 and once 1: 0…2.5 and ±0.625 times the reference. The last
+/// two are the range in use: ±2.5 times the reference.
 const RANGES: [(u8, u8); 4] = [(0x05, 0x05), (0x06, 0x02), (0x05, 0x00), (0x06, 0x00)];
 const WRITE: u8 = 1;
 
-/// Why the part did not answer as it should.
+/// Why the part did not answer correctly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AdcError<E> {
     /// The bus failed.
     Bus(E),
-    /// A register did not hold what was written: no part, another one, or a line that is held.
+    /// A register did not hold the value written to it: the part is absent, is another one, or a line is stuck.
     Register {
         /// Its address.
         address: u8,
-        /// What was written.
+        /// Value written.
         expected: u8,
-        /// What was read.
+        /// Value read.
         found: u8,
     },
 }
@@ -87,22 +88,22 @@ pub struct Ads8688<S> {
     spi: S,
     displacement: Scale,
     force: Scale,
-    /// The part is known to convert displacement in the next frame.
+    /// The next frame is known to convert displacement.
     in_step: bool,
 }
 
 impl<S> Ads8688<S> {
-    /// Of displacement and force.
+    /// Scales of displacement and force.
     pub fn scales(&self) -> [Scale; 2] {
         [self.displacement, self.force]
     }
 
-    /// The bus, when the part is no longer used.
+    /// Releases the bus.
     pub fn release(self) -> S {
         self.spi
     }
 
-    /// A part that is yet to be checked and set.
+    /// A part that has not been checked and set up yet.
     fn unset(spi: S, displacement: Scale, force: Scale) -> Self {
         Self {
             spi,
@@ -112,7 +113,7 @@ impl<S> Ads8688<S> {
         }
     }
 
-    /// What both channels' codes say.
+    /// Reading from the codes of both channels.
     #[inline]
     fn reading(&self, displacement: u16, force: u16) -> Reading {
         Reading {
@@ -123,24 +124,24 @@ impl<S> Ads8688<S> {
     }
 }
 
-/// The frame that brings the result of the channel selected before, and selects the next.
+/// Frame that reads the result of the channel selected before, and selects the next one.
 #[inline(always)]
 fn conversion_frame(select: u8) -> [u8; 4] {
     [select, 0, 0, 0]
 }
 
-/// What came in a conversion frame.
+/// Result in an answer to a conversion frame.
 #[inline(always)]
 fn result_of([_, _, high, low]: [u8; 4]) -> u16 {
     u16::from_be_bytes([high, low])
 }
 
-/// The frame that writes `value` into a register, and the one that reads it.
+/// Frame that writes `value` to a register, and frame that reads it.
 fn register_frames(address: u8, value: u8) -> [[u8; 3]; 2] {
     [[address << 1 | WRITE, value, 0], [address << 1, 0, 0]]
 }
 
-/// Whether the register at `address` holds what it should, by what came in the frame that reads it.
+/// Checks that the register at `address` holds `expected`, from the answer to the frame that reads it.
 fn held<E>(address: u8, expected: u8, [_, _, found]: [u8; 3]) -> Result<(), AdcError<E>> {
     if found == expected {
         Ok(())
@@ -154,22 +155,22 @@ fn held<E>(address: u8, expected: u8, [_, _, found]: [u8; 3]) -> Result<(), AdcE
 }
 
 impl<S: SpiDevice> Ads8688<S> {
-    /// Resets the part, checks that it is there by registers that it is to hold, and sets the range of both channels.
+    /// Resets the part, checks by its registers that it is there, and sets the range of both channels.
     ///
     /// * `displacement`, `force`: mm and kN at +10.24 V
     ///
     /// # Errors
-    /// The bus's, or [`AdcError::Register`].
+    /// An error of the bus, or [`AdcError::Register`].
     pub fn new(spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
         let mut part = Self::unset(spi, displacement, force);
         part.restore()?;
         Ok(part)
     }
 
-    /// Sets the part up again as [`Ads8688::new`] does: after it lost its supply.
+    /// Sets the part up again as [`Ads8688::new`] does, after a loss of its supply.
     ///
     /// # Errors
-    /// The bus's, or [`AdcError::Register`].
+    /// An error of the bus, or [`AdcError::Register`].
     pub fn restore(&mut self) -> Result<(), AdcError<S::Error>> {
         self.in_step = false;
         self.spi.write(&[RESET, 0, 0, 0])?;
@@ -182,11 +183,11 @@ impl<S: SpiDevice> Ads8688<S> {
         Ok(())
     }
 
-    /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes
-    /// one frame more to select the channel, so that the two are never exchanged.
+    /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes one more
+    /// frame to select the channel, so that the two channels are never exchanged.
     ///
     /// # Errors
-    /// The bus's.
+    /// An error of the bus.
     #[inline]
     pub fn read(&mut self) -> Result<Reading, S::Error> {
         if !self.in_step {
@@ -199,7 +200,7 @@ impl<S: SpiDevice> Ads8688<S> {
         Ok(self.reading(displacement, force))
     }
 
-    /// The result of the channel selected before; `select` is the next one's command.
+    /// Result of the channel selected before; `select` is the command that selects the next one.
     #[inline]
     fn convert(&mut self, select: u8) -> Result<u16, S::Error> {
         let mut frame = conversion_frame(select);

@@ -1,9 +1,10 @@
-//! The published loops by one law for every amplitude, for a motion that nobody declares.
+//! One law for every amplitude, fitted to the published loops, for a motion of unknown amplitude.
 //!
-//! [`crate::table::PAPER`] gives eq 13 for a cycle of known amplitude. Where an actuator elsewhere moves the damper, as it
-//! does a [`DamperEmulation`](crate::rig::DamperEmulation), no amplitude is known before its cycle is over. These laws have none: eq 13
-//! with one set of coefficients, friction that grows with the load, and stick-slip. They are fitted to Tables 6–9 at 1 and
-//! 10 Hz without the row of 0.15 mm, where they err by 8 to 19 % of the force's RMS; `cargo hil amplitude-free` fits them.
+//! [`crate::table::PAPER`] gives the mixed damping law (eq 13, k1·y + k3·y³ + c·|v|^α·sgn v) for a cycle of known amplitude. Where
+//! an external actuator moves the damper, as in a [`DamperEmulation`](crate::rig::DamperEmulation), the amplitude of a cycle is
+//! known only at its end. The laws of this module need no amplitude: eq 13 with one set of coefficients, friction that grows with
+//! the load, and stick-slip. They are fitted to Tables 6–9 at 1 and 10 Hz without the row of 0.15 mm, where their error is 8 to 19
+//! % of the force's RMS. `cargo hil amplitude-free` fits them.
 
 use crate::effects::{AugmentedLaw, Effect, LoadFriction, StickSlip};
 use crate::error::ConfigError;
@@ -11,7 +12,7 @@ use crate::fast_law::FastLaw;
 use crate::law::Law;
 use crate::real::in_range;
 
-/// One density's law.
+/// Law of one density.
 struct Row {
     /// g/cm³
     density: f32,
@@ -59,8 +60,8 @@ const ROWS: [Row; 5] = [
 /// The effects of these laws.
 pub type Effects = (LoadFriction<f32>, StickSlip<f32>);
 
-/// Eq 13 and the effects of the published density that is nearest to `density`, g/cm³, 2…4: what a law is made of is not
-/// interpolated. It holds up to 0.25 mm and 10 Hz. For a [`StaticLaw`](crate::static_law::StaticLaw).
+/// Eq 13 and the effects of the published density nearest to `density`, g/cm³, 2…4. Parameters of effects are not interpolated
+/// between densities. The law holds up to 0.25 mm and 10 Hz. For a [`StaticLaw`](crate::static_law::StaticLaw).
 ///
 /// # Errors
 /// `density` not finite or out of range.

@@ -1,4 +1,4 @@
-//! 16-bit offset-binary converter codes and the quantity they stand for.
+//! 16-bit offset-binary converter codes and the quantities they represent.
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
@@ -23,7 +23,7 @@ pub struct Scale {
     inverse_step: f32,
 }
 
-/// A [`Scale`] as it is read, before it is validated.
+/// A [`Scale`] as read, before it is validated.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 #[serde(rename = "Scale")]
@@ -40,7 +40,7 @@ impl TryFrom<Unchecked> for Scale {
     fn try_from(read: Unchecked) -> Result<Self, ConfigError> {
         let full_scale = f64::from(read.step) * f64::from(MIDSCALE);
         let scale = Self::new(full_scale, f64::from(read.zero))?;
-        // The full scale was rounded to the step's f32: the two inverses are within three roundings, 1.8e-7, of each other.
+        // The full scale was rounded to the step's f32, so the two inverses differ by up to three roundings, 1.8e-7.
         let inverse = f64::from(scale.inverse_step);
         let ends = [inverse * (1.0 - 2e-7), inverse * (1.0 + 2e-7)];
         let [low, high] = if inverse > 0.0 {
@@ -63,13 +63,13 @@ impl Fields for Scale {
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        // The full scale is what the step says.
+        // The full scale follows from the step.
         let [_, zero, step, inverse_step] = reader.words()?.map(f32::from_bits);
         let midscale = f64::from(MIDSCALE);
         let most = SCALE_LIMIT / midscale;
         in_range("full_scale", step.abs(), 1e-6 / midscale, most).ok()?;
         in_range("zero", zero, -SCALE_LIMIT, SCALE_LIMIT).ok()?;
-        // Of two numbers that were rounded, and their product.
+        // Each of the two numbers was rounded, and so is their product.
         in_range("inverse_step", step * inverse_step, 1.0 - 3e-7, 1.0 + 3e-7).ok()?;
         Some(Self {
             zero,
@@ -82,7 +82,7 @@ impl Fields for Scale {
 impl Scale {
     /// * `full_scale`: the quantity at the converter's positive full scale, ±1e-6…±1e6. Negative where the sensor or
     ///   the amplifier inverts.
-    /// * `zero`: what the channel reads when the quantity is 0, −1e6…1e6
+    /// * `zero`: reading of the channel when the quantity is 0, −1e6…1e6
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -99,16 +99,16 @@ impl Scale {
 
     /// The quantity at the converter's positive full scale.
     pub fn full_scale(&self) -> f32 {
-        // A power of two: nothing is rounded.
+        // A power of two, so nothing is rounded.
         self.step * f32::from(MIDSCALE)
     }
 
-    /// The quantity of one code.
+    /// The quantity that one code step represents.
     pub fn step(&self) -> f32 {
         self.step
     }
 
-    /// What the first and the last code stand for, the smaller one first.
+    /// Quantities of the first and the last code, the smaller one first.
     pub(crate) fn ends(&self) -> [f32; 2] {
         let [first, last] = [0, u16::MAX].map(|code| self.decode(code).value);
         if first < last {
@@ -118,7 +118,7 @@ impl Scale {
         }
     }
 
-    /// What a code read from an ADC stands for.
+    /// Quantity that an ADC's code represents.
     #[inline(always)]
     pub fn decode(&self, code: u16) -> Sample {
         let count = i32::from(code) - i32::from(MIDSCALE);
@@ -128,15 +128,15 @@ impl Scale {
         }
     }
 
-    /// What a code of an ADC of `BITS` bits stands for, 1…16, offset binary over the same range. The sample has the code as a
-    /// converter of 16 bits gives it; the last one is distinct, so that [`Sample::clipped`] sees either end.
+    /// Quantity that a code of an ADC of `BITS` bits represents, 1…16, offset binary over the same range. The sample holds the code
+    /// scaled to 16 bits. The last code stays distinct, so that [`Sample::clipped`] detects either end.
     #[inline(always)]
     pub fn decode_narrow<const BITS: u32>(&self, code: u16) -> Sample {
         const { assert!(BITS >= 1 && BITS <= 16, "an ADC has 1 to 16 bits") };
         self.decode_bits(BITS, code)
     }
 
-    /// [`Self::decode_narrow`] of an ADC whose bits are known when the firmware runs: 1…16, and any other number counts as 16.
+    /// [`Self::decode_narrow`] for an ADC whose bits are known only when the firmware runs: 1…16; any other number counts as 16.
     #[inline(always)]
     pub fn decode_bits(&self, bits: u32, code: u16) -> Sample {
         let shift = match bits {
@@ -151,13 +151,13 @@ impl Scale {
         }
     }
 
-    /// The nearest code to write to a DAC. Beyond the range it is the range's end; NaN gives [`MIDSCALE`].
+    /// The nearest code to write to a DAC. Beyond the range it is the end of the range; NaN gives [`MIDSCALE`].
     #[inline(always)]
     pub fn encode(&self, value: f32) -> Code {
-        // The middle of code 0's step is at 0.5, so that dropping the fraction rounds to the nearest.
+        // The centre of code 0's step is at 0.5, so truncation rounds to the nearest code.
         let position = (value + self.zero) * self.inverse_step + (f32::from(MIDSCALE) + 0.5);
         if position >= 0.0 {
-            // A cast saturates, infinity included.
+            // A cast saturates, also for infinity.
             let nearest = position as u32;
             Code {
                 code: u16::try_from(nearest).unwrap_or(u16::MAX),
@@ -185,7 +185,7 @@ pub struct Sample {
 }
 
 impl Default for Sample {
-    /// No voltage, of a channel whose zero is there.
+    /// 0 V, of a channel whose zero is 0.
     fn default() -> Self {
         Self {
             value: 0.0,
@@ -195,10 +195,10 @@ impl Default for Sample {
 }
 
 impl Sample {
-    /// The code is the first or the last one: the quantity may lie beyond.
+    /// The code is the first or the last one, so the quantity may lie beyond the range.
     #[inline(always)]
     pub fn clipped(&self) -> bool {
-        // One comparison for both.
+        // One comparison covers both.
         self.code.wrapping_add(1) <= 1
     }
 }
@@ -210,6 +210,6 @@ impl Sample {
 pub struct Code {
     /// Offset binary.
     pub code: u16,
-    /// The quantity asked for lies beyond the range, or is NaN.
+    /// The requested quantity lies beyond the range, or is NaN.
     pub clipped: bool,
 }

@@ -1,12 +1,12 @@
-//! Where cycles begin when no generator tells: zero crossings of the displacement.
+//! Finds where cycles begin without a generator: at zero crossings of the displacement.
 //!
-//! A cycle begins where the displacement rises through its running mean, that of the cycle before. So that noise about
-//! the mean makes no cycles of its own, a crossing counts only once the displacement has been below the mean by the
-//! hysteresis, and the next one only once it has then been above it by as much and below it again.
+//! A cycle begins where the displacement rises through its running mean, which is the mean of the cycle before. Noise about the
+//! mean must not start cycles. So the displacement must have been below the mean by the hysteresis before a crossing counts; before
+//! the next crossing it must have been above the mean by the hysteresis, and below it again.
 //!
-//! After a jump of the mean by more than the amplitude, or one wild sample, the displacement swings on one side of what is
-//! taken for its mean. Four such swings on end ([`SWINGS`]), each of more than twice the hysteresis up and down, and the
-//! detector starts anew. Swings are what the motion itself counts: at rest or however slow, it waits.
+//! After a jump of the mean by more than the amplitude, or after one outlier, the displacement swings entirely on one side of the
+//! assumed mean. After four such swings in a row ([`SWINGS`]), each of more than twice the hysteresis up and down, the detector
+//! starts again. It counts swings of the motion, not time: at rest, or in a slow motion, it waits.
 
 use crate::cycle::{Cycle, CycleAccumulator};
 use crate::error::ConfigError;
@@ -14,67 +14,67 @@ use crate::limits;
 use crate::real::{Real, in_range};
 use crate::sum::{FOLD, Sum};
 
-/// What the detector says of one sample.
+/// Result of the detector for one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
-    /// Phase, 2³² to the cycle, supposing that the cycle lasts as long as the one before. Where it lasts longer the phase
-    /// waits for the crossing just below a whole cycle. 0 until a first cycle has been measured.
+    /// Phase, 2³² per cycle, assuming that the cycle lasts as long as the one before. If it lasts longer, the phase waits just
+    /// below a whole cycle until the crossing. 0 until a first cycle has been measured.
     pub phase: u32,
-    /// A cycle ended on the way from the last sample to this one, after this part of it, 0…1.
+    /// A cycle ended between the last sample and this one, at this part of the interval, 0…1.
     pub boundary: Option<f32>,
-    /// The mean is lost and the detector starts anew: no cycle is under way until the next boundary.
+    /// The mean is lost and the detector starts again: no cycle is under way until the next boundary.
     pub lost: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Side {
-    /// Has not been above the mean by the hysteresis since the last crossing.
+    /// The displacement has not been above the mean by the hysteresis since the last crossing.
     #[default]
     Rising,
-    /// Has been above.
+    /// It has been above.
     Above,
-    /// Has been above and then below: the next crossing counts.
+    /// It has been above and then below: the next crossing counts.
     Below,
 }
 
-/// What the detector has seen.
+/// The detector's state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    /// A sample has been seen.
+    /// At least one sample has been taken.
     begun: bool,
-    /// Up to [`SETTLED`].
+    /// Crossings so far, up to [`SETTLED`].
     crossings: u8,
     side: Side,
     last: f32,
     highest: f32,
     lowest: f32,
-    /// What counts as zero, mm.
+    /// Displacement taken as zero, mm.
     centre: f32,
     swings: Swings,
     /// Sum of the samples since the last crossing, and their number.
     sum: Sum,
     ticks: u32,
-    /// The part of a tick by which the last crossing came after a sample.
+    /// The part of a tick between the last crossing and the sample before it.
     offset: f32,
-    /// 2³² over the period in ticks; 0 while no period is known.
+    /// 2³² divided by the period in ticks; 0 while no period is known.
     turn: f32,
 }
 
-/// Crossings until a boundary is given: the first cycle gives a mean, the second begins and ends at means.
+/// Crossings before the first boundary is given: the first cycle gives a mean, and the second begins and ends at means.
 const SETTLED: u8 = 3;
 
-/// Swings on one side of the mean after which it is no mean.
+/// Swings on one side of the mean after which the mean is rejected.
 pub const SWINGS: u8 = 4;
 
-/// Counts how often the displacement has gone up and down by more than a span.
+/// Counts how often the displacement has gone up and down by more than a given span.
 #[derive(Clone, Copy, Debug, Default)]
 struct Swings {
     up: bool,
-    /// The highest on the way up, the lowest on the way down, mm.
+    /// Highest displacement on the way up, lowest on the way down, mm.
     turning: f32,
-    /// Turns from up to down.
+    /// Number of turns from up to down.
     count: u8,
 }
 
@@ -98,8 +98,8 @@ impl Swings {
 
 /// Finds the cycles of a displacement.
 ///
-/// Before the first crossing the midpoint of what has been seen serves as the mean. The first two whole cycles settle mean
-/// and period; the end of the second is the first boundary.
+/// Before the first crossing the midpoint of the extremes so far serves as the mean. The first two whole cycles settle mean and
+/// period; the end of the second is the first boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct CrossingDetector {
     hysteresis: f32,
@@ -110,7 +110,7 @@ impl CrossingDetector {
     /// * `hysteresis`: mm, 1e-9…1e4, above the noise's peak and below the motion's amplitude
     ///
     /// # Errors
-    /// When it is not finite or out of range.
+    /// `hysteresis` is not finite or out of range.
     pub fn new(hysteresis: f32) -> Result<Self, ConfigError> {
         Ok(Self {
             hysteresis: in_range("hysteresis", hysteresis, 1e-9, 1e4)?,
@@ -118,12 +118,12 @@ impl CrossingDetector {
         })
     }
 
-    /// Forgets what it has seen.
+    /// Resets the detector to its initial state.
     pub fn reset(&mut self) {
         self.seen = Seen::default();
     }
 
-    /// One tick's displacement in mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0.
+    /// Takes one tick's displacement in mm. A value beyond ±[`limits::DISPLACEMENT`] is treated as the limit, NaN as 0.
     #[inline]
     pub fn update(&mut self, displacement: f32) -> Crossing {
         let y = displacement.clamped(limits::DISPLACEMENT as f32);
@@ -193,7 +193,7 @@ impl Seen {
         }
     }
 
-    /// The displacement has risen through the mean in `part` of a tick, and came to `y`, which is in the sum already.
+    /// The displacement has risen through the mean at `part` of a tick, to `y`, which the sum already contains.
     fn crossing(&mut self, y: f32, part: f32) -> Option<f32> {
         let samples = self.ticks.saturating_sub(1).max(1) as f32;
         if self.crossings > 0 {
@@ -211,10 +211,11 @@ impl Seen {
     }
 }
 
-/// A [`CycleAccumulator`] that finds its cycles by itself.
+/// A [`CycleAccumulator`] that finds its cycles from the displacement.
 ///
-/// The energy of the first harmonics needs the phase within the cycle under way, which is taken from the period of the cycle
-/// before: it is meant for a steady motion, and off by about as much as one period differs from the next.
+/// The energy of the first harmonics needs the phase within the current cycle, which is computed from the period of the cycle
+/// before. The accumulator is therefore meant for a steady motion; its error is about the relative difference between successive
+/// periods.
 #[derive(Clone, Copy, Debug)]
 pub struct CrossingAccumulator {
     detector: CrossingDetector,
@@ -225,7 +226,7 @@ impl CrossingAccumulator {
     /// * `hysteresis`: mm, 1e-9…1e4, above the noise's peak and below the motion's amplitude
     ///
     /// # Errors
-    /// When it is not finite or out of range.
+    /// `hysteresis` is not finite or out of range.
     pub fn new(hysteresis: f32) -> Result<Self, ConfigError> {
         Ok(Self {
             detector: CrossingDetector::new(hysteresis)?,
@@ -233,14 +234,14 @@ impl CrossingAccumulator {
         })
     }
 
-    /// Forgets what it has seen.
+    /// Resets the accumulator to its initial state.
     pub fn reset(&mut self) {
         self.detector.reset();
         self.accumulator.reset();
     }
 
-    /// One tick's displacement (mm) and force (kN), treated as in [`CycleAccumulator::update`]. Gives each cycle that is
-    /// complete, from the third on.
+    /// Takes one tick's displacement (mm) and force (kN), treated as in [`CycleAccumulator::update`]. Returns each complete cycle,
+    /// from the third on.
     #[inline]
     pub fn update(&mut self, displacement: f32, force: f32) -> Option<Cycle> {
         let Crossing {

@@ -1,4 +1,4 @@
-//! Energy, stiffness and loss factor of each cycle, recursively and in constant memory.
+//! Energy, stiffness and loss factor of each cycle, computed recursively in constant memory.
 //!
 //! From one cycle's displacement y (mm) and force F (kN), eqs 3–7 of the paper:
 //!
@@ -8,25 +8,25 @@
 //! ΔW₁ = π·(F_c·Y_s − F_s·Y_c)             η = ΔW/(2π·W)                                     (4)
 //! ```
 //!
-//! ΔW₁ is eq 5: with Y and F the first harmonics over the phase φ, y ≈ Y_s·sin φ + Y_c·cos φ, F alike, it is the energy that
-//! the fundamental of the force does over the fundamental of the displacement. For a displacement Y_s·sin φ it reads
-//! Y_s·∫F·cos φ dφ, the paper's sum; with Y_c it needs no α, the phase at which the paper begins to count. ΔW counts every
-//! harmonic and is what η takes. Both are the same for a sinusoidal displacement.
+//! ΔW₁ is eq 5. Let Y and F be the first harmonics over the phase φ, y ≈ Y_s·sin φ + Y_c·cos φ and F in the same form. ΔW₁ is the
+//! energy that the fundamental of the force does over the fundamental of the displacement. For a displacement Y_s·sin φ it is
+//! Y_s·∫F·cos φ dφ, the paper's sum. With Y_c it needs no α, the phase at which the paper begins to count. ΔW contains every
+//! harmonic, and η is computed from it. Both are the same for a sinusoidal displacement.
 //!
-//! Integrals are trapezoids from sample to sample. A cycle rarely ends on a tick: the tick in which it ends is split
-//! where it does, both samples interpolated linearly, so that each cycle gets its part and no energy is lost or counted
-//! twice. At n ticks a cycle the trapezoids are within (2π/n)²/6 and the extremes, which are those of the samples,
-//! within (π/n)²/2 of a smooth motion's.
+//! Integrals are trapezoids from sample to sample. A cycle rarely ends on a tick, so the tick in which it ends is split at the end
+//! of the cycle, with displacement and force interpolated linearly. Each cycle thus gets its part, and no energy is lost or counted
+//! twice. At n ticks per cycle, for a smooth motion, the trapezoids have an error within (2π/n)²/6, and the extremes, which are
+//! taken from samples, within (π/n)²/2.
 
 use crate::limits;
 use crate::real::Real;
 use crate::sine::sin_cos;
 use crate::sum::{FOLD, Sum};
 
-/// A cycle whose amplitude is below this many mm counts as standing still.
+/// A cycle of an amplitude below this many mm counts as standing still.
 pub const AMPLITUDE_MIN: f32 = 1e-9;
 
-/// What one cycle came to. Every field is finite.
+/// Results of one cycle. Every field is finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -41,7 +41,7 @@ pub struct Cycle {
     pub displacement_min: f32,
     /// X0, half of the displacement's range, mm.
     pub amplitude: f32,
-    /// ΔW = ∮F dy, J. Positive when the specimen takes energy up.
+    /// ΔW = ∮F dy, J. Positive when the specimen absorbs energy.
     pub energy: f32,
     /// ΔW of the first harmonics, eq 5, J.
     pub energy_harmonic: f32,
@@ -60,7 +60,7 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Every field, in the order in which they are declared.
+    /// Every field, in the order of declaration.
     #[inline]
     pub fn values(&self) -> [f32; 13] {
         [
@@ -81,7 +81,7 @@ impl Cycle {
     }
 }
 
-/// One force with what the harmonics need of it.
+/// One force and its products for the harmonics.
 #[derive(Clone, Copy, Debug, Default)]
 struct ForceSample {
     force: f32,
@@ -89,7 +89,7 @@ struct ForceSample {
     cos: f32,
 }
 
-/// One sample of `F` forces over one displacement, with what the harmonics need of them.
+/// One sample of `F` forces over one displacement, with their products for the harmonics.
 #[derive(Clone, Copy, Debug)]
 struct Sample<const F: usize> {
     displacement: f32,
@@ -114,7 +114,7 @@ impl<const F: usize> Sample<F> {
     }
 }
 
-/// Sums over one force. The trapezoids' factor ½ is taken at the end.
+/// Sums over one force. The trapezoids' factor ½ is applied at the end.
 #[derive(Clone, Copy, Debug, Default)]
 struct ForceIntegrals {
     /// F dy
@@ -137,7 +137,7 @@ impl ForceIntegrals {
         }
     }
 
-    /// The way from `a` to `b` over `way` mm in `time` ticks and `turn` of phase.
+    /// Adds the interval from `a` to `b`: `way` mm in `time` ticks and `turn` of phase.
     #[inline(always)]
     fn add(&mut self, a: &ForceSample, b: &ForceSample, way: f32, time: f32, turn: f32) {
         let force = a.force + b.force;
@@ -157,7 +157,7 @@ impl ForceIntegrals {
     }
 }
 
-/// Comparisons instead of `min` and `max`, which are calls on a Cortex-M.
+/// Comparisons instead of `min` and `max`, because those are function calls on a Cortex-M.
 #[inline(always)]
 fn extend(max: &mut f32, min: &mut f32, value: f32) {
     if value > *max {
@@ -168,7 +168,7 @@ fn extend(max: &mut f32, min: &mut f32, value: f32) {
     }
 }
 
-/// Sums over the cycle so far, as [`ForceIntegrals`].
+/// Sums over the cycle so far, like [`ForceIntegrals`].
 #[derive(Clone, Copy, Debug)]
 struct Integrals<const F: usize> {
     /// y dt
@@ -178,7 +178,7 @@ struct Integrals<const F: usize> {
     cos: Sum,
     max: f32,
     min: f32,
-    /// Ticks but for the fractions at both ends.
+    /// Whole ticks, without the fractions at both ends.
     ticks: u32,
     fraction: f32,
     forces: [ForceIntegrals; F],
@@ -198,7 +198,7 @@ impl<const F: usize> Integrals<F> {
         }
     }
 
-    /// The way from `a` to `b` in `time` ticks and `turn` of phase.
+    /// Adds the interval from `a` to `b`: `time` ticks and `turn` of phase.
     #[inline(always)]
     fn add(&mut self, a: &Sample<F>, b: &Sample<F>, time: f32, turn: f32) {
         self.displacement
@@ -212,7 +212,7 @@ impl<const F: usize> Integrals<F> {
         }
     }
 
-    /// One whole tick has been added.
+    /// Counts one whole tick.
     #[inline(always)]
     fn tick(&mut self) {
         self.ticks = self.ticks.saturating_add(1);
@@ -230,7 +230,8 @@ impl<const F: usize> Integrals<F> {
         let amplitude = 0.5 * (self.max - self.min);
         let ticks = self.ticks as f32 + self.fraction;
         let per_tick = if ticks > 0.0 { 0.5 / ticks } else { 0.0 };
-        // Both harmonics are 2/(2π) times their integral over the phase, whose unit is 2π/2³² and whose ½ is due.
+        // Both harmonics are 2/(2π) times their integral over the phase. The phase's unit is 2π/2³², and the trapezoids' ½ is
+        // applied here.
         let harmonic = |sum: Sum| sum.total() * (1.0 / (1u64 << 32) as f32);
         let (y_sin, y_cos) = (harmonic(self.sin), harmonic(self.cos));
         let mean_displacement = self.displacement.total() * per_tick;
@@ -268,19 +269,19 @@ impl<const F: usize> Integrals<F> {
     }
 }
 
-/// Takes one sample of displacement and of `F` forces over it a tick, and gives a [`Cycle`] of each force each time one is
+/// Takes one sample per tick of displacement and of `F` forces over it, and returns a [`Cycle`] for each force when a cycle is
 /// complete.
 ///
-/// Only whole cycles are given: what comes before the first end of a cycle is left out, unless it began with the
+/// Only whole cycles are returned: samples before the first end of a cycle are left out, unless that cycle began with the
 /// generator's phase 0.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleAccumulator<const F: usize> {
     sums: Integrals<F>,
     last: Sample<F>,
     last_phase: u32,
-    /// A sample has been seen.
+    /// At least one sample has been taken.
     begun: bool,
-    /// The cycle under way was seen from its beginning.
+    /// The current cycle was measured from its beginning.
     whole: bool,
 }
 
@@ -291,7 +292,7 @@ impl<const F: usize> Default for CycleAccumulator<F> {
 }
 
 impl<const F: usize> CycleAccumulator<F> {
-    /// Before the first sample.
+    /// An accumulator without a sample.
     pub fn new() -> Self {
         let last = Sample::new(0.0, [0.0; F], (0.0, 0.0));
         Self {
@@ -303,7 +304,7 @@ impl<const F: usize> CycleAccumulator<F> {
         }
     }
 
-    /// Forgets the cycle under way, as after a restart of the generator.
+    /// Drops the current cycle, as needed after a restart of the generator.
     pub fn reset(&mut self) {
         *self = Self::new();
     }
@@ -313,13 +314,13 @@ impl<const F: usize> CycleAccumulator<F> {
         self.last.forces.map(|sample| sample.force)
     }
 
-    /// One tick, where the phase is the generator's ([`crate::sine::Excitation::phase`]). A cycle ends where the phase
-    /// passes through 0.
+    /// Takes one tick whose phase is the generator's ([`crate::sine::Excitation::phase`]). A cycle ends where the phase passes
+    /// through 0.
     ///
     /// * `displacement`: mm; beyond ±[`limits::DISPLACEMENT`] treated as the limit, NaN as 0
     /// * `forces`: kN; beyond ±[`limits::FORCE`] treated as the limit, NaN as 0
-    /// * `phase`: 2³² to the cycle. It must not go backwards, nor half a cycle or more forward; while it stays 0, as at
-    ///   the end of a programme, the cycle does not begin.
+    /// * `phase`: 2³² per cycle. It must not go backwards, nor half a cycle or more forward. While it stays 0, as at the end of a
+    ///   programme, no cycle begins.
     #[inline]
     pub fn update(
         &mut self,
@@ -342,8 +343,8 @@ impl<const F: usize> CycleAccumulator<F> {
         cycles
     }
 
-    /// One tick, where the caller knows the end of the cycle: `boundary` is the part of the way from the last sample to
-    /// this one, 0…1, at which a cycle ended and the next began with phase 0. The rest as in
+    /// Takes one tick where the caller knows the end of the cycle: `boundary` is the part of the interval from the last sample to
+    /// this one, 0…1, at which a cycle ended and the next began with phase 0. The other arguments are those of
     /// [`CycleAccumulator::update`].
     #[inline]
     pub fn update_at(

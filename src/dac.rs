@@ -1,13 +1,12 @@
 //! The actuator's command through an Analog Devices AD5761R: 16 bits, ±10 V, with its own 2.5 V reference.
 //!
-//! Datasheet: Analog Devices AD5761R/AD5721R, "Multiple range, 16-/12-bit, bipolar/unipolar voltage output DACs with
-//! 2 ppm/°C reference". SPI mode 1 (data is clocked in on the falling edge of SCLK), at most 50 MHz, 24-bit frames,
-//! most significant bit and byte first: four bits without meaning, four of command, 16 of data. What a read command
-//! asks for comes out in the frame after it. Of the control register that comes back, bit 12 says that a short circuit was
-//! detected and bit 11 a brown-out, since it was written last.
+//! Datasheet: Analog Devices AD5761R/AD5721R, "Multiple range, 16-/12-bit, bipolar/unipolar voltage output DACs with 2 ppm/°C
+//! reference". SPI mode 1 (data is clocked in on the falling edge of SCLK), at most 50 MHz, 24-bit frames, most significant bit and
+//! byte first: four bits without meaning, four of command, 16 of data. The answer to a read command comes out in the next frame. In
+//! the control register read back, bit 12 reports a short circuit and bit 11 a brown-out since the register was last written.
 //!
-//! The output register is offset binary, as the control register's B2C bit stays 0: 0x0000 is −10 V, 0x8000 is 0 V,
-//! 0xFFFF is one step below +10 V. The output changes where chip select rises (LDAC tied low).
+//! The output register is offset binary, because the control register's B2C bit stays 0: 0x0000 is −10 V, 0x8000 is 0 V, 0xFFFF is
+//! one step below +10 V. The output changes where chip select rises (LDAC tied low).
 
 #[cfg(feature = "async")]
 mod asynchronous;
@@ -18,7 +17,7 @@ use embedded_hal::spi::{Mode, SpiDevice};
 
 use crate::converter::{Code, Scale};
 
-/// What the bus must be set to.
+/// SPI mode that the bus must use.
 pub const SPI_MODE: Mode = embedded_hal::spi::MODE_1;
 
 /// Output at full scale, V.
@@ -31,37 +30,37 @@ const READ_OUTPUT: u8 = 0xB;
 const READ_CONTROL: u8 = 0xC;
 const FULL_RESET: u8 = 0xF;
 
-/// Clears to midscale (bits 10–9 = 01), shuts down when overheated (bit 6), internal reference (bit 5), powers up at
-/// midscale (bits 4–3 = 01), ±10 V (bits 2–0 = 000); no overrange, offset binary. Neither a reset nor a line that is held or
-/// echoes leaves it there.
+/// Clears to midscale (bits 10–9 = 01), shuts down when overheated (bit 6), uses the internal reference (bit 5), powers up at
+/// midscale (bits 4–3 = 01), ±10 V (bits 2–0 = 000); no overrange, offset binary. Neither a reset nor a stuck or echoing line
+/// leaves this value.
 pub const CONTROL: u16 = 0x0200 | 0x0040 | 0x0020 | 0x0008;
 const CONTROL_BITS: u16 = 0x07FF;
 /// The part's own status: short circuit (bit 12) and brown-out (bit 11). The bits above have no meaning.
 const STATUS_BITS: u16 = 0x1800;
 
-/// Why the part did not answer as it should.
+/// Why the part did not answer correctly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DacError<E> {
     /// The bus failed.
     Bus(E),
-    /// The control register did not hold what was written, [`CONTROL`]: no part, another one, one that lost its supply since, or
-    /// a line that is held.
+    /// The control register did not hold the value written to it, [`CONTROL`]: the part is absent, is another one or lost its
+    /// supply since, or a line is stuck.
     Control {
-        /// What came back, without the status bits.
+        /// Value read back, without the status bits.
         read: u16,
     },
-    /// The part says that its output was shorted or its supply too low since it was set up.
+    /// The part reports that its output was shorted or its supply too low since it was set up.
     Status {
         /// Bit 12: short circuit; bit 11: brown-out.
         read: u16,
     },
-    /// The register of the output did not hold the code that was written last.
+    /// The output register did not hold the code written last.
     Output {
-        /// What was written.
+        /// Code written.
         expected: u16,
-        /// What came back.
+        /// Code read back.
         read: u16,
     },
 }
@@ -101,23 +100,23 @@ impl<E> From<E> for DacError<E> {
 pub struct Ad5761<S> {
     spi: S,
     scale: Scale,
-    /// The code that the part took last.
+    /// Code that the part accepted last.
     code: u16,
 }
 
-/// What sets the part, in this order, before the frame that brings the control register.
+/// Frames that set the part up, in this order. The frame that reads the control register follows them.
 const SET_UP: [[u8; 3]; 3] = [
     frame(FULL_RESET, 0),
     frame(WRITE_CONTROL, CONTROL),
     frame(READ_CONTROL, 0),
 ];
 
-/// The 16 bits that came in a frame.
+/// The 16 data bits received in a frame.
 fn data_of([_, high, low]: [u8; 3]) -> u16 {
     u16::from_be_bytes([high, low])
 }
 
-/// Whether the control register is as it was written, by the frame after the one that asks for it.
+/// Checks that the control register is as written, from the frame after the one that requests it.
 fn held<E>(answer: [u8; 3]) -> Result<(), DacError<E>> {
     let read = data_of(answer) & CONTROL_BITS;
     if read == CONTROL {
@@ -127,7 +126,7 @@ fn held<E>(answer: [u8; 3]) -> Result<(), DacError<E>> {
     }
 }
 
-/// Whether neither a short circuit nor a brown-out was detected, by the same frame.
+/// Checks that neither a short circuit nor a brown-out was detected, from the same frame.
 fn sound<E>(answer: [u8; 3]) -> Result<(), DacError<E>> {
     match data_of(answer) & STATUS_BITS {
         0 => Ok(()),
@@ -135,7 +134,7 @@ fn sound<E>(answer: [u8; 3]) -> Result<(), DacError<E>> {
     }
 }
 
-/// Whether the output's register holds `expected`, by the frame after the one that asks for it.
+/// Checks that the output register holds `expected`, from the frame after the one that requests it.
 fn drives<E>(expected: u16, answer: [u8; 3]) -> Result<(), DacError<E>> {
     match data_of(answer) {
         read if read == expected => Ok(()),
@@ -144,18 +143,18 @@ fn drives<E>(expected: u16, answer: [u8; 3]) -> Result<(), DacError<E>> {
 }
 
 impl<S> Ad5761<S> {
-    /// A part that is yet to be set up, and will be at the command's 0.
+    /// A part that has not been set up yet, whose output will be at the command's 0.
     fn unset(spi: S, scale: Scale) -> Self {
         let code = scale.encode(0.0).code;
         Self { spi, scale, code }
     }
 
-    /// The command at +10 V and its step.
+    /// Scale of the command: its value at +10 V, and its zero.
     pub fn scale(&self) -> &Scale {
         &self.scale
     }
 
-    /// The bus, when the part is no longer used.
+    /// Releases the bus.
     pub fn release(self) -> S {
         self.spi
     }
@@ -163,12 +162,12 @@ impl<S> Ad5761<S> {
 
 impl<S: SpiDevice> Ad5761<S> {
     /// Resets the part, sets its range and leaves the output at the command's 0, which is 0 V where the scale's zero is 0. The
-    /// output is at 0 V on the way there.
+    /// output passes through 0 V meanwhile.
     ///
-    /// * `scale`: the command at +10 V: mm, or kN for a damper emulator
+    /// * `scale`: the command at +10 V: mm, or kN for a damper emulation
     ///
     /// # Errors
-    /// The bus's, or [`DacError::Control`].
+    /// An error of the bus, or [`DacError::Control`].
     pub fn new(spi: S, scale: Scale) -> Result<Self, DacError<S::Error>> {
         let mut part = Self::unset(spi, scale);
         part.set_up()?;
@@ -184,11 +183,11 @@ impl<S: SpiDevice> Ad5761<S> {
         Ok(())
     }
 
-    /// Sets the part up again as [`Ad5761::new`] does, where it does not hold what it should: after it lost its supply. A part
-    /// that does is left as it is, so that its output does not pass through 0 V.
+    /// Sets the part up again as [`Ad5761::new`] does, if it lost its settings with its supply. A part that still holds them is
+    /// left as it is, so that its output does not pass through 0 V.
     ///
     /// # Errors
-    /// The bus's, or [`DacError::Control`].
+    /// An error of the bus, or [`DacError::Control`].
     pub fn restore(&mut self) -> Result<(), DacError<S::Error>> {
         match self.verify() {
             Ok(()) => Ok(()),
@@ -196,11 +195,11 @@ impl<S: SpiDevice> Ad5761<S> {
         }
     }
 
-    /// Reads back what the part holds, without a change of its output: three frames, 72 clocks. A part that lost its supply holds
-    /// neither its control register nor the code.
+    /// Reads back the part's registers without changing its output: three frames, 72 clocks. After a loss of its supply the part
+    /// holds neither its control register nor the code.
     ///
     /// # Errors
-    /// The bus's, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
+    /// An error of the bus, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
     pub fn verify(&mut self) -> Result<(), DacError<S::Error>> {
         self.spi.write(&frame(READ_CONTROL, 0))?;
         let control = self.transfer(READ_OUTPUT)?;
@@ -210,7 +209,7 @@ impl<S: SpiDevice> Ad5761<S> {
         drives(self.code, output)
     }
 
-    /// A frame with a command without data, and what comes out in it.
+    /// Sends a command without data, and returns the bits that come out in the same frame.
     fn transfer(&mut self, command: u8) -> Result<[u8; 3], S::Error> {
         let mut frame = frame(command, 0);
         self.spi.transfer_in_place(&mut frame)?;
@@ -220,7 +219,7 @@ impl<S: SpiDevice> Ad5761<S> {
     /// Drives the output: one frame, 24 clocks. Returns the code written and whether it was clipped.
     ///
     /// # Errors
-    /// The bus's.
+    /// An error of the bus.
     #[inline]
     pub fn write(&mut self, value: f32) -> Result<Code, S::Error> {
         let code = self.scale.encode(value);

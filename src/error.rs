@@ -1,8 +1,8 @@
-//! What a constructor refuses, naming the field.
+//! Errors of constructors. They name the field.
 
 use core::fmt;
 
-/// A configuration that was refused. Every variant carries the field's name as it stands in the type's documentation.
+/// A configuration that was rejected. Every variant carries the name of the field as the type's documentation gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -10,11 +10,11 @@ use core::fmt;
 pub enum ConfigError {
     /// The field is NaN or infinite.
     NonFinite(&'static str),
-    /// The field lies outside the range that its documentation gives.
+    /// The field lies outside the range given in its documentation.
     OutOfRange {
         /// The field's name.
         field: &'static str,
-        /// What was given.
+        /// The value given.
         value: f64,
         /// Smallest value allowed.
         low: f64,
@@ -25,14 +25,14 @@ pub enum ConfigError {
     NotIncreasing(&'static str),
     /// More elements than the fixed capacity holds.
     Full {
-        /// What was being filled.
+        /// Name of the list.
         field: &'static str,
-        /// How many fit.
+        /// Its capacity.
         capacity: usize,
     },
-    /// Nothing was given where at least one element is needed.
+    /// The list is empty, and at least one element is needed.
     Empty(&'static str),
-    /// What an earlier version had and this one has not.
+    /// A feature of an earlier version that this version no longer has.
     Removed(&'static str),
 }
 
@@ -70,7 +70,7 @@ mod tests {
     use std::string::ToString as _;
 
     #[test]
-    fn what_is_refused_is_told_in_words() {
+    fn a_refusal_is_written_in_words() {
         let out_of_range = |value| {
             ConfigError::OutOfRange {
                 field: "lead",
@@ -81,14 +81,14 @@ mod tests {
             .to_string()
         };
         assert_eq!(out_of_range(-0.25), "lead = -0.25 is outside 0…0.1");
-        // From here on the digits are no longer written out.
+        // Beyond this size the digits are no longer written out.
         assert_eq!(
             out_of_range(9e14),
             "lead = 900000000000000 is outside 0…0.1"
         );
         assert_eq!(out_of_range(1e15), "lead = 1.000e15 is outside 0…0.1");
         assert_eq!(out_of_range(-2.5e38), "lead = -2.500e38 is outside 0…0.1");
-        let told = [
+        let text = [
             ConfigError::NonFinite("size"),
             ConfigError::NotIncreasing("densities"),
             ConfigError::Full {
@@ -99,7 +99,7 @@ mod tests {
         ]
         .map(|error| error.to_string());
         assert_eq!(
-            told,
+            text,
             [
                 "size is not a finite number",
                 "densities must increase from node to node",

@@ -1,8 +1,9 @@
-//! The law as it runs on the target: eq 13 with its damping from a table, added effects, and a swap at a cycle's end.
+//! The fast law, as it runs on the target: the mixed damping law (eq 13) with its damping from a table, added effects, and a swap
+//! at a cycle's end.
 //!
-//! The coefficients are swapped by choosing between two sets of them, and the one table of 4 KiB is filled anew over the
-//! ticks that follow, a row a tick, so that no tick bears the whole: the row that the tick needs, or one more in turn where the
-//! tick before needed the same. So every force is the new law's from the first tick on.
+//! A swap switches between two sets of coefficients. The single table of 4 KiB is then refilled over the following ticks, one row
+//! per tick, so that no tick bears the whole cost. A tick fills the row that it needs, or the next row in turn if the tick before
+//! needed the same one. Every force is therefore that of the new law from the first tick on.
 
 use crate::effects::{AugmentedLaw, AugmentedState, ClampedMotion, LawForce, Motion};
 use crate::law::Law;
@@ -10,7 +11,7 @@ use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
 use crate::tick_law::TickLaw;
 
-/// Eq 13, up to `N` added effects, and the seed of the damping's table.
+/// Eq 13, up to `N` added effects, and the seed of the damping table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FastLaw<const N: usize> {
     pub(crate) augmented: AugmentedLaw<f32, N>,
@@ -18,13 +19,13 @@ pub struct FastLaw<const N: usize> {
 }
 
 impl<const N: usize> FastLaw<N> {
-    /// No force.
+    /// A law without force.
     pub const EMPTY: Self = Self {
         augmented: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
         damping: PowerSeed::EMPTY,
     };
 
-    /// Takes 64 powers in f64: not for the hot path.
+    /// Computes 64 powers in f64: not for the hot path.
     pub fn new(augmented: AugmentedLaw<f32, N>) -> Self {
         Self {
             damping: seed(augmented.law()),
@@ -32,8 +33,8 @@ impl<const N: usize> FastLaw<N> {
         }
     }
 
-    /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it. Takes
-    /// 64 powers in f64.
+    /// Replaces eq 13 and keeps the effects, for coefficients that are tabulated over the amplitude when the amplitude changes.
+    /// Computes 64 powers in f64.
     pub fn set_law(&mut self, law: Law<f32>) {
         self.damping = seed(&law);
         self.augmented.set_law(law);
@@ -44,7 +45,7 @@ impl<const N: usize> FastLaw<N> {
         &self.augmented
     }
 
-    /// What the damping's table is filled from.
+    /// The seed from which the damping table is filled.
     pub fn damping(&self) -> &PowerSeed {
         &self.damping
     }
@@ -58,27 +59,27 @@ fn seed(law: &Law<f32>) -> PowerSeed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Waiting {
     No,
-    /// With the same kinds of effects: what they remember stays.
+    /// A law with the same kinds of effects: their state is kept.
     SameEffects,
     OtherEffects,
 }
 
-/// By how much the law in force differs from the law as it was given, part of each coefficient: a slow change of the specimen
-/// that the rig has followed.
+/// Relative difference of each coefficient between the law in force and the law as given: a slow change of the specimen to which
+/// the rig has adapted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Adaptation {
-    /// Of k1.
+    /// Relative change of k1.
     pub k1: f32,
-    /// Of k3.
+    /// Relative change of k3.
     pub k3: f32,
-    /// Of c.
+    /// Relative change of c.
     pub c: f32,
 }
 
 impl Adaptation {
-    /// Within −1…1.
+    /// Clamps each part to −1…1.
     pub(crate) fn clamped(self) -> Self {
         Self {
             k1: self.k1.clamped(1.0),
@@ -87,7 +88,7 @@ impl Adaptation {
         }
     }
 
-    /// The law that differs by this from `given`.
+    /// The law that differs from `given` by this adaptation.
     pub(crate) fn of(self, given: &Law<f32>) -> Law<f32> {
         let part = |of: f32| 1.0 + of;
         Law::from_valid(
@@ -99,7 +100,7 @@ impl Adaptation {
     }
 }
 
-/// [`TickLaw::parts`] of a law as `given`, whose effects make `elastic` and `damping` of an elastic and a damping force of 1.
+/// [`TickLaw::parts`] of a law as `given`, whose effects change an elastic and a damping force of 1 to `elastic` and `damping`.
 #[inline(always)]
 pub(crate) fn parts(
     given: &Law<f32>,
@@ -115,22 +116,22 @@ pub(crate) fn parts(
     ]
 }
 
-/// A [`FastLaw`] at work, and another one that may wait for the end of the cycle.
+/// A running [`FastLaw`], and optionally a second one that waits for the end of the cycle.
 #[derive(Clone, Debug)]
-// What is long comes first: the table within reach of a load's offset, and of one another what follows.
+// Long fields come first: this keeps the table within the offset of one load, and the other fields near to each other.
 #[repr(C)]
 pub struct RunningLaw<const N: usize> {
     table: PowerTable,
-    /// Eq 13 as it is in force, and the part of the tabulated damping that is.
+    /// Eq 13 with the adaptation applied, and the factor on the tabulated damping.
     in_force: Law<f32>,
     damping_part: f32,
     followed: Adaptation,
     state: AugmentedState<f32>,
     laws: [FastLaw<N>; 2],
-    /// The second one is in force.
+    /// The second law is in force.
     second: bool,
     waiting: Waiting,
-    /// Rows of the table that hold the law in force, and one beside them, which the last velocity needed.
+    /// Number of rows filled for the law in force, and one further row, which the last velocity needed.
     filled: usize,
     needed: usize,
     /// The table is filled, and the law has no stages.
@@ -138,7 +139,7 @@ pub struct RunningLaw<const N: usize> {
 }
 
 impl<const N: usize> RunningLaw<N> {
-    /// `law` at work, its effects at rest.
+    /// Runs `law`, with its effects at rest.
     pub fn new(law: FastLaw<N>) -> Self {
         let mut new = Self {
             laws: [law, FastLaw::EMPTY],
@@ -149,7 +150,7 @@ impl<const N: usize> RunningLaw<N> {
         new
     }
 
-    /// No force, until a law is swapped in. All bits are 0, so that it takes no flash in a static.
+    /// A law without force, until another is swapped in. All bits are 0, so that it takes no flash in a static.
     pub const fn empty() -> Self {
         Self {
             laws: [const { FastLaw::EMPTY }; 2],
@@ -170,14 +171,14 @@ impl<const N: usize> RunningLaw<N> {
         }
     }
 
-    /// The law in force, as it was given.
+    /// The law in force, as given.
     pub fn law(&self) -> &FastLaw<N> {
         let [first, second] = &self.laws;
         if self.second { second } else { first }
     }
 
-    /// From here on k1, k3 and c differ by these parts, clamped to −1…1, from the law as it was given; nothing of it is left
-    /// once another law takes over.
+    /// From now on k1, k3 and c differ from the law as given by these parts, clamped to −1…1. The adaptation ends when another law
+    /// takes over.
     #[inline(never)]
     pub fn follow(&mut self, followed: Adaptation) {
         let followed = followed.clamped();
@@ -186,7 +187,7 @@ impl<const N: usize> RunningLaw<N> {
         self.followed = followed;
     }
 
-    /// The law in force is the law as it was given.
+    /// Ends the adaptation: the law in force is the law as given.
     #[inline]
     pub(crate) fn follow_nothing(&mut self) {
         self.in_force = *self.law().augmented.law();
@@ -194,13 +195,13 @@ impl<const N: usize> RunningLaw<N> {
         self.followed = Adaptation::default();
     }
 
-    /// By how much the law in force differs from the law as it was given.
+    /// Relative difference between the law in force and the law as given.
     pub fn followed(&self) -> Adaptation {
         self.followed
     }
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, with what its effects make of each: what the law in force
-    /// has of [`Adaptation`], part by part. 0 where something lies between the specimen and what is measured. Not for every
+    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as given, kN, each as its effects change it. The law in force adds the
+    /// corresponding part of [`Adaptation`] of each. 0 where a stage lies between the specimen and the measurement. Not for every
     /// tick.
     #[inline]
     pub(crate) fn parts(&self, motion: &Motion<f32>) -> [f32; 3] {
@@ -219,7 +220,7 @@ impl<const N: usize> RunningLaw<N> {
         parts(law.augmented.law(), &motion, scales, damping_force)
     }
 
-    /// The law to take over at the next [`RunningLaw::boundary`]; one that was waiting is dropped.
+    /// Sets the law that takes over at the next [`RunningLaw::boundary`]. It replaces one that was waiting.
     pub fn swap(&mut self, law: FastLaw<N>) {
         let written: Result<(), core::convert::Infallible> = self.swap_with(|slot| {
             *slot = law;
@@ -228,11 +229,11 @@ impl<const N: usize> RunningLaw<N> {
         let Ok(()) = written;
     }
 
-    /// [`RunningLaw::swap`] with the law that `write` writes in place, so that it need not pass through the stack. Where
-    /// `write` fails no law waits.
+    /// [`RunningLaw::swap`] with a law that `write` writes in place, so that it need not pass through the stack. If `write` fails,
+    /// no law waits.
     ///
     /// # Errors
-    /// That of `write`.
+    /// The error of `write`.
     pub fn swap_with<E>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<(), E>,
@@ -241,11 +242,11 @@ impl<const N: usize> RunningLaw<N> {
             .map(|_| ())
     }
 
-    /// [`RunningLaw::swap_with`] of a law that is written slice by slice, between ticks that go on with the law in force. `write` is called
-    /// with the same slot each time, as long as it gives none; the law waits once it gives something.
+    /// [`RunningLaw::swap_with`] for a law that is written slice by slice, between ticks that continue with the law in force.
+    /// `write` is called with the same slot each time until it returns something; then the law waits.
     ///
     /// # Errors
-    /// That of `write`; no law waits then.
+    /// The error of `write`; no law waits then.
     pub fn swap_in_slices<T, E>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<Option<T>, E>,
@@ -269,8 +270,8 @@ impl<const N: usize> RunningLaw<N> {
         Ok(written)
     }
 
-    /// A cycle has ended: the waiting law takes over, where there is one, and says so. What the effects remember stays where
-    /// the new law has the same kinds of effects, and is at rest otherwise.
+    /// Marks the end of a cycle: a waiting law takes over. Returns whether one did. The effects keep their state if the new law has
+    /// the same kinds of effects; otherwise they start at rest.
     #[inline]
     pub fn boundary(&mut self) -> bool {
         if self.waiting == Waiting::No {
@@ -293,12 +294,12 @@ impl<const N: usize> RunningLaw<N> {
         self.waiting != Waiting::No
     }
 
-    /// All effects at rest.
+    /// Puts all effects at rest.
     pub fn rest(&mut self) {
         self.state = self.law().augmented.at_rest();
     }
 
-    /// Force in kN on this tick: eq 13's and every effect's. Call it once per tick.
+    /// Force in kN on this tick: that of eq 13 and of every effect. Call it once per tick.
     #[inline]
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
         if !self.settled {
@@ -320,7 +321,7 @@ impl<const N: usize> RunningLaw<N> {
             .with_effects(&mut self.state, &motion, law_force)
     }
 
-    /// [`RunningLaw::fill`] where it is rare: its registers are no matter of other ticks.
+    /// [`RunningLaw::fill`] for the rare ticks that need it. Not inlined, so that other ticks do not save its registers.
     #[cold]
     #[inline(never)]
     fn settle(&mut self, motion: &Motion<f32>) {
@@ -328,7 +329,7 @@ impl<const N: usize> RunningLaw<N> {
         self.settled = !self.is_filling();
     }
 
-    /// Not inlined: its registers are no matter of other ticks.
+    /// Not inlined, so that other ticks do not save its registers.
     #[inline(never)]
     fn force_through_stages(&mut self, motion: &Motion<f32>) -> f32 {
         let motion = motion.clamped();
@@ -341,7 +342,7 @@ impl<const N: usize> RunningLaw<N> {
         let damping = |v| {
             self.damping_part
                 * if filling {
-                    // Another row may be asked for than what was filled.
+                    // A stage may ask for another row than the one filled.
                     law.damping.damping_force(v)
                 } else {
                     self.table.damping_force(v)
@@ -351,26 +352,26 @@ impl<const N: usize> RunningLaw<N> {
             .force_through_stages(&mut self.state, &motion, &self.in_force, damping)
     }
 
-    /// The damping force of the law as given, in kN, at `v` mm/s within ±[`crate::limits::VELOCITY`], whatever is filled: not
-    /// for every tick.
+    /// Damping force of the law as given, in kN, at `v` mm/s within ±[`crate::limits::VELOCITY`], independent of the rows filled.
+    /// Not for every tick.
     pub(crate) fn damping_force(&self, v: f32) -> f32 {
         self.law().damping.damping_force(v)
     }
 
-    /// A law has taken over, and the table is not yet filled for it.
+    /// A law has taken over, and the table is not completely filled for it yet.
     #[inline(always)]
     pub(crate) fn is_filling(&self) -> bool {
         self.filled < ROWS
     }
 
-    /// `elastic` kN and the damping force of the law as given at `v` mm/s, within ±[`crate::limits::VELOCITY`], for which the
-    /// table is filled.
+    /// Sum of `elastic` kN and the damping force of the law as given at `v` mm/s, within ±[`crate::limits::VELOCITY`]. The table
+    /// must be filled for it.
     #[inline(always)]
     pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
         self.table.add_damping_force(elastic, v)
     }
 
-    /// Fills the row for `v` mm/s, or the next one where that was the last to be needed.
+    /// Fills the row for `v` mm/s, or the next row in turn if the tick before needed the same one.
     #[inline(always)]
     pub(crate) fn fill(&mut self, v: f32) {
         let [first, second] = &self.laws;
@@ -416,11 +417,11 @@ mod tests {
     use super::*;
     use crate::effects::{Drift, Effect, LoadFriction, Temperature, Viscous};
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v, of which load friction makes 1 + λ·|y|, temperature takes β·ΔT, of the last β_damping·ΔT, and
-    /// a drift adds a and b as far as it has come; a dashpot and a drift's stiffness are in none.
-    /// By as much of them the force changes.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v. Load friction multiplies the last by 1 + λ·|y|, temperature subtracts β·ΔT, or β_damping·ΔT
+    /// from the last, and a drift adds a and b as far as it has progressed. A dashpot and a drift's stiffness are in none. The
+    /// force changes by the adaptation's part of each.
     #[test]
-    fn what_is_followed_is_the_sum_of_its_parts() {
+    fn the_adaptation_is_the_sum_of_its_parts() {
         let followed = Adaptation {
             k1: 0.1,
             k3: -0.2,

@@ -1,9 +1,9 @@
 //! Law, generator and accumulator in integers, for a core without a floating-point unit.
 //!
-//! Quantities are parts of a full scale that the configuration chooses ([`Scales`]), as `fixed`'s [`Part`], so that a
-//! value cannot leave the range −1…1 that all arithmetic is laid out for: what is beyond is saturated where it is
-//! converted, and nothing wraps. A tick has no division, and no multiplication but the 32 × 32 → 32 bits of a Cortex-M0, of
-//! factors whose product fits. Tables are computed in f64 by the constructors.
+//! Quantities are parts of a full scale that the configuration chooses ([`Scales`]), as `fixed`'s [`Part`]. A value thus cannot
+//! leave the range −1…1 for which all arithmetic is designed. Conversions saturate values beyond it, and nothing wraps. A tick has
+//! no division, and its only multiplication is the 32 × 32 → 32 bits of a Cortex-M0, with factors whose product fits. Constructors
+//! compute the tables in f64.
 //!
 //! A mesh of 3 g/cm³ shaken by 0.1 mm at 1 Hz, 10 000 ticks a second:
 //!
@@ -44,10 +44,10 @@ pub use generator::{Excitation, RAMP_CYCLES_MAX, Sine, SineGenerator};
 pub use law::Law;
 pub use scales::{SCALE_MIN, Scales};
 
-/// A part −1…1 of a full scale.
+/// A part of a full scale, −1…1.
 pub type Part = fixed::types::I1F31;
 
-/// `a`·`b`/2¹⁶ for `b` of 0…2¹⁶, off by less than 1 and rounded down: two products of 16 bits by 17.
+/// `a`·`b`/2¹⁶ for `b` of 0…2¹⁶, rounded down, with an error below 1: two products of 16 bits by 17.
 #[inline(always)]
 fn times(a: i32, b: u32) -> i32 {
     let high = (a >> 16) * b as i32;

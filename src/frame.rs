@@ -3,23 +3,23 @@
 //! ```text
 //! "MD"   u8 version   u8 kind   u32 sequence   u16 count   u16 length of the payload   payload   u32 CRC-32 of all before
 //! ```
-//! Numbers are little-endian, the CRC is that of Ethernet. Both ends take turns: the harness asks with a sequence number
-//! that goes up by one, the image answers with the same number and repeats its last answer when it is asked again. A frame
-//! is written in one piece, so that one that a read did not bring whole is lost, and asked for again like any other. On a line that brings
-//! bytes in pieces of its own [`extent`] says where a frame ends.
+//! Numbers are little-endian; the CRC is that of Ethernet. Both ends take turns. The harness sends a request with a sequence number
+//! that increases by one. The image answers with the same number, and repeats its last answer when the request is repeated. A frame
+//! is written in one piece; one that a read did not receive whole is lost, and the request is repeated as for any loss. On a line
+//! that delivers bytes in arbitrary pieces, [`extent`] finds the end of a frame.
 
-/// The version that is written, and the only one read.
+/// The version written, and the only one read.
 pub const VERSION: u8 = 7;
-/// Most bytes of a payload.
+/// Largest payload, bytes.
 pub const PAYLOAD: usize = 488;
-/// Most bytes of a frame.
+/// Largest frame, bytes.
 pub const LARGEST: usize = HEADER + PAYLOAD + TRAILER;
 
 const HEADER: usize = 12;
 const TRAILER: usize = 4;
 const MAGIC: [u8; 2] = *b"MD";
 
-/// What four bits make of the CRC, least significant bit first. A table for bytes would be 1 KiB of flash.
+/// CRC of each value of four bits, least significant bit first. A table for bytes would take 1 KiB of flash.
 #[cfg(not(feature = "std"))]
 const CRC_OF_NIBBLE: [u32; 16] = {
     let mut table = [0; 16];
@@ -37,17 +37,17 @@ const CRC_OF_NIBBLE: [u32; 16] = {
     table
 };
 
-/// [`checksum_with`] of nothing.
+/// [`checksum_with`] of no bytes.
 pub(crate) const CHECKSUM: u32 = u32::MAX;
 
-/// Ethernet's CRC-32 of `parts` as if they were one.
+/// Ethernet's CRC-32 of `parts`, concatenated.
 pub(crate) fn checksum(parts: &[&[u8]]) -> u32 {
     !parts
         .iter()
         .fold(CHECKSUM, |crc, part| checksum_with(crc, part))
 }
 
-/// Ethernet's CRC-32 before its last complement, of what has come to `crc` and a `part` more. Not inlined: there is more than one part.
+/// Ethernet's CRC-32 before its final complement: continues `crc` by `part`. Not inlined, because there is more than one part.
 #[cfg(not(feature = "std"))]
 #[inline(never)]
 pub(crate) fn checksum_with(crc: u32, part: &[u8]) -> u32 {
@@ -64,29 +64,29 @@ pub(crate) fn checksum_with(crc: u32, part: &[u8]) -> u32 {
     !hasher.finalize()
 }
 
-/// What a frame says of itself.
+/// Header of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Header {
-    /// What its payload is, as [`crate::message`] numbers it.
+    /// Kind of the payload, as [`crate::message`] numbers it.
     pub kind: u8,
-    /// Which exchange it belongs to.
+    /// Number of the exchange.
     pub sequence: u32,
-    /// How many ticks, motions or the like its payload holds.
+    /// Number of ticks, motions or other items in the payload.
     pub count: u16,
 }
 
-/// A frame received.
+/// A received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// What it says of itself.
+    /// Its header.
     pub header: Header,
-    /// What it carries.
+    /// Its payload.
     pub payload: &'a [u8],
 }
 
-/// A frame that is being written, and stays until the next one, to be sent again.
+/// The frame being written. It stays until the next one, so that it can be sent again.
 #[derive(Clone, Debug)]
 pub struct FrameBuffer {
     bytes: [u8; LARGEST],
@@ -100,7 +100,7 @@ impl Default for FrameBuffer {
 }
 
 impl FrameBuffer {
-    /// Nothing yet.
+    /// An empty buffer.
     pub const fn new() -> Self {
         Self {
             bytes: [0; LARGEST],
@@ -108,8 +108,8 @@ impl FrameBuffer {
         }
     }
 
-    /// A new frame whose payload `write` writes; what does not fit is left out, and with it the frame's end, so that
-    /// nobody takes it for whole.
+    /// Writes a new frame whose payload `write` writes. If the payload does not fit, the frame's end is left out too, so that no
+    /// receiver takes it for whole.
     #[inline]
     pub fn write(&mut self, header: Header, write: impl FnOnce(&mut Writer<'_>)) {
         let (_, rest) = self.bytes.split_at_mut(HEADER);
@@ -120,8 +120,8 @@ impl FrameBuffer {
         self.seal(header, length);
     }
 
-    /// Puts the header before a payload of `length` bytes and the checksum after it. Not inlined: every kind of frame is
-    /// written by a function of its own.
+    /// Puts the header before a payload of `length` bytes and the checksum after it. Not inlined, because a separate function
+    /// writes each kind of frame.
     #[inline(never)]
     fn seal(&mut self, header: Header, length: Option<usize>) {
         self.length = 0;
@@ -160,7 +160,7 @@ pub struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Into `room`.
+    /// A writer into `room`.
     pub fn new(room: &'a mut [u8]) -> Self {
         Self {
             rest: room,
@@ -168,7 +168,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// As they are.
+    /// Writes bytes unchanged.
     #[inline(always)]
     pub fn bytes(&mut self, bytes: &[u8]) {
         match core::mem::take(&mut self.rest).split_at_mut_checked(bytes.len()) {
@@ -180,7 +180,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Four bytes each.
+    /// Writes words of four bytes each.
     #[inline(always)]
     pub fn words<const N: usize>(&mut self, values: [u32; N]) {
         match core::mem::take(&mut self.rest).split_at_mut_checked(4 * N) {
@@ -195,37 +195,37 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// One byte.
+    /// Writes one byte.
     #[inline(always)]
     pub fn u8(&mut self, value: u8) {
         self.bytes(&[value]);
     }
 
-    /// Two bytes.
+    /// Writes two bytes.
     #[inline(always)]
     pub fn u16(&mut self, value: u16) {
         self.bytes(&value.to_le_bytes());
     }
 
-    /// Four bytes.
+    /// Writes four bytes.
     #[inline(always)]
     pub fn u32(&mut self, value: u32) {
         self.bytes(&value.to_le_bytes());
     }
 
-    /// Four bytes, bit for bit.
+    /// Writes four bytes, bit for bit.
     #[inline(always)]
     pub fn f32(&mut self, value: f32) {
         self.u32(value.to_bits());
     }
 
-    /// How many bytes of the room are left; none where something did not fit.
+    /// Bytes left in the room; `None` if something did not fit.
     pub fn left(&self) -> Option<usize> {
         (!self.full).then_some(self.rest.len())
     }
 }
 
-/// Reads a payload; `None` at its end.
+/// Reads a payload; every method returns `None` at its end.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader<'a>(pub &'a [u8]);
 
@@ -237,7 +237,7 @@ impl<'a> Reader<'a> {
         Some(*first)
     }
 
-    /// Four bytes each.
+    /// Reads words of four bytes each.
     #[inline(always)]
     pub fn words<const N: usize>(&mut self) -> Option<[u32; N]> {
         let (bytes, rest) = self.0.split_at_checked(4 * N)?;
@@ -250,44 +250,44 @@ impl<'a> Reader<'a> {
         Some(words)
     }
 
-    /// One byte.
+    /// Reads one byte.
     #[inline(always)]
     pub fn u8(&mut self) -> Option<u8> {
         let [byte] = self.take()?;
         Some(byte)
     }
 
-    /// Two bytes.
+    /// Reads two bytes.
     #[inline(always)]
     pub fn u16(&mut self) -> Option<u16> {
         self.take().map(u16::from_le_bytes)
     }
 
-    /// Four bytes.
+    /// Reads four bytes.
     #[inline]
     pub fn u32(&mut self) -> Option<u32> {
         self.take().map(u32::from_le_bytes)
     }
 
-    /// Four bytes, bit for bit.
+    /// Reads four bytes, bit for bit.
     #[inline(always)]
     pub fn f32(&mut self) -> Option<f32> {
         self.u32().map(f32::from_bits)
     }
 
-    /// All that is left.
+    /// All remaining bytes.
     #[inline(always)]
     pub fn rest(&mut self) -> &'a [u8] {
         core::mem::take(&mut self.0)
     }
 }
 
-/// What goes over the link field by field, four bytes each.
+/// A type that goes over the link field by field, four bytes each.
 pub trait Fields: Sized {
     /// Writes all fields.
     fn write(&self, writer: &mut Writer<'_>);
 
-    /// What [`Fields::write`] wrote; `None` where it is not all there.
+    /// Reads the fields that [`Fields::write`] wrote; `None` if they are incomplete.
     fn read(reader: &mut Reader<'_>) -> Option<Self>;
 }
 
@@ -296,12 +296,12 @@ pub(crate) fn halves(value: u64) -> [u32; 2] {
     [value as u32, (value >> 32) as u32]
 }
 
-/// What [`halves`] made two of.
+/// Joins two [`halves`].
 pub(crate) fn whole([low, high]: [u32; 2]) -> u64 {
     u64::from(low) | u64::from(high) << 32
 }
 
-/// The whole and undamaged frames among bytes received, in order; what lies between them is passed over.
+/// Iterates over the whole and undamaged frames in received bytes, in order, and skips the bytes between them.
 #[derive(Clone, Copy, Debug)]
 pub struct Frames<'a>(pub &'a [u8]);
 
@@ -322,18 +322,19 @@ impl<'a> Iterator for Frames<'a> {
     }
 }
 
-/// What bytes that came one after the other begin with.
+/// Result of [`extent`] for the bytes at the head of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// The beginning of a frame, or nothing: more has to come.
+    /// The beginning of a frame, or no bytes: more have to arrive.
     More,
-    /// A frame of this many bytes if it is undamaged, of whatever version: [`Frames`] says whether it is undamaged.
+    /// A frame of this many bytes if it is undamaged, of any version: [`Frames`] checks it for damage.
     Frame(usize),
-    /// This many bytes begin no frame.
+    /// This many bytes do not begin a frame.
     Junk(usize),
 }
 
-/// What `bytes` begin with. A damaged length may ask for bytes that never come: a line that has been idle for a while ends a frame too.
+/// Finds out whether `bytes` begin with a frame, and how long it is. A damaged length may ask for bytes that never arrive, so treat
+/// a line that has been idle for a while as the end of a frame too.
 #[inline]
 pub fn extent(bytes: &[u8]) -> Extent {
     let [m0, m1] = MAGIC;
@@ -364,7 +365,8 @@ pub fn extent(bytes: &[u8]) -> Extent {
     }
 }
 
-/// The version of the first undamaged frame in `bytes` that is of another one than [`VERSION`]: whoever is at the other end speaks that.
+/// Version of the first undamaged frame in `bytes` whose version differs from [`VERSION`]: the other end of the link uses that
+/// version.
 pub fn other_version(bytes: &[u8]) -> Option<u8> {
     let mut rest = bytes;
     while let [_, next @ ..] = rest {
@@ -382,7 +384,7 @@ pub fn other_version(bytes: &[u8]) -> Option<u8> {
     None
 }
 
-/// The frame that `bytes` begins with, and what comes after it.
+/// The frame at the beginning of `bytes`, and the bytes after it.
 #[inline]
 fn first(bytes: &[u8]) -> Option<(Frame<'_>, &[u8])> {
     let mut reader = Reader(bytes);

@@ -1,35 +1,36 @@
-//! Watches the rig: what its specimen is from cycle to cycle, its sensors tick by tick, its actuator by the eighth of a
-//! cycle; and says what has gone wrong.
+//! Health monitor of the rig. It watches the specimen from cycle to cycle, the sensors tick by tick and the actuator every eighth
+//! of a cycle, and reports the cause of a fault.
 //!
-//! Over the first cycles of a block it learns what is normal, a run-in that settles included. From then on
+//! Over the first cycles of a block it learns the normal state; a run-in that settles is part of it. From then on it detects:
 //!
-//! | what moves | by | cause |
+//! | observation | detected by | cause |
 //! |---|---|---|
 //! | stiffness and energy fall | two-sided CUSUM | [`HealthCause::WireBreakage`] |
 //! | energy falls, stiffness stays | | [`HealthCause::FrictionWear`] |
 //! | stiffness falls, the residual's third harmonic with it | | [`HealthCause::Loosening`] |
 //! | energy rises, stiffness stays | | [`HealthCause::FrictionRise`] |
 //! | stiffness rises | | [`HealthCause::Stiffening`] |
-//! | the mean force, at once | | [`HealthCause::PreloadShift`] |
-//! | the mean force, bit by bit | | [`HealthCause::SensorDrifting`] of the force |
-//! | the mean force, and the command's mean with it | | [`HealthCause::SensorDrifting`] of the displacement |
-//! | anything else of these | | [`HealthCause::Unexplained`] |
-//! | slowly, with the temperature | limit on the way since the run-in | [`HealthCause::Temperature`], no fault |
-//! | slowly, until the run-in is over | | [`HealthCause::RunIn`], no fault |
-//! | slowly, by what the law may follow | | none |
-//! | a channel that repeats one value | what it measures moves beside it | [`HealthCause::SensorStuck`], [`HealthCause::SensorDroppedOut`], [`HealthCause::SensorClipped`] |
-//! | a sample that stands out | jumps there and back | [`HealthCause::SensorSpiking`] |
-//! | a channel's error from look to look | count of third differences beyond what was learned | [`HealthCause::SensorNoisy`] |
-//! | the force, none of the motion | part that least squares explain | [`HealthCause::SpecimenAbsent`] or [`HealthCause::SensorDroppedOut`] |
-//! | stiffness and energy, from the start far from the law's | a factor | [`HealthCause::LawMismatch`], [`HealthCause::SensorReversed`] |
-//! | the response to the demanded motion | limit on its distance from where it was | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |
+//! | the mean force moves, at once | | [`HealthCause::PreloadShift`] |
+//! | the mean force moves, bit by bit | | [`HealthCause::SensorDrifting`] of the force |
+//! | the mean force moves, and the command's mean with it | | [`HealthCause::SensorDrifting`] of the displacement |
+//! | any other movement of these | | [`HealthCause::Unexplained`] |
+//! | a slow change, with the temperature | limit on the change since the run-in | [`HealthCause::Temperature`], no fault |
+//! | a slow change, until the run-in is over | | [`HealthCause::RunIn`], no fault |
+//! | a slow change that the adaptation may take up | | none |
+//! | a channel repeats one value | its reference moves meanwhile | [`HealthCause::SensorStuck`], [`HealthCause::SensorDroppedOut`], [`HealthCause::SensorClipped`] |
+//! | an outlier | jumps there and back | [`HealthCause::SensorSpiking`] |
+//! | a channel's noise from look to look | count of third differences beyond the learned level | [`HealthCause::SensorNoisy`] |
+//! | the motion explains none of the force | part explained by least squares | [`HealthCause::SpecimenAbsent`] or [`HealthCause::SensorDroppedOut`] |
+//! | stiffness and energy differ much from the law's from the start | a factor | [`HealthCause::LawMismatch`], [`HealthCause::SensorReversed`] |
+//! | the response to the demanded motion changes | limit on its distance from the learned one | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |
 //!
-//! A cycle in which a channel or the actuator was at fault says nothing of the specimen and is left out; what has broken
-//! meanwhile is found after it. Where a fault lasts for more than 16 cycles the specimen is learned anew with it and
-//! watched on, and learned anew when it has gone. A single bad sample is a fault of its cycle only where a close look took it.
+//! A cycle in which a channel or the actuator was at fault says nothing about the specimen and is left out. Damage from that time
+//! is found afterwards. If a fault lasts for more than 16 cycles, the specimen is learned again with the fault present and watched
+//! further, and learned once more when the fault is gone. A single outlier is a fault of its cycle only if a close look took that
+//! sample.
 //!
-//! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and a cycle's work is spread over the
-//! ticks that follow its end. What is there while it learns is taken for normal.
+//! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and the work of a cycle is spread over the
+//! ticks after its end. The monitor takes every condition that is present while it learns as normal.
 
 mod adaptation;
 mod baseline;
@@ -67,22 +68,23 @@ use sums::CycleSums;
 #[deprecated(note = "use HealthCause")]
 pub type Cause = HealthCause;
 
-/// Events that are told and kept with their evidence until they are cleared: one of each cause, so that none keeps another out.
+/// Capacity for events. They are reported, and kept with their evidence until they are cleared. There is one per cause, so that no
+/// event displaces another.
 pub const EVENTS: usize = HealthCause::ALL.len();
 
-/// Amplitudes of displacement and force are taken as at least these parts of what is allowed.
+/// Amplitudes of displacement and force are taken as at least these parts of their limits.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
 
-/// Ticks to the cycle, below which not every one of the 32 looks has a tick of its own.
+/// Ticks per cycle below which the 32 looks do not all have a tick of their own.
 const FEW_TICKS: u32 = 64;
 
-/// Part by which the amplitude of the same motion may differ, as close looks show it.
+/// Relative difference in amplitude below which close looks take two motions for the same.
 const SAME_AMPLITUDE: f32 = 0.01;
 
-/// Cycles in a row that are left out for a fault, before what is there is taken for normal.
+/// Cycles in a row that are left out for a fault before the fault counts as normal.
 const LEFT_OUT: u32 = 16;
 
-/// One tick that is looked at closely.
+/// One tick that is examined closely.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
     /// Observed displacement and velocity, mm and mm/s.
@@ -95,11 +97,11 @@ pub(crate) struct Look {
     /// Measured force and that of the law in force, kN.
     pub(crate) force: f32,
     pub(crate) law: f32,
-    /// [`crate::fast_law::RunningLaw::parts`] where the law follows, 0 otherwise.
+    /// [`crate::fast_law::RunningLaw::parts`] with adaptation, 0 otherwise.
     pub(crate) parts: [f32; 3],
-    /// 2³² to the cycle.
+    /// Phase, 2³² per cycle.
     pub(crate) phase: u32,
-    /// In a ramp.
+    /// The tick is in a ramp.
     pub(crate) ramp: bool,
 }
 
@@ -108,76 +110,76 @@ pub(crate) struct Look {
 pub(crate) struct Ended {
     /// Block of the programme.
     pub(crate) block: usize,
-    /// °C.
+    /// Temperature, °C.
     pub(crate) temperature: f32,
     /// Mean of the command, mm.
     pub(crate) command: f32,
-    /// Another law has taken over with its end.
+    /// Another law took over at its end.
     pub(crate) another_law: bool,
-    /// Ticks of it.
+    /// Its length in ticks.
     pub(crate) ticks: u32,
     /// A whole cycle of a block, not of a ramp.
     pub(crate) steady: Option<Steady>,
 }
 
-/// What a whole cycle came to.
+/// Results of a whole cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Steady {
     /// Energy of the measured force and of the law's, J.
     pub(crate) energy: f32,
     pub(crate) law_energy: f32,
-    /// Mean of the measured force less that of the law's, kN.
+    /// Mean of the measured force minus that of the law's, kN.
     pub(crate) mean: f32,
 }
 
-/// The monitor of a rig.
+/// Health monitor of a rig.
 #[derive(Debug)]
 pub(crate) struct HealthMonitor {
     displacement: ChannelWatch,
     force: ChannelWatch,
     response: ResponseWatch,
     following: ForceWatch,
-    /// In motions and ramps in which no cycle is like another.
+    /// For motions and ramps whose cycles all differ.
     moving: MovingWatch,
-    /// Of displacement and of force.
+    /// Noise of displacement and of force.
     roughness: [Roughness; 2],
-    /// A channel shows nothing of what it measures, or nothing moves: why the rig must stop.
+    /// Why the rig must stop: a channel has lost its quantity, or nothing moves.
     stops: Option<TripCause>,
     specimen: SpecimenWatch,
     adaptation: Adapter,
     sums: CycleSums,
-    /// A cycle that the next look closes.
+    /// A cycle that the next look completes.
     ended: Option<Ended>,
     /// Phase from which the next close look is due.
     due: u32,
-    /// Of the demanded displacement in mm and of the law's force in kN: in the last cycle, and so far in this one.
+    /// Amplitudes of the demanded displacement in mm and of the law's force in kN, in the last cycle and so far in this one.
     amplitudes: [f32; 2],
     largest: [f32; 2],
     least_amplitudes: [f32; 2],
     block: usize,
-    /// Amplitude of the demand in mm and ticks to the cycle, of the motion that the specimen is watched in.
+    /// The motion in which the specimen is watched: amplitude of the demand in mm, and ticks per cycle.
     motion: (f32, u32),
     cycle: u32,
-    /// Spikes have been learned.
+    /// The normal level of spikes has been learned.
     spikes: bool,
     events: heapless::Vec<Event, EVENTS>,
-    /// How many of them have been told.
-    told: usize,
-    /// A bit for each cause.
+    /// Number of events already reported.
+    reported: usize,
+    /// One bit per cause.
     latched: u32,
-    /// A passing fault was seen in this cycle, and in the one before.
+    /// Whether a passing fault was seen in this cycle, and in the one before.
     disturbed: [bool; 2],
-    /// The displacement was lost or cut off in this cycle, and in the one before: it shows a response that is none.
+    /// Whether the displacement was lost or clipped in this cycle, and in the one before, so that its response is invalid.
     blurred: [bool; 2],
-    /// The response was off in this cycle, and in the one before, and that has been told.
+    /// Whether the response was off in this cycle, and in the one before, and has been reported.
     off: [bool; 2],
     /// Cycles in a row with a passing fault.
     left_out: u32,
-    /// The law's force at the last close look, kN: by it that tick is known.
+    /// The law's force at the last close look, kN. It identifies that tick.
     looked: f32,
 }
 
-/// Faults that stay until they are cleared, a bit each: after one the law follows nothing.
+/// Faults that stay until they are cleared, one bit each. After one of them there is no adaptation.
 const LASTING: u32 = {
     let mut bits = 0;
     let mut place = 0;
@@ -192,8 +194,8 @@ const LASTING: u32 = {
 };
 
 impl HealthMonitor {
-    /// With the scales of both channels, and what is allowed of them in mm and kN.
-    // Inlined, so that it is built where it will be.
+    /// A monitor for the scales and the limits (mm and kN) of both channels.
+    // Inlined, so that it is built in its final place.
     #[inline(always)]
     pub(crate) fn new(displacement: &Scale, force: &Scale, limits: [f32; 2]) -> Self {
         let [displacement_part, force_part] = LEAST_AMPLITUDES;
@@ -223,7 +225,7 @@ impl HealthMonitor {
             cycle: 0,
             spikes: false,
             events: heapless::Vec::new(),
-            told: 0,
+            reported: 0,
             latched: 0,
             disturbed: [false; 2],
             blurred: [false; 2],
@@ -233,7 +235,7 @@ impl HealthMonitor {
         }
     }
 
-    /// The rig starts: learns anew. Events stay.
+    /// The rig starts: everything is learned again. Events stay.
     pub(crate) fn restart(&mut self) {
         self.response = ResponseWatch::default();
         self.following = ForceWatch::default();
@@ -264,32 +266,32 @@ impl HealthMonitor {
         &self.events
     }
 
-    /// Forgets all events; what is now shall be normal.
+    /// Drops all events; the present condition becomes the normal one.
     pub(crate) fn clear(&mut self) {
         self.events.clear();
-        self.told = 0;
+        self.reported = 0;
         self.latched = 0;
         self.relearn();
         self.response = ResponseWatch::default();
         self.off = [false; 2];
     }
 
-    /// What is now shall be normal.
+    /// The present condition becomes the normal one.
     fn relearn(&mut self) {
         self.specimen.relearn();
         self.relearn_beside();
     }
 
-    /// What channels and adaptation show now shall be normal; the specimen's state stays.
+    /// The present condition of channels and adaptation becomes the normal one; the specimen's state stays.
     fn relearn_beside(&mut self) {
-        self.adaptation.find_anew();
+        self.adaptation.restart_search();
         for roughness in &mut self.roughness {
             roughness.relearn();
         }
     }
 
-    /// Every tick: what a `reading` after one of the codes `last` is to displacement and force. Where one asks,
-    /// [`HealthMonitor::channels`] is to be asked.
+    /// Call it on every tick: compares a `reading` with the `last` codes of displacement and force. If a change asks for it, call
+    /// [`HealthMonitor::channels`].
     #[inline(always)]
     pub(crate) fn samples(
         &mut self,
@@ -303,8 +305,8 @@ impl HealthMonitor {
         ]
     }
 
-    /// Looks at the channels whose changes ask, with the demanded displacement in mm and the law's force in kN, which may be
-    /// that of the tick before. The channel that is lost, whether that has been told before or not.
+    /// Examines the channels whose changes ask for it, with the demanded displacement in mm and the law's force in kN, which may be
+    /// those of the tick before. Returns the channel that is lost, reported or not.
     #[inline(never)]
     pub(crate) fn channels(
         &mut self,
@@ -337,11 +339,11 @@ impl HealthMonitor {
         } else {
             None
         };
-        // Where nothing moves both channels may stand still, and none is to blame.
+        // If nothing moves, both channels may stand still without a fault.
         let both = 2 * self.force.held() > self.displacement.held();
         let stuck = HealthCause::SensorStuck(Channel::Displacement);
         let displacement = displacement.filter(|cause| *cause != stuck || !both);
-        // A spike is found a tick late.
+        // A spike is found one tick late.
         let taken = law == self.looked;
         if let Some(cause) = displacement {
             if taken {
@@ -368,7 +370,7 @@ impl HealthMonitor {
             })
     }
 
-    /// `taken` of a spike that a close look took.
+    /// `taken`: a close look took the sample of the spike.
     #[cold]
     #[inline(never)]
     fn sample_event(&mut self, cause: HealthCause, taken: bool, limit: f32, sample: &Sample) {
@@ -385,8 +387,8 @@ impl HealthMonitor {
         });
     }
 
-    /// The rig has stopped for `fault` with a `reading`: what that says of a channel or of the actuator. `growth` is that of the command
-    /// which amplitude's correction asked for, less 1.
+    /// The rig has stopped for `fault` with a `reading`: reports the channel or actuator that is the cause. `growth` is the growth
+    /// of the command that the amplitude correction asked for, minus 1.
     #[cold]
     #[inline(never)]
     pub(crate) fn stopped(&mut self, fault: TripCause, reading: &Reading, growth: f32) {
@@ -438,40 +440,40 @@ impl HealthMonitor {
         }
     }
 
-    /// By how much the law differed from the law as it was given in the cycle that has ended last.
+    /// Adaptation of the law in the cycle that ended last.
     pub(crate) fn followed(&self) -> Adaptation {
         self.adaptation.reported()
     }
 
-    /// Whether there is an event that it has not told yet.
+    /// Whether there is an event not yet reported.
     #[inline(always)]
     pub(crate) fn has_fresh(&self) -> bool {
-        self.told < self.events.len()
+        self.reported < self.events.len()
     }
 
-    /// The first event that it has not told yet.
+    /// The first event not yet reported, which is then reported.
     #[inline]
     pub(crate) fn take_fresh(&mut self) -> Option<Event> {
-        let event = self.events.get(self.told).copied();
-        self.told += usize::from(event.is_some());
+        let event = self.events.get(self.reported).copied();
+        self.reported += usize::from(event.is_some());
         event
     }
 
-    /// Whether a tick at `phase`, 2³² to the cycle, is to be looked at closely.
+    /// Whether a tick at `phase`, 2³² per cycle, is due for a close look.
     #[inline(always)]
     pub(crate) fn is_due(&self, phase: u32) -> bool {
         // No tick is half a cycle long.
         phase.wrapping_sub(self.due) as i32 >= 0
     }
 
-    /// A close look at a tick that is due. What the law is to differ by from here on, where a cycle has ended and it follows.
+    /// Takes a close look at a tick that is due. Returns the new adaptation of the law, if a cycle has ended and adaptation is on.
     #[inline]
     pub(crate) fn look(&mut self, config: &HealthConfig, look: &Look) -> Option<Adaptation> {
         self.due = part_end(look.phase, self.cycle);
         let mut share = self.adaptation.share(look.parts);
         let mut followed = None;
         if let Some(ended) = self.ended.take() {
-            // The law that it shows is still that of the cycle before, unless another one has taken over.
+            // The law in this look is still that of the cycle before, unless another one has taken over.
             if ended.another_law {
                 share = 0.0;
             }
@@ -479,13 +481,13 @@ impl HealthMonitor {
         } else if self.adaptation.is_due() {
             followed = Some(self.adaptation.follow());
         } else if !look.ramp && self.response.turns(look.phase) {
-            // That is enough for one tick.
+            // This is enough work for one tick.
         } else {
             let turns = self.following.turns(look.phase);
             if turns {
                 self.watch_force(look.phase);
             }
-            // A cycle of few ticks has as few looks, and has to do both.
+            // A cycle with few ticks has few looks, so one look has to do both.
             let (_, ticks) = self.motion;
             if !turns || ticks < FEW_TICKS {
                 self.work(config);
@@ -515,21 +517,22 @@ impl HealthMonitor {
         } else if let Some(off) = self.response.update(look.measured, d, v, look.phase) {
             self.response_event(off);
         }
-        // The observed velocity may still be on its way, as from what a broken wire showed.
+        // The demanded velocity: the observed one may still be settling, for instance after a broken wire.
         self.following.add(look.measured, v, look.force);
         self.watch_noise(config, look);
         followed
     }
 
-    /// What the actuator's response says, unless a displacement that is lost shows it, or it has been told and is still off.
+    /// Reports a wrong response of the actuator, unless the displacement that shows it is lost, or the fault has been reported and
+    /// continues.
     #[cold]
     #[inline(never)]
     fn response_event(&mut self, (mut cause, mut or, distance): response::Off) {
-        // Hum has another shape too.
+        // Hum also changes the shape.
         if cause == HealthCause::ActuatorSaturated && self.roughness[0].count() >= roughness::SOME {
             or = Some(HealthCause::SensorNoisy(Channel::Displacement));
         }
-        // A specimen that is not moved gives no force that varies.
+        // A specimen at rest gives no varying force.
         if cause == HealthCause::ActuatorDead && self.following.varies() {
             let stuck = HealthCause::SensorStuck(Channel::Displacement);
             (cause, or) = (stuck, None);
@@ -537,7 +540,7 @@ impl HealthMonitor {
         }
         let known = self.is_response_known();
         let [off, before] = &mut self.off;
-        // Where it is told it goes on; where the displacement is lost it is not told.
+        // A reported fault continues; with a lost displacement it is not reported.
         *off |= *before || !known;
         let [disturbed, _] = &mut self.disturbed;
         *disturbed = true;
@@ -553,12 +556,12 @@ impl HealthMonitor {
         }
     }
 
-    /// A close look at any motion, whose cycles are not told apart: whether the force goes with it.
+    /// Takes a close look in a motion without distinct cycles: checks that the force follows the motion.
     #[inline]
     pub(crate) fn look_at_any(&mut self, look: &Look) {
         self.due = part_end(look.phase, self.cycle);
         let [least, _] = self.least_amplitudes;
-        // The observed velocity may still be on its way, as from what a broken wire showed.
+        // The demanded velocity: the observed one may still be settling, for instance after a broken wire.
         let (y, (_, v), f) = (look.measured, look.demand, look.force);
         if let Some(explained) = self.following.update_any(y, v, f, 0.5 * least) {
             self.force_is_lost(explained);
@@ -566,7 +569,7 @@ impl HealthMonitor {
         self.watch_moving(look);
     }
 
-    /// Whether the displacement goes with the demand at all.
+    /// Checks that the displacement follows the demand at all.
     #[inline(never)]
     fn watch_moving(&mut self, look: &Look) {
         let [least, _] = self.least_amplitudes;
@@ -585,7 +588,7 @@ impl HealthMonitor {
         });
     }
 
-    /// Whether the force goes with the motion. An actuator that lags is no excuse: what it does is measured.
+    /// Checks that the force follows the motion. It compares with the measured motion, so a lagging actuator is no excuse.
     #[inline(never)]
     fn watch_force(&mut self, phase: u32) {
         let [least, _] = self.least_amplitudes;
@@ -594,8 +597,8 @@ impl HealthMonitor {
         }
     }
 
-    /// That it does not is the channel's fault or that of a specimen that is not there: nothing tells them apart. Where it never did, a
-    /// missing specimen is more likely.
+    /// The force does not follow the motion. Either the channel is at fault or there is no specimen; the data cannot tell. If the
+    /// force never followed, a missing specimen is more likely.
     #[cold]
     #[inline(never)]
     fn force_is_lost(&mut self, explained: f32) {
@@ -620,7 +623,8 @@ impl HealthMonitor {
         });
     }
 
-    /// Noise and hum on either channel, unless the actuator moves in another way. Hum on the displacement is on the law's force too, and what the law leaves says nothing then.
+    /// Watches for noise and hum on either channel, unless the actuator's response is off. Hum on the displacement reaches the
+    /// law's force too, and then the residual says nothing about the force channel.
     fn watch_noise(&mut self, config: &HealthConfig, look: &Look) {
         let known = self.is_response_known() && !self.is_lasting();
         let (_, ticks) = self.motion;
@@ -659,13 +663,13 @@ impl HealthMonitor {
         });
     }
 
-    /// Why the rig must stop, as close looks have found.
+    /// Trip cause that close looks have found.
     #[inline(always)]
     pub(crate) fn stops(&self) -> Option<TripCause> {
         self.stops
     }
 
-    /// A temperature that cannot be was `shown`, while `taken` was taken for it, °C.
+    /// Reports an implausible temperature: the sensor `shown` it, and the rig used `taken` in its place, °C.
     #[cold]
     #[inline(never)]
     pub(crate) fn implausible_temperature(&mut self, shown: f32, taken: f32) {
@@ -679,14 +683,15 @@ impl HealthMonitor {
         });
     }
 
-    /// Whether a response that is off says nothing new: the displacement was lost in this cycle or in the one before, or the
-    /// actuator's fault has been told.
+    /// Whether a wrong response is no news: the displacement was lost in this cycle or in the one before, or the actuator's fault
+    /// has been reported.
     fn is_response_known(&self) -> bool {
         let seen = [self.off, self.blurred];
         seen.iter().flatten().any(|seen| *seen)
     }
 
-    /// A cycle has ended before this tick, whose look is not yet taken. The look does the work: this tick has enough to do.
+    /// A cycle has ended before this tick, whose look is still to come. That look does the work, because this tick has enough to
+    /// do.
     #[inline(always)]
     pub(crate) fn cycle(&mut self, ended: Ended) {
         self.cycle = self.cycle.saturating_add(1);
@@ -698,12 +703,12 @@ impl HealthMonitor {
         self.ended = Some(ended);
     }
 
-    /// Whether a passing fault has lasted for so long that it is normal.
+    /// Whether a passing fault has lasted so long that it counts as normal.
     fn is_lasting(&self) -> bool {
         self.left_out > LEFT_OUT
     }
 
-    /// What the end of a cycle leaves to the look after it, before that look is taken.
+    /// Work of a cycle's end that is left to the next look, done before that look is evaluated.
     #[inline(never)]
     fn close_cycle(&mut self, config: &HealthConfig, ended: &Ended) {
         let sums = core::mem::take(&mut self.sums);
@@ -718,7 +723,7 @@ impl HealthMonitor {
             self.adaptation = Adapter::new();
             return;
         }
-        // A cycle with a passing fault in it says nothing of the specimen, unless the fault does not pass.
+        // A cycle with a passing fault says nothing about the specimen, unless the fault has become lasting.
         let [_, disturbed] = self.disturbed;
         let lasted = self.is_lasting();
         self.left_out = if disturbed { self.left_out + 1 } else { 0 };
@@ -765,13 +770,14 @@ impl HealthMonitor {
         }
     }
 
-    /// Whether the cycle that has ended had the motion of the one that was last steady: what is normal in one block is so in the next.
+    /// Whether the cycle that has ended had the motion of the last steady one. If so, the normal state of one block holds in the
+    /// next.
     fn is_same_motion(&self, ticks: u32) -> bool {
         let ([amplitude, _], (before, ticks_before)) = (self.amplitudes, self.motion);
         (amplitude - before).abs() <= SAME_AMPLITUDE * before && ticks.abs_diff(ticks_before) <= 1
     }
 
-    /// A piece of what the last cycle's end has left.
+    /// Does a piece of the work left from the end of the last cycle.
     fn work(&mut self, config: &HealthConfig) {
         if self.specimen.has_work() {
             self.work_on_specimen(config);
@@ -785,7 +791,7 @@ impl HealthMonitor {
         let Some(event) = self.specimen.work(config) else {
             return;
         };
-        // The actuator's fault may have begun in the cycle that this is of. What is wrong with the specimen is found again after
+        // The actuator's fault may have begun in the cycle that this event is about. A fault of the specimen is found again after
         // it.
         let [off, _] = self.off;
         if !(event.cause.is_fault() && off && !self.is_lasting()) {
@@ -810,7 +816,7 @@ impl HealthMonitor {
         let bit = 1 << event.cause.number();
         if self.latched & bit == 0 {
             self.latched |= bit;
-            // There is room for one of each.
+            // There is room for one event per cause.
             let _ = self.events.push(event);
         }
     }
@@ -820,7 +826,8 @@ impl HealthMonitor {
 mod tests {
     use super::*;
 
-    /// y = sin φ, law y + 0.3·sgn v, and a specimen that has `part` of its force in each cycle: what is named, and when.
+    /// y = sin φ, law y + 0.3·sgn v, and a specimen with `part` of its force in each cycle: returns when a cause is named, and
+    /// which.
     fn named(ticks: u32, cycles: u32, part: impl Fn(u32) -> f32) -> Option<(u32, HealthCause)> {
         let config = HealthSettings::default().config().unwrap();
         let scale = Scale::new(2.0, 0.0).unwrap();
@@ -874,7 +881,7 @@ mod tests {
             let (cycle, cause) = named(ticks, 60, |cycle| if cycle < 40 { 1.0 } else { 0.9 })
                 .unwrap_or_else(|| panic!("{ticks} ticks"));
             assert_eq!(cause, HealthCause::WireBreakage, "{ticks} ticks");
-            // Where there are fewer ticks than work, a cycle is left out.
+            // With fewer ticks than pieces of work, a cycle is left out.
             let last = if ticks < 22 { 48 } else { 44 };
             assert!((42..=last).contains(&cycle), "{ticks} ticks: {cycle}");
             assert_eq!(named(ticks, 60, |_| 0.95), None);

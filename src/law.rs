@@ -1,4 +1,4 @@
-//! The mixed damping law of the metal mesh damper, eq 13 of the paper.
+//! The mixed damping law of the metal mesh damper (eq 13 of the paper).
 //!
 //! F(y, v) = k1·y + k3·y³ + c·|v|^α·sgn v
 //!
@@ -21,7 +21,7 @@ pub struct Law<R> {
 }
 
 impl<R> Law<R> {
-    /// How its force grows outside the operating range, by k3·y³.
+    /// How its force grows outside the operating range: with k3·y³.
     pub const OUTSIDE: Growth = Growth::Cubic;
 
     /// From coefficients that are known to be in range.
@@ -36,7 +36,7 @@ impl<R> Law<R> {
 impl<R: Real> Law<R> {
     /// * `k1`: linear stiffness, kN/mm, −1e9…1e9
     /// * `k3`: cubic stiffness, kN/mm³, −1e9…1e9
-    /// * `c`: damping, kN·(s/mm)^α, 0…1e9: a negative one would generate energy
+    /// * `c`: damping, kN·(s/mm)^α, 0…1e9: a negative value would generate energy
     /// * `alpha`: damping exponent, 0…1
     ///
     /// # Errors
@@ -52,9 +52,9 @@ impl<R: Real> Law<R> {
 
     /// Force in kN at displacement `y` mm and velocity `v` mm/s.
     ///
-    /// Finite for every input: what exceeds [`limits::DISPLACEMENT`] or [`limits::VELOCITY`] is treated as the limit, NaN
-    /// as 0. At v = 0 the damping term is 0 for every α, Coulomb friction included; as v → 0 it follows |v|^α, whose
-    /// slope is infinite there, so that a velocity needs relative accuracy near its zero crossings.
+    /// Finite for every input: an input beyond [`limits::DISPLACEMENT`] or [`limits::VELOCITY`] is treated as the limit, NaN as 0.
+    /// At v = 0 the damping term is 0 for every α, Coulomb friction included. As v → 0 the term follows |v|^α, whose slope is
+    /// infinite there. A velocity must therefore be accurate, relative to its size, near its zero crossings.
     #[inline(always)]
     pub fn force(&self, y: R, v: R) -> R {
         self.elastic_force(y) + self.damping_force(v)
@@ -66,7 +66,7 @@ impl<R: Real> Law<R> {
         self.elastic_force_within(y.clamped(R::from_f64(limits::DISPLACEMENT)))
     }
 
-    /// The same for a `y` that is within the limit.
+    /// The same for a `y` that is already within the limit.
     #[inline(always)]
     pub(crate) fn elastic_force_within(&self, y: R) -> R {
         (self.k1 + self.k3 * (y * y)) * y

@@ -1,32 +1,34 @@
-//! The elastic porous metal mesh damper at a fixed tick: its force law, what a cycle comes to, and the rig that tests it.
+//! The elastic porous metal mesh damper at a fixed tick: its force law, the stiffness and energy of each cycle, and the rig that
+//! tests it.
 //!
-//! No allocation, no unsafe code, `no_std`; f32 on the hot path. Constructors validate and name the field that is wrong;
-//! what runs every tick cannot fail and is finite for every finite input. Configuration and state are two types.
+//! `no_std`, without allocation and without unsafe code; the hot path is in f32. Constructors validate their arguments and name the
+//! field that is wrong. Functions that run on every tick cannot fail, and return a finite value for every finite input.
+//! Configuration and state are two types.
 //!
 //! | for | use |
 //! |---|---|
 //! | the mixed damping law F = k1·y + k3·y³ + c·\|v\|^α·sgn v | [`law`], [`power`] |
-//! | its coefficients over density and amplitude, the published ones included | [`table`] |
-//! | the published loops by one law for every amplitude, for a motion that nobody declares | [`amplitude_independent`] |
-//! | that law as it runs on the target, with a table for \|v\|^α: with the effects that a type names | [`static_law`] |
-//! | the same read from a pack, with a swap at a cycle's end | [`fast_law`] |
-//! | what firmware asks of either | [`tick_law`] |
-//! | what the law lacks: offset, asymmetry, hardening, load friction, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
+//! | its coefficients tabulated over density and amplitude, with the published tables | [`table`] |
+//! | one law for every amplitude, fitted to the published loops, for a motion of unknown amplitude | [`amplitude_independent`] |
+//! | the mixed damping law as it runs on the target, with a table for \|v\|^α, and with effects that a type names | [`static_law`] |
+//! | the same, read from a pack and swapped at a cycle's end | [`fast_law`] |
+//! | the interface of both for a firmware | [`tick_law`] |
+//! | effects to add to that law: offset, asymmetry, hardening, load friction, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
-//! | the same without a floating-point unit: law, sine and cycles in integers | [`fixed_point`] |
-//! | the law under an excitation, without a specimen, at the least cost a tick | [`simulation`] |
+//! | law, sine and cycles in integers, for a core without a floating-point unit | [`fixed_point`] |
+//! | the law under an excitation, without a specimen, at the lowest cost per tick | [`simulation`] |
 //! | velocity and acceleration from a measured displacement | [`observer`] |
-//! | a law as bytes, loadable while running | [`pack`] |
-//! | whether a law gives no more energy than it takes | [`passivity`] |
-//! | whether a motion is one that a law was fitted on | [`operating_range`] |
-//! | the fixed-tick controller of a rig, or of an emulated damper | [`rig`] |
-//! | what has gone wrong with specimen, sensors and actuator of that rig | [`health`] |
+//! | a law as bytes, loaded while the rig runs | [`pack`] |
+//! | whether a law is passive: whether it gives out no more energy than it absorbs | [`passivity`] |
+//! | whether a motion lies in the operating range of a law | [`operating_range`] |
+//! | the fixed-tick controller of a rig or of a damper emulation | [`rig`] |
+//! | faults of the specimen, the sensors and the actuator of that rig | [`health`] |
 //! | the link between a harness and the image of a rig | [`frame`], [`message`] |
 //! | a 16-bit ADC and DAC on SPI | [`adc`], [`dac`], [`converter`] |
 //!
-//! Units are mm, s, kN, J = kN·mm and °C throughout. Effects are generic over [`real::Real`], so that identification in f64
-//! and firmware in f32 run the same lines.
+//! Units are mm, s, kN, J = kN·mm and °C throughout. Effects are generic over [`real::Real`], so that identification in f64 and
+//! firmware in f32 run the same code.
 //!
 //! # Example
 //! A mesh of 3 g/cm³ shaken by 0.1 mm at 1 Hz, 10 000 ticks a second:
@@ -47,7 +49,7 @@
 //!         break;
 //!     }
 //!     let force = law.force(now.displacement, now.velocity);
-//!     // The first cycle is the ramp that leads up to the block.
+//!     // The first cycle is the ramp before the block.
 //!     if let (Some([cycle]), 2..) = (accumulator.update(now.displacement, [force], now.phase), now.cycle) {
 //!         assert!((cycle.stiffness - 1.6915).abs() < 1e-4);
 //!         assert!((cycle.loss_factor - 0.6249).abs() < 1e-4);
@@ -94,12 +96,12 @@ pub mod table;
 pub mod telemetry;
 pub mod tick_law;
 
-/// The README's example is compiled, so that it cannot rot.
+/// Compiles the README's example, so that it stays correct.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// So are those of the other pages with Rust code.
+/// Compiles the Rust code of the other pages.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/firmware.md")]
 struct Firmware;
@@ -107,13 +109,13 @@ struct Firmware;
 #[doc = include_str!("../docs/export.md")]
 struct Export;
 
-/// Former names of what is in [`fast_law`].
+/// Former name of [`fast_law`].
 #[deprecated(note = "use fast_law::{FastLaw, RunningLaw, Adaptation}")]
 pub mod tabulated {
     pub use crate::fast_law::{Adaptation as Followed, FastLaw as TabulatedLaw, RunningLaw};
 }
 
-/// Former name of what is in [`simulation`].
+/// Former name of [`simulation`].
 #[deprecated(note = "use simulation::Simulation")]
 pub mod virtual_test {
     pub use crate::simulation::Simulation as VirtualTest;

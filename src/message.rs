@@ -1,9 +1,10 @@
-//! What the frames of the link carry: requests of the harness, answers of the image.
+//! Payloads of the link's frames: requests of the harness, answers of the image.
 //!
-//! A test is set up by [`Request::Programme`], its blocks, a coefficient pack in parts, and [`Request::Setup`]; then
-//! [`Request::Start`], and a [`Request::Tick`] for each tick of the rig. A motion that is streamed is set up by
-//! [`Request::Stream`] in the place of the programme, and its [`Request::Knots`] come ahead of the ticks that need them.
-//! [`Request::Motions`] instead evaluate the law alone. Numbers go bit for bit, four bytes each: a target without f64 gets what a host computed.
+//! [`Request::Programme`], its blocks, a coefficient pack in parts, and [`Request::Setup`] set up a test. Then follow
+//! [`Request::Start`], and a [`Request::Tick`] for each tick of the rig. A streamed motion is set up by [`Request::Stream`] in
+//! place of the programme, and its [`Request::Knots`] arrive before the ticks that need them. [`Request::Motions`] evaluates the
+//! law alone. Numbers are transferred bit for bit, four bytes each, so that a target without f64 gets the numbers that a host
+//! computed.
 
 mod outcome;
 mod refusal;
@@ -23,18 +24,18 @@ use crate::sine::{PlannedBlock, ProgrammeHead};
 use outcome::{read_outcome, state_code, state_of};
 use refusal::read_refusal;
 
-/// Most blocks of a programme in the image.
+/// Most blocks of a programme that the image holds.
 pub const MAX_BLOCKS: usize = 16;
 /// Bytes of a motion: five numbers and its controls.
 const MOTION: usize = 4 * (5 + CONTROLS);
-/// Most motions of one frame.
+/// Most motions in one frame.
 pub const MOTIONS: usize = PAYLOAD / MOTION;
 /// Bytes of a knot.
 const KNOT: usize = 8;
-/// Most bytes of a part of a pack.
+/// Most bytes in a part of a pack.
 pub const PART: usize = PAYLOAD - 2;
 
-/// Numbers of the kinds of frames. Requests come first, answers from [`kind::DONE`] on.
+/// Numbers of the kinds of frames: requests first, answers from [`kind::DONE`] on.
 mod kind {
     pub const PROGRAMME: u8 = 1;
     pub const BLOCK: u8 = 2;
@@ -64,7 +65,7 @@ mod kind {
     pub const NOTE: u8 = 72;
 }
 
-/// How the rig is wired up and set.
+/// Wiring and settings of the rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     /// Displacement at the ADC, mm.
@@ -95,7 +96,7 @@ impl Fields for Setup {
     }
 }
 
-/// What the sensors deliver at one tick.
+/// Sensor values at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -104,18 +105,18 @@ pub struct Sensors {
     pub displacement: u16,
     /// The ADC's code of channel 1.
     pub force: u16,
-    /// °C.
+    /// Temperature, °C.
     pub temperature: f32,
-    /// Control inputs, as those of [`crate::rig::Reading`].
+    /// Control inputs, like those of [`crate::rig::Reading`].
     pub controls: [f32; CONTROLS],
-    /// What the harness's clock reads, as [`crate::rig::Controller::tick`] takes it.
+    /// Reading of the harness's clock, as [`crate::rig::Controller::tick`] takes it.
     pub clock: u32,
-    /// The input that says stop is active, at this tick and until the next.
+    /// The stop input is active at this tick and until the next.
     pub tripped: bool,
 }
 
 impl Sensors {
-    /// Of a [`Request::Tick`] in `frame`, apart from the others, as it is what there is little time for.
+    /// The sensors of a [`Request::Tick`] in `frame`. Separate from the other requests, because a tick leaves little time.
     #[inline(always)]
     pub fn read(frame: &Frame<'_>) -> Option<Self> {
         if frame.header.kind != kind::TICK {
@@ -133,18 +134,19 @@ impl Sensors {
     }
 }
 
-/// What the image is asked.
+/// A request to the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request<'a> {
-    /// A programme without blocks.
+    /// Begins a programme, without blocks.
     Programme(ProgrammeHead),
-    /// A block more.
+    /// Adds a block.
     Block(PlannedBlock),
-    /// A part of a coefficient pack, to be put at this byte.
+    /// A part of a coefficient pack, to be placed at this byte.
     PackPart(u16, &'a [u8]),
-    /// The pack is complete. Where there is no rig yet it is checked and its law taken at once. Beside a rig each of these does a slice of the
-    /// check, at most some 600 instructions or one force of the law, and is answered no as long as there is more of it: ask again, with ticks in between as they are
-    /// due. The answer is yes once the law waits for the next end of a cycle, or a refusal. A new first part ends a check that has begun.
+    /// The pack is complete. If there is no rig yet, it is checked and its law taken at once. If there is one, each request does a
+    /// slice of the check, at most about 600 instructions or one force of the law. The answer is no while slices remain: send the
+    /// request again, with ticks in between as they are due. The answer is yes once the law waits for the next end of a cycle, or
+    /// else a refusal. A new first part ends a check in progress.
     PackEnd,
     /// Wires up the rig.
     Setup(Setup),
@@ -154,57 +156,58 @@ pub enum Request<'a> {
     Stop,
     /// [`crate::rig::Controller::clear`].
     Clear,
-    /// One tick of the rig.
+    /// Runs one tick of the rig.
     Tick(Sensors),
-    /// The law's effects at rest, for motions to come.
+    /// Puts the law's effects at rest, for the motions to come.
     Rest,
-    /// The law at these motions, one a tick.
+    /// Evaluates the law at these motions, one per tick.
     Motions(Motions<'a>),
-    /// What the image took.
+    /// Asks for the image's use of resources.
     Statistics,
-    /// The rig is to follow a stream, and no programme.
+    /// The rig follows a stream in place of a programme.
     Stream(StreamConfig),
-    /// The next knots of the stream; none where it ends with those that it has. The answer is no, and the rest of them is not
-    /// taken, where there is no room.
+    /// The next knots of the stream; an empty list ends the stream with the knots sent so far. If there is no room, the answer is
+    /// no, and the remaining knots are not taken.
     Knots(Knots<'a>),
-    /// Somebody new is at this end of the link, and asks for number 0. A board that has been asked before restarts, as after its supply
-    /// came, and answers when it is asked again.
+    /// A new harness is at this end of the link, and requests number 0. A board that has already answered requests restarts, as
+    /// after power-up, and answers when the request is repeated.
     Hello,
-    /// Somebody new is at this end of the link, and the board goes on with what it does. The numbers go on from this one's, whatever it is.
+    /// A new harness is at this end of the link, and the board continues its work. Sequence numbers continue from that of this
+    /// request, whatever it is.
     Join,
-    /// A board on its own timer is to send this telemetry from now on, until it restarts or is asked for another.
+    /// A board on its own timer sends this telemetry from now on, until it restarts or gets another such request.
     Telemetry(TelemetryConfig),
 }
 
-/// What a board is and does. Nobody logs it: it is asked for five times a second.
+/// Kind and state of a board. It is not logged, because it is requested five times a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct About {
-    /// It has ticks of its own. A board without waits for [`Request::Tick`].
+    /// The board generates its ticks itself. A board that does not waits for [`Request::Tick`].
     pub own_timer: bool,
-    /// Rate of the counter that judges whether ticks are in time, Hz; 0 where ticks come over the link.
+    /// Rate of the counter that checks the timing of ticks, Hz; 0 where ticks arrive over the link.
     pub clock: u32,
-    /// Of its rig, Hz; 0 where there is none.
+    /// Tick rate of its rig, Hz; 0 without a rig.
     pub tick_rate: f32,
-    /// Of its rig.
+    /// State of its rig.
     pub state: State,
     /// A law waits for the end of the cycle.
     pub law_waits: bool,
-    /// Ticks that did not come in time.
+    /// Ticks that were not in time.
     pub late_ticks: u32,
-    /// Of the pack that came last: of the law that waits, or of that in force. Both are 0 of a pack that says nothing of itself, and before
-    /// the first.
+    /// Identity of the pack received last: that of the waiting law, or of the law in force. Identity and revision are 0 before the
+    /// first pack, and for a pack without a stamp.
     pub identity: Identity,
-    /// Of the same pack.
+    /// Revision of the same pack.
     pub revision: u32,
 }
 
-/// Knots as they lie in a frame.
+/// Knots in the layout of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knots<'a>(&'a [u8]);
 
 impl<'a> Knots<'a> {
-    /// As many of `knots` as `buffer` takes.
+    /// Takes as many of `knots` as fit into `buffer`.
     pub fn new(knots: &[Knot], buffer: &'a mut [u8; PAYLOAD]) -> Self {
         let mut used = 0;
         for (knot, place) in knots.iter().zip(buffer.chunks_exact_mut(KNOT)) {
@@ -214,7 +217,7 @@ impl<'a> Knots<'a> {
         Self(buffer.get(..used).unwrap_or_default())
     }
 
-    /// Whether there is none.
+    /// Whether there are no knots.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -234,12 +237,12 @@ impl Iterator for Knots<'_> {
     }
 }
 
-/// Motions as they lie in a frame.
+/// Motions in the layout of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motions<'a>(&'a [u8]);
 
 impl<'a> Motions<'a> {
-    /// As many of `motions` as `buffer` takes.
+    /// Takes as many of `motions` as fit into `buffer`.
     pub fn new(motions: &[Motion<f32>], buffer: &'a mut [u8; PAYLOAD]) -> Self {
         let mut used = 0;
         for (motion, place) in motions.iter().zip(buffer.chunks_exact_mut(MOTION)) {
@@ -285,7 +288,7 @@ impl Iterator for Motions<'_> {
 }
 
 impl<'a> Request<'a> {
-    /// The request in `frame`; `None` where it is none. Not inlined: what it takes of the stack is free again before the
+    /// The request in `frame`; `None` if the frame is not a request. Not inlined, so that its stack is free again before the
     /// request is carried out.
     #[inline(never)]
     pub fn read(frame: &Frame<'a>) -> Option<Self> {
@@ -312,7 +315,7 @@ impl<'a> Request<'a> {
         })
     }
 
-    /// Writes the request as the frame number `sequence`.
+    /// Writes the request as the frame with number `sequence`.
     pub fn write(&self, sequence: u32, buffer: &mut FrameBuffer) {
         let (kind, count) = match self {
             Self::Programme(_) => (kind::PROGRAMME, 1),
@@ -373,41 +376,41 @@ pub fn is_join(frame: &Frame<'_>) -> bool {
     frame.header.kind == kind::JOIN
 }
 
-/// What the image took.
+/// Resources used by the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics {
     /// Most bytes of stack used since the start.
     pub stack: u32,
-    /// Log messages that the log's channel did not take.
+    /// Log messages that the log's channel lost.
     pub log_lost: u32,
 }
 
-/// What the image answers.
+/// An answer of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
     reason = "the outcome is most of the answers, and there is no heap; only where pointers are short is it so much larger"
 )]
 pub enum Answer<'a> {
-    /// Done; the word is no where there was no room for all knots, or a pack's check goes on, and yes otherwise.
+    /// Done. The value is no if there was no room for all knots or a pack's check continues, and yes otherwise.
     Done(bool),
-    /// Not done.
+    /// The request was not carried out.
     Refused(Refusal<'a>),
-    /// Of [`Request::Tick`].
+    /// Answer to [`Request::Tick`].
     Outcome(Outcome),
-    /// Of [`Request::Motions`].
+    /// Answer to [`Request::Motions`].
     Forces(Forces<'a>),
-    /// Of [`Request::Statistics`].
+    /// Answer to [`Request::Statistics`].
     Statistics(Statistics),
-    /// Of [`Request::Join`].
+    /// Answer to [`Request::Join`].
     About(About),
-    /// What came was no whole and undamaged frame: ask again.
+    /// The bytes received were not a whole and undamaged frame: repeat the request.
     Again,
 }
 
-/// Forces in kN as they lie in a frame.
+/// Forces in kN in the layout of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<'a>(&'a [u8]);
 
@@ -423,7 +426,7 @@ impl Iterator for Forces<'_> {
 }
 
 impl<'a> Answer<'a> {
-    /// The answer in `frame`; `None` where it is none.
+    /// The answer in `frame`; `None` if the frame is not an answer.
     pub fn read(frame: &Frame<'a>) -> Option<Self> {
         let mut reader = Reader(frame.payload);
         Some(match frame.header.kind {
@@ -491,7 +494,7 @@ pub fn write_about(sequence: u32, about: &About, buffer: &mut FrameBuffer) {
     });
 }
 
-/// Writes [`Answer::Forces`]: what `law` gives at each of `motions`.
+/// Writes [`Answer::Forces`]: the force of `law` at each of `motions`.
 pub fn write_forces(
     sequence: u32,
     motions: Motions<'_>,

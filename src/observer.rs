@@ -1,19 +1,19 @@
-//! Displacement, velocity and acceleration from a noisy, quantized displacement.
+//! Displacement, velocity and acceleration from a noisy and quantized displacement.
 //!
-//! A tracking filter (α–β–γ: the steady state of a Kalman filter whose acceleration wanders) with the generator's
-//! acceleration u as feed-forward. With h the tick, d what the acceleration has beyond u, and y the measurement:
+//! A tracking filter (α–β–γ: the steady state of a Kalman filter whose acceleration follows a random walk) with the generator's
+//! acceleration u as feed-forward. With h the tick, d the acceleration in excess of u, and y the measurement:
 //!
 //! - a = (u₋ + u)/2 + d
 //! - x⁻ = x + h·v + h²/2·a, v⁻ = v + h·a
 //! - r = y − x⁻
 //! - x ← x⁻ + α·r, v ← v⁻ + β/h·r, d ← d + γ/h²·r
 //!
-//! The error's poles are placed at e^(ph) with p = −ω and p = ω·(−ζ ± √(ζ²−1)), ω = 2π·bandwidth. Feed-forward carries
-//! the sine itself, so that the bandwidth only has to cover what the actuator adds to it, and the velocity keeps its
-//! relative accuracy near its zero crossings, where |v|^α is steep.
+//! The error's poles are placed at e^(ph) with p = −ω and p = ω·(−ζ ± √(ζ²−1)), ω = 2π·bandwidth. Feed-forward carries the sine
+//! itself. The bandwidth therefore only has to cover the actuator's deviation from it, and the velocity keeps its relative accuracy
+//! near its zero crossings, where |v|^α is steep.
 //!
-//! White noise of σ mm in y gives about 0.9·σ·ω·√(ω·h) mm/s in v at ζ = 0.7: with 1e-4 mm at 10 kHz, 7e-4 mm/s at
-//! 10 Hz and 4e-3 mm/s at 30 Hz.
+//! White noise of σ mm in y gives about 0.9·σ·ω·√(ω·h) mm/s in v at ζ = 0.7. For 1e-4 mm at 10 kHz this is 7e-4 mm/s at 10 Hz and
+//! 4e-3 mm/s at 30 Hz.
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
@@ -62,8 +62,8 @@ impl Fields for ObserverConfig {
 }
 
 impl ObserverConfig {
-    /// Whether its error dies away, by the criterion of Jury for z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α), with α, β and γ as in
-    /// [`ObserverConfig::new`]: γ > 0, 0 < α < 2, 4α + 2β < 8 and 0 < αβ + αγ/2 − γ < 2α(2 − α). A number that is none fails.
+    /// Whether the error decays: Jury's criterion for z³ − (3−α−β−γ/2)z² + (3−2α−β+γ/2)z − (1−α), with α, β and γ as in
+    /// [`ObserverConfig::new`]: γ > 0, 0 < α < 2, 4α + 2β < 8 and 0 < αβ + αγ/2 − γ < 2α(2 − α). NaN fails.
     fn is_stable(&self) -> bool {
         let h = self.tick;
         let (alpha, beta) = (self.displacement_gain, self.velocity_gain * h);
@@ -91,7 +91,8 @@ impl ObserverConfig {
         in_range("damping", damping, 0.3, 3.0)?;
         let h = 1.0 / tick_rate;
         let w = core::f64::consts::TAU * bandwidth * h;
-        // Of each pole z its distance u = 1 − z from 1, where a slow observer has all of them: a difference from 1 would leave no digit.
+        // The distance u = 1 − z of each pole from 1. A slow observer has all poles near 1, where computing 1 − z would lose all
+        // digits.
         let single = -libm::expm1(-w);
         // The pair is e^(w(−ζ ± √(ζ²−1))).
         let spread = libm::sqrt((damping * damping - 1.0).abs()) * w;
@@ -123,16 +124,16 @@ impl ObserverConfig {
     }
 }
 
-/// What the observer knows at a tick.
+/// Estimate of the observer at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
-    /// mm.
+    /// Displacement, mm.
     pub displacement: f32,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity: f32,
-    /// mm/s².
+    /// Acceleration, mm/s².
     pub acceleration: f32,
 }
 
@@ -141,18 +142,18 @@ pub struct Estimate {
 pub struct Observer {
     displacement: f32,
     velocity: f32,
-    /// What the acceleration has beyond the feed-forward, mm/s².
+    /// Acceleration in excess of the feed-forward, mm/s².
     excess: f32,
     feed_forward: f32,
     started: bool,
 }
 
 impl Observer {
-    /// The state at this tick, from its measured displacement in mm and the acceleration in mm/s² that the generator
-    /// asks for at it (0 where there is none). The first call takes the measurement as it is, at rest.
+    /// The state at this tick, from the measured displacement in mm and the generator's acceleration in mm/s² at this tick (0
+    /// without a generator). The first call takes the measurement as it is, at rest.
     ///
-    /// Everything returned is finite and within the limits above. A measurement that is not finite counts as missing:
-    /// the state moves on by its own.
+    /// Everything returned is finite and within the limits above. A measurement that is not finite counts as missing: the state is
+    /// then only predicted.
     #[inline]
     pub fn update(
         &mut self,

@@ -1,8 +1,8 @@
-//! The motion that a law was fitted on, and whether a motion lies within it.
+//! The operating range of a law: the motion on which it was fitted. Checks whether a motion lies within it.
 //!
-//! A law gives a force beyond it too, finite and as far off as its effects grow there:
-//! [`Growth`](crate::effects::description::Growth) says how. A firmware asks an [`OperatingRange`] beside its law, and a
-//! [`RangeCounter`] counts the ticks that were outside. A firmware without them pays nothing: neither law nor rig looks at them.
+//! A law gives a finite force outside the range too. Its error there depends on how its effects grow; see
+//! [`Growth`](crate::effects::description::Growth). A firmware checks an [`OperatingRange`] in addition to calling its law, and a
+//! [`RangeCounter`] counts the ticks outside. A firmware that uses neither has no cost: law and rig do not use them.
 //!
 //! ```
 //! use mesh_damper::operating_range::{OperatingRange, RangeCounter};
@@ -19,7 +19,7 @@
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
-/// Least and largest displacement and velocity of the motion that a law was fitted on.
+/// Least and largest displacement and velocity of the motion on which a law was fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -35,7 +35,7 @@ pub struct OperatingRange<R> {
     velocity: [R; 2],
 }
 
-/// An [`OperatingRange`] as it is read, before it is validated.
+/// An [`OperatingRange`] as read, before it is validated.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 #[serde(rename = "OperatingRange")]
@@ -58,7 +58,7 @@ impl<R: Real> OperatingRange<R> {
     /// * `velocity`: least and largest, mm/s
     ///
     /// # Errors
-    /// A bound that is not finite, or a largest below its least: [`ConfigError::OutOfRange`] with the largest as the value.
+    /// A bound that is not finite, or a largest value below its least: [`ConfigError::OutOfRange`] with the largest as the value.
     pub fn new(displacement: [R; 2], velocity: [R; 2]) -> Result<Self, ConfigError> {
         Ok(Self {
             displacement: ordered("displacement", displacement)?,
@@ -66,13 +66,13 @@ impl<R: Real> OperatingRange<R> {
         })
     }
 
-    /// Each range wider at both ends by `part` of its end that is further from 0: a motion exceeds the one that was fitted by
-    /// overshoot and noise.
+    /// Widens each range at both ends by `part` of the end that is further from 0, because overshoot and noise take a motion beyond
+    /// the fitted one.
     ///
     /// * `part`: 0…1e3
     ///
     /// # Errors
-    /// `part` not finite or out of range; a bound that is no longer finite.
+    /// `part` is not finite or out of range, or a bound is no longer finite.
     pub fn widened(&self, part: R) -> Result<Self, ConfigError> {
         let part = in_range("part", part, 0.0, 1e3)?;
         let wider = |[low, high]: [R; 2]| {
@@ -108,13 +108,13 @@ pub struct RangeCounter<R> {
 }
 
 impl<R: Real> RangeCounter<R> {
-    /// No tick yet.
+    /// A counter at 0.
     pub const fn new(range: OperatingRange<R>) -> Self {
         Self { range, outside: 0 }
     }
 
     /// Counts a tick with a `displacement` in mm and a `velocity` in mm/s, those of a [`crate::rig::Telemetry`] for instance, and
-    /// says whether it was within.
+    /// returns whether it was within.
     #[inline(always)]
     pub fn tick(&mut self, displacement: R, velocity: R) -> bool {
         let holds = self.range.holds(displacement, velocity);
@@ -127,7 +127,7 @@ impl<R: Real> RangeCounter<R> {
         self.outside
     }
 
-    /// Counts from 0 again.
+    /// Sets the count to 0.
     pub fn clear(&mut self) {
         self.outside = 0;
     }
@@ -138,7 +138,7 @@ impl<R: Real> RangeCounter<R> {
     }
 }
 
-/// `range` if its bounds are finite and do not fall.
+/// Returns `range` if its bounds are finite and in order.
 fn ordered<R: Real>(field: &'static str, range: [R; 2]) -> Result<[R; 2], ConfigError> {
     let [low, high] = range;
     if !(low.is_finite() && high.is_finite()) {
@@ -219,7 +219,7 @@ mod tests {
             "displacement = -0.5 is outside 0.5…inf"
         );
         assert_eq!(refused(fine, [2.0, 1.0]), "velocity = 1 is outside 2…inf");
-        // A motion at one place is a range.
+        // A motion at a single point is a range.
         assert!(OperatingRange::<f32>::new([0.0; 2], [0.0; 2]).is_ok());
         for part in [-0.1, 1.1e3, f32::NAN] {
             assert!(range().widened(part).is_err());
@@ -239,7 +239,7 @@ mod tests {
     }
 
     proptest! {
-        /// The count is that of the motions that the range does not hold, and a clear begins again.
+        /// The count is the number of motions outside the range, and `clear` restarts it.
         #[test]
         fn ticks_outside_are_counted(motions in prop::collection::vec((-0.5..0.5f32, -9.0..9.0f32), 0..50)) {
             let mut counter = RangeCounter::new(range());

@@ -1,18 +1,19 @@
-//! The coefficient pack: a law and its effects as bytes, for a rig that goes on running while it takes them.
+//! The coefficient pack: a law and its effects as bytes, for a rig that keeps running while it receives them.
 //!
 //! ```text
 //! "MDCP"   u16 version   u16 length of the body   u32 CRC-32 of version, length and body   body
 //! ```
-//! Numbers are little-endian, the CRC is that of Ethernet, the body is laid out as
-//! [postcard](https://postcard.jamesmunns.com) does, by hand, as its code would take 3 KiB of a target's flash: what the pack says of
-//! itself, a [`PackInfo`]; the mixed damping law's coefficients, the [`crate::power::PowerSeed`] that the host computed in f64, and a
-//! `Vec` of each effect's kind and numbers, `(u8, Vec<f32>)`, and an `Option` of the residual table: its numbers, and its tables as
-//! bytes. A pack of version 6 has no [`PackInfo`]; it is read, and nobody knows its tick rate.
+//! Numbers are little-endian, and the CRC is that of Ethernet. The body has the layout of
+//! [postcard](https://postcard.jamesmunns.com), but is written by hand, because postcard's code would take 3 KiB of a target's
+//! flash. The body holds, in this order: a [`PackInfo`], which describes the pack; the coefficients of the mixed damping law; the
+//! [`crate::power::PowerSeed`] that the host computed in f64; a `Vec` of each effect's kind and numbers, `(u8, Vec<f32>)`; and an
+//! `Option` of the residual table, with its numbers, and its tables as bytes. A pack of version 6 has no [`PackInfo`]. It is
+//! accepted, and its tick rate is unknown.
 //!
-//! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which gives a law only when every byte is
-//! there and right, and the pack is what the rig's [`Expectation`] asks for;
-//! [`crate::rig::RigController::swap_law_with`] writes that law beside the one in force and takes it at the end of a
-//! cycle. So there are two slots, and an upload that breaks off or arrives damaged never touches the one in force.
+//! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which returns a law only when every byte is
+//! present and correct and the pack meets the rig's [`Expectation`]. [`crate::rig::RigController::swap_law_with`] writes that law
+//! into a second slot and switches to it at the end of a cycle. With two slots, an upload that breaks off or arrives damaged never
+//! touches the law in force.
 
 mod check;
 mod info;
@@ -31,88 +32,88 @@ use crate::power::{OCTAVES, SEGMENTS};
 use check::Check;
 use info::LARGEST_INFO;
 
-/// The version that is written.
+/// The version written.
 pub const VERSION: u16 = 7;
-/// The oldest version that is read: it has no [`PackInfo`].
+/// The oldest version read: it has no [`PackInfo`].
 pub const OLDEST: u16 = 6;
 /// Bytes before the body.
 const HEADER: usize = 12;
 /// Bytes of the mixed damping law and of the damping's seed.
 const LAW: usize = 4 * (4 + 4 * SEGMENTS + OCTAVES);
-/// Most bytes of the effects: their count, one with [`MOST_WORDS`], and seven more with no more than [`OTHER_WORDS`].
+/// Largest size of the effects in bytes: their count, one effect with [`MOST_WORDS`], and seven more with at most [`OTHER_WORDS`].
 const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
-/// Most words of an effect that is not tones; `the_largest_effects_fit_often_enough` in `tests/wire/pack.rs` holds it.
+/// Most words of any effect but tones; `the_largest_effects_fit_often_enough` in `tests/wire/pack.rs` asserts it.
 const OTHER_WORDS: usize = 12;
-/// Most bytes of a pack. Derived: the sum of its parts.
+/// Largest pack, bytes. Derived: the sum of its parts.
 pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;
 
-/// Hz, for which the effects of a pack are taken to be made that does not say it: that of the paper's rig in this crate's tests.
+/// Tick rate in Hz assumed for the effects of a pack that does not state one: that of the paper's rig in this crate's tests.
 const SILENT_RATE: f32 = 1e4;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
 /// Why a pack was refused. The law in force stays as it was.
 ///
-/// A log of defmt takes it as the [`Refusal`](crate::message::Refusal) that it becomes: a format of its own made the firmware's image 0.7
-/// KiB larger, which is optimized as a whole.
+/// A log of defmt takes it as the [`Refusal`](crate::message::Refusal) into which it is converted. A separate format made the
+/// firmware's image, which is optimized as a whole, 0.7 KiB larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum PackError {
-    /// It does not begin as a pack does.
+    /// It does not begin with the bytes of a pack.
     Magic,
-    /// A version that is not read.
+    /// A version that is not supported.
     Version {
-        /// What it says.
+        /// Version of the pack.
         found: u16,
     },
-    /// It is for another tick rate than is required.
+    /// It is for another tick rate than required.
     TickRate {
-        /// Hz.
+        /// Required tick rate, Hz.
         expected: f32,
-        /// Hz; `None` where the pack does not say, because it is of version 6.
+        /// Tick rate of the pack, Hz; `None` if the pack does not state it, because it is of version 6.
         found: Option<f32>,
     },
-    /// It is of another model than is required.
+    /// It is of another model than required.
     Identity {
-        /// Of which model it should be.
+        /// Required model.
         expected: Identity,
-        /// Of which it is; `None` where the pack does not say.
+        /// Model of the pack; `None` if the pack does not state it.
         found: Option<Identity>,
     },
-    /// It is no newer than is required.
+    /// It is not newer than required.
     Revision {
-        /// Its revision should be above this.
+        /// Its revision must be above this.
         newer_than: u32,
-        /// What it is; `None` where the pack does not say.
+        /// Revision of the pack; `None` if the pack does not state it.
         found: Option<u32>,
     },
-    /// More or fewer bytes than it says of itself, or than fit.
+    /// More or fewer bytes than its header states, or than fit.
     Length {
-        /// How many it should be.
+        /// Required number of bytes.
         expected: usize,
-        /// How many there are.
+        /// Number of bytes found.
         found: usize,
     },
-    /// A part of an upload that does not follow the one before.
+    /// A part of an upload that does not continue the one before.
     Order {
-        /// Where the next byte belongs.
+        /// Position of the next byte.
         expected: usize,
-        /// Where this part says that it belongs.
+        /// Position that this part states.
         found: usize,
     },
-    /// The checksum does not match.
+    /// The checksum is wrong.
     Checksum,
-    /// The body cannot be read, though its checksum matches.
+    /// The body cannot be read, although its checksum is right.
     Body,
-    /// Its law gives more energy than it takes, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
+    /// Its law gives out more energy than it absorbs, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
     Active {
-        /// Of the motion in which it does, mm.
+        /// Amplitude of the motion in which it does, mm.
         amplitude: f32,
-        /// Of that motion, Hz.
+        /// Frequency of that motion, Hz.
         frequency: f32,
     },
-    /// A coefficient or parameter that its constructor refuses.
+    /// A coefficient or parameter that its constructor rejects.
     Refused(ConfigError),
 }
 
@@ -195,11 +196,11 @@ impl From<ConfigError> for PackError {
     }
 }
 
-/// Writes the pack of `law` into `buffer` and gives the part of it that was used. `info` is what it says of itself: the law's effects
-/// have to be made for its tick rate.
+/// Writes the pack of `law` into `buffer` and returns the part of the buffer that was used. `info` describes the pack; the law's
+/// effects must be made for its tick rate.
 ///
 /// # Errors
-/// [`PackError::Length`] when `buffer` is too short or the pack longer than [`LARGEST`]; a field of `info` that is out of range.
+/// [`PackError::Length`] if `buffer` is too short or the pack longer than [`LARGEST`]; a field of `info` that is out of range.
 pub fn encode<'b, const N: usize>(
     law: &FastLaw<N>,
     info: &PackInfo,
@@ -250,14 +251,14 @@ pub fn encode<'b, const N: usize>(
     Ok(buffer.get(..HEADER + length).unwrap_or_default())
 }
 
-/// Writes the law in a pack over `slot`, which is no law where the pack is refused. Gives the pack's stamp; `None` of one of version 6,
-/// which has none. [`PackInfo::of`] gives all that the pack says of itself.
+/// Writes the law in a pack over `slot`; if the pack is refused, `slot` holds no law. Returns the pack's stamp, or `None` for a
+/// pack of version 6, which has none. [`PackInfo::of`] returns the complete description of the pack.
 ///
-/// Unless [`Expectation::allow_active`] is set it takes a [`Passivity`] on the stack, and several hundred forces of the law, far more than a
-/// tick has time for: [`Upload::finish_slice`] is for that.
+/// Unless [`Expectation::allow_active`] is set, it needs a [`Passivity`] on the stack and evaluates several hundred forces of the
+/// law, far more than a tick has time for. Use [`Upload::finish_slice`] in a running rig.
 ///
 /// # Errors
-/// Whatever is wrong with it; a pack with any one bit changed is refused. One that is not what is `expected`: `slot` is as it was.
+/// Any error of the pack; a pack with any one bit changed is refused. If the pack does not meet `expected`, `slot` stays as it was.
 /// [`PackError::Active`]: `slot` has the law, which must not be used.
 pub fn decode<const N: usize>(
     pack: &[u8],
@@ -275,15 +276,15 @@ pub fn decode<const N: usize>(
     }
 }
 
-/// What the bytes before a pack's body say.
+/// The bytes before a pack's body.
 struct Header {
     version: u16,
-    /// Version and length, which the checksum is of as well.
+    /// Version and length, which the checksum covers too.
     stamp: [u8; 4],
     checksum: u32,
 }
 
-/// Header and body of a pack that begins as a pack does, and is as long as it says.
+/// Header and body of a pack that begins correctly and has the length that it states.
 fn header(pack: &[u8]) -> Result<(Header, &[u8]), PackError> {
     let short = PackError::Length {
         expected: HEADER,
@@ -315,7 +316,7 @@ fn header(pack: &[u8]) -> Result<(Header, &[u8]), PackError> {
     Ok((header, body))
 }
 
-/// The version of a pack and what it carries, once its header and checksum are found right.
+/// The version of a pack and its body, after its header and checksum have been checked.
 fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
     let (header, body) = header(pack)?;
     if checksum(&[&header.stamp, body]) != header.checksum {
@@ -324,7 +325,7 @@ fn body(pack: &[u8]) -> Result<(u16, &[u8]), PackError> {
     Ok((header.version, body))
 }
 
-/// A pack that is being received, part by part, and checked, slice by slice.
+/// A pack that is received part by part, and checked slice by slice.
 #[derive(Clone, Debug)]
 pub struct Upload {
     bytes: [u8; LARGEST],
@@ -339,7 +340,7 @@ impl Default for Upload {
 }
 
 impl Upload {
-    /// Nothing yet.
+    /// An upload without bytes.
     pub const fn new() -> Self {
         Self {
             bytes: [0; LARGEST],
@@ -348,12 +349,12 @@ impl Upload {
         }
     }
 
-    /// The next part, whose first byte is byte `offset` of the pack. Offset 0 begins anew, whatever comes of it; any part has the check
-    /// begin from the first byte.
+    /// Takes the next part, whose first byte is byte `offset` of the pack. Offset 0 restarts the upload, even if this part then
+    /// fails. Every part restarts the check from the first byte.
     ///
     /// # Errors
-    /// [`PackError::Order`] for a part that does not follow, [`PackError::Length`] for more bytes than [`LARGEST`]. What
-    /// came before stays, for the part that does follow.
+    /// [`PackError::Order`] for a part that does not follow, [`PackError::Length`] for more bytes than [`LARGEST`]. The bytes
+    /// received before stay, for the part that does follow.
     pub fn part(&mut self, offset: usize, bytes: &[u8]) -> Result<(), PackError> {
         self.check = Check::START;
         if offset == 0 {
@@ -379,11 +380,11 @@ impl Upload {
         Ok(())
     }
 
-    /// A slice of what [`Upload::finish`] does, once every part is there: at most some 600 instructions or one force of the law, for a rig that goes on ticking between
-    /// one slice and the next. `passivity` is what looks whether the law is passive, the same each time. None as long as there is more to do: `slot` is no law until then; see
-    /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). A slot that another law was written over in between is begun
-    /// anew. Whatever comes of the last one, the upload is empty
-    /// after it.
+    /// Does one slice of [`Upload::finish`], once every part has arrived: at most about 600 instructions or one force of the law,
+    /// for a rig that keeps ticking between slices. `passivity` checks whether the law is passive; pass the same one each time.
+    /// Returns `None` while slices remain: `slot` holds no law until then; see
+    /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). If another law was written over the slot in
+    /// between, the check starts again. After the last slice the upload is empty, whatever its result.
     ///
     /// # Errors
     /// As [`decode`].
@@ -402,8 +403,8 @@ impl Upload {
         step
     }
 
-    /// Writes the law over `slot`, as [`decode`] does, once every part is there. The upload is empty then, whatever came of
-    /// it.
+    /// Writes the law over `slot`, as [`decode`] does, once every part has arrived. The upload is empty afterwards, whatever the
+    /// result.
     ///
     /// # Errors
     /// As [`decode`].

@@ -1,20 +1,23 @@
-//! Whether a law gives more energy in a closed cycle than it takes: no passive specimen does, and a rig that a law drives does not
-//! stay where it should.
+//! Whether a law is passive: whether it gives out no more energy in a closed cycle than it absorbs. Every specimen is passive, and
+//! a rig driven by an active law does not stay where it should.
 //!
 //! A [`Passivity`] moves the law through sines over the operating range, and sums ∮F dy by trapezoids:
 //!
-//! Σ (Fₙ + Fₙ₊₁)/2·(yₙ₊₁ − yₙ) over the second of two cycles, the first of which leads to a loop that closes.
+//! Σ (Fₙ + Fₙ₊₁)/2·(yₙ₊₁ − yₙ) over the second of two cycles. The first cycle brings the law to a loop that closes.
 //!
-//! Effects that supply energy by their description ([`Description::supplies_energy`](crate::effects::description::Description)) are left
-//! out: a tone, a delay, a force channel's low-pass. So is a spring in series, which gives back what it takes.
+//! Effects whose description allows them to supply energy
+//! ([`Description::supplies_energy`](crate::effects::description::Description)) are left out: a tone, a delay, a force channel's
+//! low-pass. A spring in series is left out too, because it returns the energy that it absorbs.
 //!
-//! Time passes as the motion says: an effect that remembers time is asked for longer ticks, 2ⁿ of those that it was made for, 16 to 30 of
-//! which make a cycle. What is no memory of the motion stays: the temperature, the cycles, and the control inputs. A law that depends
-//! on the latter two is looked at twice, at cycle 0 with inputs of 1, and at the end of all cycles without inputs; one that depends on the
-//! temperature at 20 °C, and at the coldest and the hottest that a [`rig`](crate::rig::RigSettings::temperature_range) believes unless it is told
-//! otherwise: between them a law that is linear in the temperature is no worse.
+//! Effects with a memory of time run with longer ticks, 2ⁿ times those that they were made for, so that a cycle has 16 to 30 ticks.
+//! Inputs other than the motion are held constant: the temperature, the cycles, and the control inputs. A law that depends on
+//! cycles or control inputs is checked twice: at cycle 0 with inputs of 1, and at the largest number of cycles with inputs of 0. A
+//! law that depends on the temperature is checked at 20 °C, and at the coldest and the hottest temperature that a
+//! [`rig`](crate::rig::RigSettings::temperature_range) accepts by default. Between these temperatures a law that is linear in the
+//! temperature is no worse.
 //!
-//! It is as good as its grid: an energy below 0 that is found only between the amplitudes and frequencies is not found.
+//! The check is only as fine as its grid: it does not find a negative energy that exists only between the amplitudes and
+//! frequencies of the grid.
 //!
 //! ```
 //! use mesh_damper::effects::{AugmentedLaw, Effect, Viscous};
@@ -22,7 +25,7 @@
 //! use mesh_damper::law::Law;
 //! use mesh_damper::passivity::Passivity;
 //!
-//! // A dashpot below 0 beside friction: passive where the motion is slow.
+//! // A dashpot below 0 parallel to friction: passive where the motion is slow.
 //! let law = AugmentedLaw::<f32, 1>::new(Law::new(1.6, 0.0, 0.1, 0.3)?);
 //! let law = FastLaw::new(law.with(Effect::Viscous(Viscous::new(-0.5)?))?);
 //! let active = Passivity::new(None, 1e4).check(&law).unwrap_err();
@@ -42,34 +45,35 @@ use crate::real::Real;
 use crate::rig;
 use crate::sine::FREQUENCY_MIN;
 
-/// Amplitude in mm and frequency in Hz of the range that is taken where none is known, at its upper end: the paper's specimens were tested
-/// at 0.02 to 0.3 mm and 0.5 to 20 Hz.
+/// Upper end of the range assumed if none is known: amplitude in mm and frequency in Hz. The paper's specimens were tested at 0.02
+/// to 0.3 mm and 0.5 to 20 Hz.
 const PAPER: [f32; 2] = [0.3, 20.0];
 /// Parts of the largest amplitude: down to the paper's least.
 const AMPLITUDES: [f32; 3] = [1.0, 0.25, 0.0625];
-/// Parts of the highest frequency: down to the paper's lowest, about.
+/// Parts of the highest frequency: down to about the paper's lowest.
 const FREQUENCIES: [f32; 3] = [1.0, 0.158, 0.025];
-/// Loops at one state of what is held.
+/// Loops per state of cycles, control inputs and temperature.
 const OF_STATE: usize = AMPLITUDES.len() * FREQUENCIES.len();
-/// Least points of a cycle, and as many as it may have before the ticks are doubled instead. Their number is even, so that what is elastic
-/// comes back over the points that it went by.
+/// Least points of a cycle, and the number from which the ticks are doubled instead. The number of points is even, so that an
+/// elastic force returns over the same points.
 const POINTS: [u32; 2] = [16, 32];
-/// A loop whose energy is below 0 is looked at again by four times the points, up to so many: by then the trapezoids of a loop without an
-/// area are right within [`TOLERANCE`].
+/// A loop whose energy is below 0 is computed again with four times the points, up to this number. With it the trapezoids of a loop
+/// without area are exact within [`TOLERANCE`].
 const FINEST: u32 = 2000;
-/// Tick rates that are taken, Hz.
+/// Accepted tick rates, Hz.
 const TICK_RATES: [f32; 2] = [1e-3, 1e7];
-/// The usual one, the coldest and the hottest, °C.
+/// The usual, the coldest and the hottest temperature, °C.
 const TEMPERATURES: [f32; 3] = [
     20.0,
     rig::TEMPERATURES[0] as f32,
     rig::TEMPERATURES[1] as f32,
 ];
-/// Energy below 0 that is taken for rounding, as a part of Σ|F dy|, the law's own forces counted beside all of it. Derived: 2⁻²⁴ for each rounding of a term, times what tests of all laws
-/// that are passive by construction leave (`tests/laws/passivity.rs`).
+/// Negative energy that counts as rounding, as a part of Σ|F dy|, in which the law's own forces are counted in addition. Derived:
+/// 2⁻²⁴ for each rounding of a term, times the number that tests of all laws that are passive by construction require
+/// (`tests/laws/passivity.rs`).
 const TOLERANCE: f32 = 1e-4;
 
-/// A motion in which a law gives more energy than it takes.
+/// A motion in which a law gives out more energy than it absorbs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -92,60 +96,61 @@ impl fmt::Display for Active {
 
 impl core::error::Error for Active {}
 
-/// A check of a [`FastLaw`] that may be taken in slices.
+/// A check of a [`FastLaw`] that can run in slices.
 #[derive(Clone, Debug)]
 pub struct Passivity<const N: usize> {
-    /// The effects, for the ticks of this loop.
+    /// The law's effects, for the ticks of this loop.
     law: AugmentedLaw<f32, N>,
     state: AugmentedState<f32>,
     /// Middle of the range, and its largest amplitude, mm.
     middle: f32,
     largest: f32,
-    /// Of all amplitudes the highest frequency, Hz.
+    /// Highest frequency, Hz, which belongs to the largest amplitude.
     fastest: f32,
     tick_rate: f32,
-    /// Which loop of the grid.
+    /// Index of the loop in the grid.
     place: usize,
     cycle: Option<Cycle>,
-    /// It has ended; and where it was not passive. In one all bits of none would not be 0.
+    /// Whether the check has ended, and separately the motion that was not passive. In a single `Option` not all bits would be 0 at
+    /// the start.
     ended: bool,
     active: Option<Active>,
 }
 
-/// A loop that is being gone through.
+/// A loop in progress.
 #[derive(Clone, Copy, Debug)]
 struct Cycle {
     amplitude: f32,
     /// Hz
     frequency: f32,
     points: u32,
-    /// Of the ticks' length.
+    /// Number of doublings of the tick's length.
     doublings: u32,
     /// Slices before the first point: one puts the effects to rest, and each of the others doubles the ticks.
     left: u32,
-    /// The next point, of two cycles and one.
+    /// The next point, of two cycles plus one point.
     point: u32,
     /// The last displacement and force.
     before: [f32; 2],
-    /// ΣF dy, and Σ|F dy| with that of the law's own forces beside it, J.
+    /// ΣF dy, and Σ|F dy| with that of the law's own forces added, J.
     energy: f32,
     moved: f32,
 }
 
 impl<const N: usize> Passivity<N> {
-    /// * `range`: the motion that the law was fitted on. `None`, or one without a motion: up to 0.3 mm and 20 Hz, those of the
+    /// * `range`: the motion on which the law was fitted. `None`, or a range without motion: up to 0.3 mm and 20 Hz, those of the
     ///   paper's tests
-    /// * `tick_rate`: for which the law's effects are made, Hz, 1e-3…1e7; what is beyond is taken as there
+    /// * `tick_rate`: that for which the law's effects are made, Hz, 1e-3…1e7; clamped to this range
     ///
-    /// A 16th of the largest amplitude and a 40th of the highest frequency are the least ones.
+    /// The lowest amplitude is a 16th of the largest, the lowest frequency a 40th of the highest.
     pub fn new(range: Option<&OperatingRange<f32>>, tick_rate: f32) -> Self {
         let mut new = Self::EMPTY;
         new.begin(range, tick_rate);
         new
     }
 
-    /// One whose range is still to be given by [`Passivity::begin`]; without that it is the paper's, at 10 kHz. All bits are 0, so that it takes
-    /// no flash in a static.
+    /// A check whose range [`Passivity::begin`] sets; without that it is the paper's range at 10 kHz. All bits are 0, so that it
+    /// takes no flash in a static.
     pub const EMPTY: Self = Self {
         law: AugmentedLaw::new(Law::from_valid(0.0, 0.0, 0.0, 0.0)),
         state: AugmentedState::AT_REST,
@@ -180,7 +185,7 @@ impl<const N: usize> Passivity<N> {
         self.active = None;
     }
 
-    /// All of it: several hundred forces of `law`, not for one tick.
+    /// Runs the whole check: several hundred forces of `law`, too many for one tick.
     ///
     /// # Errors
     /// The motion in which the law is active.
@@ -192,9 +197,9 @@ impl<const N: usize> Passivity<N> {
         }
     }
 
-    /// The next slice: one force of `law`, a copy of its effects, or these for ticks twice as long. `law` has to be the same from the first
-    /// slice to the last. Gives the verdict once there is one, and that again from there on.
-    // Not inlined: what it takes of the stack is no matter of other slices of a load.
+    /// Runs the next slice: one force of `law`, a copy of its effects, or a doubling of their ticks. `law` must be the same from
+    /// the first slice to the last. Returns the verdict once there is one, and the same again from then on.
+    // Not inlined, so that its stack adds to no other slice of a load.
     #[inline(never)]
     pub fn step(&mut self, law: &FastLaw<N>) -> Option<Result<(), Active>> {
         if self.ended {
@@ -228,13 +233,13 @@ impl<const N: usize> Passivity<N> {
         self.ended.then(|| self.active.map_or(Ok(()), Err))
     }
 
-    /// The first or the next loop, or the end of all.
+    /// Begins the first or the next loop, or ends the check.
     fn begin_cycle(&mut self, law: &AugmentedLaw<f32, N>) {
         let temperatures = match law.depends_on_temperature() {
             true => TEMPERATURES.len(),
             false => 1,
         };
-        // The second state is passed over where nothing depends on it.
+        // The second state is skipped where nothing depends on it.
         if !law.has_parameters_of_state() && self.state() == 1 {
             self.place += OF_STATE;
         }
@@ -246,7 +251,7 @@ impl<const N: usize> Passivity<N> {
         let part = |of: &[f32; 3], place: usize| of.get(place).copied().unwrap_or(1.0);
         let amplitude = part(&AMPLITUDES, place % AMPLITUDES.len()) * self.largest;
         let frequency = part(&FREQUENCIES, place / AMPLITUDES.len()) * self.fastest;
-        // As many ticks as come to a cycle, by ever longer ones.
+        // The number of ticks in a cycle, with ticks doubled until it fits.
         let mut ticks = self.tick_rate / frequency;
         let mut doublings = 0;
         let [least, most] = POINTS.map(|points| points as f32);
@@ -264,12 +269,12 @@ impl<const N: usize> Passivity<N> {
         );
     }
 
-    /// Which state of cycles and control inputs: 0 or 1.
+    /// Index of the state of cycles and control inputs: 0 or 1.
     fn state(&self) -> usize {
         self.place / OF_STATE % 2
     }
 
-    /// From rest in the middle, where the motion is fastest: near to what the loop will be.
+    /// Starts at rest in the middle, where the motion is fastest, which is close to the closed loop.
     fn start(
         &mut self,
         law: &AugmentedLaw<f32, N>,
@@ -305,7 +310,7 @@ impl<const N: usize> Passivity<N> {
         if cycle.point > cycle.points {
             let work = 0.5 * (force + force_before) * (y - y_before);
             next.energy += work;
-            // Of all that may cancel: effects take away from the law's own forces.
+            // The forces that may cancel: effects subtract from the law's own forces.
             let own = self.law.law().elastic_force(y).abs()
                 + law
                     .damping()
@@ -316,9 +321,9 @@ impl<const N: usize> Passivity<N> {
         next
     }
 
-    /// y = A·sin θ about the middle, at the point's part of a cycle.
+    /// y = A·sin θ about the middle, at this point of the cycle.
     fn motion(&self, cycle: &Cycle) -> Motion<f32> {
-        // There are points; a division by none would be code for a panic.
+        // The number of points is not 0, but a plain division would link code for a panic.
         let point = u64::from(cycle.point.checked_rem(cycle.points).unwrap_or_default());
         let each = u64::MAX.checked_div(cycle.points.into());
         let phase = each.unwrap_or_default().wrapping_mul(point);
@@ -330,7 +335,7 @@ impl<const N: usize> Passivity<N> {
             _ => (0.0, limits::CYCLES as f32),
         };
         let temperature = TEMPERATURES.get(self.place / (2 * OF_STATE));
-        // Only what takes the frequency from them may see them pass.
+        // Cycles advance only for a law that takes the frequency from them.
         let cycles = if self.law.is_over_frequency() {
             point as f32 / cycle.points as f32
         } else {
@@ -346,7 +351,7 @@ impl<const N: usize> Passivity<N> {
         }
     }
 
-    /// Not inlined: its registers are no matter of other slices.
+    /// Not inlined, so that other slices do not save its registers.
     #[inline(never)]
     fn force(&mut self, law: &FastLaw<N>, motion: &Motion<f32>) -> f32 {
         let motion = motion.clamped();
@@ -363,7 +368,7 @@ impl<const N: usize> Passivity<N> {
             doublings,
             ..
         } = cycle;
-        // What is not a number is not passive.
+        // NaN is not passive.
         if cycle.energy >= -TOLERANCE * cycle.moved {
             self.place += 1;
         } else if doublings >= 2 && points < FINEST / 4 {
@@ -378,7 +383,8 @@ impl<const N: usize> Passivity<N> {
     }
 }
 
-/// Middle and amplitude in mm of what `range` allows, and the frequency in Hz at which that amplitude is as fast; `None` without a motion.
+/// Middle and amplitude in mm of `range`, and the frequency in Hz at which that amplitude reaches the range's velocity; `None`
+/// without a motion.
 fn of_range(range: &OperatingRange<f32>) -> Option<[f32; 3]> {
     let most = limits::DISPLACEMENT as f32;
     let [low, high] = range.displacement().map(|end| end.clamped(most));

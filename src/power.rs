@@ -1,42 +1,42 @@
-//! |v|^α for the hot path: a short form for any α, and a table for one that stays.
+//! |v|^α for the hot path: a direct form for any α, and a table for a fixed α.
 //!
-//! Both work on the float's bits, v = 2ᵉ·m, and call nothing. Integers that stand for fractions are named by their
-//! unit: Q23 counts 2⁻²³.
+//! Both work on the bits of the float, v = 2ᵉ·m, and call no function. Integers that represent fractions are named by their unit:
+//! Q23 counts 2⁻²³.
 
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{in_range, within};
 
-/// ¾'s bits: where the mantissa's range m = ¾…1½ begins.
+/// Bits of ¾, where the mantissa's range m = ¾…1½ begins.
 const MANTISSA_LOW: u32 = 0x3f40_0000;
 /// Bits of 1.
 const ONE: u32 = 0x3f80_0000;
-/// 2⁻¹²⁶'s bits: the smallest magnitude that is not treated as 0.
+/// Bits of 2⁻¹²⁶, the smallest magnitude that is not treated as 0.
 const SMALLEST: u32 = 0x0080_0000;
-/// The bits of a float that are its mantissa, and those of a Q23 that are its fraction.
+/// The bits of a float that are its mantissa, which are also those of a Q23 that are its fraction.
 const FRACTION: u32 = 0x007f_ffff;
 
-/// `|v|^alpha` for an `alpha` of 0…1, within 4e-7 of its own size for |v| from 2⁻¹²⁶ to 2¹²⁷.
+/// `|v|^alpha` for an `alpha` of 0…1, with a relative error within 4e-7 for |v| from 2⁻¹²⁶ to 2¹²⁷.
 ///
-/// At v = 0 it is 0 for every α, 0 included. Subnormal magnitudes count as 0; of those above 2¹²⁷ ≈ 1.7e38, infinity and
-/// NaN it makes a finite value that is not below 2¹²⁷'s.
+/// At v = 0 it is 0 for every α, 0 included. Subnormal magnitudes count as 0. For magnitudes above 2¹²⁷ ≈ 1.7e38, infinity and NaN
+/// it is finite and at least the value at 2¹²⁷.
 ///
-/// 2^(α·(e + log₂ m)), the exponent in integers: an e of −126 costs no digits of the fraction.
+/// 2^(α·(e + log₂ m)), with the exponent in integers, so that an e of −126 costs no digits of the fraction.
 #[inline(always)]
 pub fn abs_pow(v: f32, alpha: f32) -> f32 {
     let bits = v.to_bits() & 0x7fff_ffff;
     let exponent = bits.wrapping_sub(MANTISSA_LOW) & !FRACTION;
     let mantissa = f32::from_bits(bits.wrapping_sub(exponent));
 
-    // log₂ m = 2/ln 2·atanh s with s = (m − 1)/(m + 1): minimax in s² for the smallest error, 8.9e-8. In Q24, and turned
-    // round twice for one constant less.
+    // log₂ m = 2/ln 2·atanh s with s = (m − 1)/(m + 1): minimax in s² for the smallest error, 8.9e-8. In Q24, with the sign
+    // inverted twice to save one constant.
     let s = (1.0 - mantissa) / (1.0 + mantissa);
     let z = s * s;
     let logarithm = s * (-48_408_864.0 + z * (-16_126_021.0 + z * -10_186_557.0));
     let exponent = exponent as i32;
     let logarithm = (logarithm as i32).saturating_add(exponent.saturating_add(exponent));
 
-    // α as a Q31, so that the upper half of the product is a Q23. 1 becomes 1 − 2⁻³¹.
+    // α as a Q31, so that the upper half of the product is a Q23. A value of 1 becomes 1 − 2⁻³¹.
     let alpha = (alpha * (1u32 << 31) as f32) as i32;
     let power = ((i64::from(alpha) * i64::from(logarithm)) >> 32) as i32;
     let scale = if bits < SMALLEST {
@@ -47,11 +47,12 @@ pub fn abs_pow(v: f32, alpha: f32) -> f32 {
     exp2_of_fraction(power) * f32::from_bits(scale)
 }
 
-/// 2^`x` for an `x` of at most 0, within 2.1e-7 and what x·2⁻²⁴ makes of it; 0 below −127. Of an x above 0 it is finite, and of NaN 1.
+/// 2^`x` for an `x` of at most 0, with an error within 2.1e-7 plus the effect of x·2⁻²⁴; 0 below −127. Finite for an x above 0, and
+/// 1 for NaN.
 #[inline(always)]
 pub(crate) fn exp2_of_negative(x: f32) -> f32 {
     let exponent = (x * (FRACTION + 1) as f32) as i32;
-    // Beyond −127 the bits would be those of a negative number.
+    // Below −127 the bits would be those of a negative number.
     let scale = (exponent_bits(exponent) as i32).max(0) as u32;
     exp2_of_fraction(exponent) * f32::from_bits(scale)
 }
@@ -62,7 +63,7 @@ fn exponent_bits(exponent: i32) -> u32 {
     (exponent as u32 & !FRACTION).wrapping_add(ONE)
 }
 
-/// 2^(r + 2⁻²⁴) for the fraction r = 0…1 of a Q23. The 2⁻²⁴ are the mean of what rounding down took.
+/// 2^(r + 2⁻²⁴) for the fraction r = 0…1 of a Q23. The 2⁻²⁴ are the mean that rounding down removed.
 ///
 /// 1 + r·q(r), r in units of 2⁻²³: minimax for the smallest relative error, 7.8e-8.
 #[inline(always)]
@@ -81,26 +82,26 @@ pub const SEGMENTS: usize = 8;
 pub const ROWS: usize = OCTAVES * SEGMENTS;
 /// Exponent of the lowest octave.
 const LOWEST_EXPONENT: i32 = -21;
-/// Bits of a float that tell the place within a segment.
+/// Bits of a float that give the position within a segment.
 const WITHIN: u32 = 20;
-/// Bits of its smallest float.
+/// Bits of the lowest octave's smallest float.
 const LOWEST_BITS: u32 = ((127 + LOWEST_EXPONENT) as u32) << 23;
 
-/// Largest magnitude of a number of [`PowerSeed::octave`]: those of any α in 0…1 stay below.
+/// Largest magnitude of a number in [`PowerSeed::octave`]: for any α in 0…1 the numbers are below it.
 const OCTAVE_MOST: f32 = 2.0;
-/// Largest number of [`PowerSeed::scale`]: that of the largest c in the lowest octave, for α = 0, and what rounding adds.
+/// Largest number in [`PowerSeed::scale`]: that of the largest c in the lowest octave, for α = 0, with a margin for rounding.
 const SCALE_MOST: f32 = (1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64) as f32;
 
 /// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v,
 ///
 /// F = t·(p0 + |v|·(p1 + |v|·(p2 + |v|·p3))),
 ///
-/// in this order. It is c·|v|^α as a cubic in |v|, and t brings the sign.
+/// in this order. It is c·|v|^α as a cubic in |v|, and t gives the sign.
 pub type Segment = [f32; 4];
 
-/// What a [`PowerTable`] is filled from, 256 bytes for one c and α.
+/// The seed from which a [`PowerTable`] is filled, 256 bytes for one c and α.
 ///
-/// An octave is the one below times 2^α, so that the segments of |v| = 1…2 serve them all.
+/// Each octave is the one below times 2^α, so that the segments of |v| = 1…2 serve all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerSeed {
     octave: [Segment; SEGMENTS],
@@ -108,7 +109,7 @@ pub struct PowerSeed {
 }
 
 impl PowerSeed {
-    /// Of no damping.
+    /// Seed without damping.
     pub(crate) const EMPTY: Self = Self {
         octave: [[0.0; 4]; SEGMENTS],
         scale: [0.0; OCTAVES],
@@ -117,7 +118,7 @@ impl PowerSeed {
     /// * `c`: kN·(s/mm)^α, 0…1e9
     /// * `alpha`: 0…1
     ///
-    /// Takes 64 powers in f64: not for the hot path.
+    /// Computes 64 powers in f64: not for the hot path.
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -128,7 +129,7 @@ impl PowerSeed {
         ))
     }
 
-    /// From what is known to be in range.
+    /// From values that are known to be in range.
     pub(crate) fn from_valid(c: f64, alpha: f64) -> Self {
         let mut octave = [[0.0; 4]; SEGMENTS];
         for (index, segment) in octave.iter_mut().enumerate() {
@@ -145,11 +146,11 @@ impl PowerSeed {
         Self { octave, scale }
     }
 
-    /// Of what [`PowerSeed::octave`] and [`PowerSeed::scale`] gave on a host: for firmware that knows its law, which then links no
-    /// power in f64. In a `const` it is checked by the compiler.
+    /// From the numbers of [`PowerSeed::octave`] and [`PowerSeed::scale`], computed on a host. For firmware that knows its law,
+    /// which then links no power in f64. In a `const` the compiler checks it.
     ///
     /// # Errors
-    /// A number that is not finite, or beyond what any c and α in their ranges give.
+    /// A number that is not finite, or that no c and α in their ranges give.
     pub const fn from_parts(
         octave: [Segment; SEGMENTS],
         scale: [f32; OCTAVES],
@@ -173,11 +174,11 @@ impl PowerSeed {
         Ok(new)
     }
 
-    /// What [`PowerSeed::octave`] and then [`PowerSeed::scale`] gave, from number `from` to before number `to`, by `next`. Whether that was
-    /// the last of them.
+    /// Reads the numbers of [`PowerSeed::octave`] and then [`PowerSeed::scale`] from index `from` to before index `to`, each by
+    /// `next`. Returns whether these were the last.
     ///
     /// # Errors
-    /// That of `next`; a number that is not finite, or beyond what any c and α in their ranges give.
+    /// The error of `next`; a number that is not finite, or that no c and α in their ranges give.
     #[inline(never)]
     pub(crate) fn read_part<E: From<ConfigError>>(
         &mut self,
@@ -202,23 +203,23 @@ impl PowerSeed {
         &self.octave
     }
 
-    /// c·2^(e·(α − 1)) for the octaves from 2ᵉ, e = −21…10: what makes [`PowerSeed::octave`] theirs.
+    /// c·2^(e·(α − 1)) for the octaves from 2ᵉ, e = −21…10: the factor from [`PowerSeed::octave`] to each octave.
     pub fn scale(&self) -> &[f32; OCTAVES] {
         &self.scale
     }
 
-    /// c·|v|^α·sgn v as a table filled from this gives it for `v` mm/s, bit for bit, without one: not for every tick.
+    /// c·|v|^α·sgn v for `v` mm/s, bit for bit as a table filled from this seed gives it, without a table. Not for every tick.
     #[inline(never)]
     pub(crate) fn damping_force(&self, v: f32) -> f32 {
         let (t, quotient) = edge_and_quotient(&self.row(PowerTable::row_of(v)), v);
         t * quotient
     }
 
-    /// Row `row` of the table; whole turns of [`ROWS`] fall off.
+    /// Row `row` of the table, modulo [`ROWS`].
     #[inline(always)]
     fn row(&self, row: usize) -> Segment {
         let row = row % ROWS;
-        // Below what is tabulated serves the edge of the first segment, above it that of the last.
+        // Below the table the lower edge of its first segment serves, above it the edge of its last.
         let segment = row.max(1);
         let octave = segment / SEGMENTS;
         let scale = self.scale[octave];
@@ -235,7 +236,7 @@ impl PowerSeed {
     }
 }
 
-/// `value` where it is within `low..=high`. What is right, as nearly all are, costs two comparisons.
+/// Returns `value` if it is within `low..=high`. A valid value, the usual case, costs two comparisons.
 #[inline(always)]
 fn read(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, ConfigError> {
     if value >= low && value <= high {
@@ -244,40 +245,40 @@ fn read(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, Con
     in_range(field, value, low.into(), high.into())
 }
 
-/// c·|v|^α·sgn v for one c and α, within 4e-7 of its own size: 4 KiB of cubics, eight to the octave, for |v| from
-/// 5.4e-7 (1.125·2⁻²¹) to 1920 mm/s. Below and above it is proportional to v in steps of an eighth of an octave: t·p0
-/// with the p0 that is c·|v|^α of the edge over the edge.
+/// c·|v|^α·sgn v for one c and α, with a relative error within 4e-7: 4 KiB of cubics, eight per octave, for |v| from 5.4e-7
+/// (1.125·2⁻²¹) to 1920 mm/s. Outside that range it is proportional to v in steps of an eighth of an octave: t·p0, where p0 is
+/// c·|v|^α at the edge divided by the edge.
 ///
-/// The cubics are of c·|v|^α. Those of c·|v|^(α−1), to be multiplied by v, would have the sign for nothing too, but on a
-/// segment it is further from a cubic by (4 − α)/α, 6 to 26 times for the α of the paper, and would miss by 1e-6.
+/// The cubics approximate c·|v|^α. Cubics of c·|v|^(α−1), to be multiplied by v, would give the sign at no cost too. But on a
+/// segment that function is further from a cubic by (4 − α)/α, 6 to 26 times for the α of the paper, and the error would be 1e-6.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerTable {
     rows: [Segment; ROWS],
 }
 
 impl PowerTable {
-    /// Filled from `seed`.
+    /// A table filled from `seed`.
     pub fn new(seed: &PowerSeed) -> Self {
         let mut new = Self::empty();
         new.fill(seed);
         new
     }
 
-    /// All rows for the c and α of `seed`, in place.
+    /// Fills all rows for the c and α of `seed`, in place.
     pub fn fill(&mut self, seed: &PowerSeed) {
         for row in 0..ROWS {
             self.fill_row(seed, row);
         }
     }
 
-    /// 0 for every velocity, until rows are filled.
+    /// A table that gives 0 for every velocity until rows are filled.
     pub const fn empty() -> Self {
         Self {
             rows: [[0.0; 4]; ROWS],
         }
     }
 
-    /// Row `row` for the c and α of `seed`, a handful of multiplications; whole turns of [`ROWS`] fall off.
+    /// Fills row `row`, modulo [`ROWS`], for the c and α of `seed`: a handful of multiplications.
     #[inline(always)]
     pub fn fill_row(&mut self, seed: &PowerSeed, row: usize) {
         self.rows[row % ROWS] = seed.row(row);
@@ -286,12 +287,12 @@ impl PowerTable {
     /// The row that serves `v` mm/s within ±[`limits::VELOCITY`].
     #[inline(always)]
     pub fn row_of(v: f32) -> usize {
-        // The sign is shifted out, and what is below the table becomes negative.
+        // The sign is shifted out, and a value below the table becomes negative.
         let above = (v.to_bits() << 1).wrapping_sub(LOWEST_BITS << 1) as i32;
         (above >> (WITHIN + 1)).clamp(0, ROWS as i32 - 1) as usize % ROWS
     }
 
-    /// c·|v|^α·sgn v in kN for `v` mm/s within ±[`limits::VELOCITY`]; beyond, and for NaN, it may be infinite or NaN.
+    /// c·|v|^α·sgn v in kN for `v` mm/s within ±[`limits::VELOCITY`]; beyond it, and for NaN, the result may be infinite or NaN.
     ///
     /// 0 at v = 0 for every α, Coulomb friction (α = 0) included.
     #[inline(always)]
@@ -300,7 +301,7 @@ impl PowerTable {
         t * quotient
     }
 
-    /// `elastic` kN and [`PowerTable::damping_force`].
+    /// Sum of `elastic` kN and [`PowerTable::damping_force`].
     #[inline(always)]
     pub(crate) fn add_damping_force(&self, elastic: f32, v: f32) -> f32 {
         let (t, quotient) = edge_and_quotient(&self.rows[Self::row_of(v)], v);
@@ -308,7 +309,7 @@ impl PowerTable {
     }
 }
 
-/// t of [`Segment`] and what it is multiplied by.
+/// t of [`Segment`] and its factor.
 #[inline(always)]
 fn edge_and_quotient([p0, p1, p2, p3]: &Segment, v: f32) -> (f32, f32) {
     let t = f32::from_bits(v.to_bits() & !((1 << WITHIN) - 1));
@@ -316,7 +317,7 @@ fn edge_and_quotient([p0, p1, p2, p3]: &Segment, v: f32) -> (f32, f32) {
     (t, p0 + magnitude * (p1 + magnitude * (p2 + magnitude * p3)))
 }
 
-/// The cubic through `f` at Chebyshev's four nodes within `half` of `centre`, lowest power first.
+/// The cubic through `f` at the four Chebyshev nodes within `half` of `centre`, lowest power first.
 fn chebyshev_cubic(centre: f64, half: f64, f: impl Fn(f64) -> f64) -> [f64; 4] {
     // cos π/8 and cos 3π/8.
     const NODES: [f64; 2] = [0.923_879_532_511_286_7, 0.382_683_432_365_089_8];
@@ -329,7 +330,7 @@ fn chebyshev_cubic(centre: f64, half: f64, f: impl Fn(f64) -> f64) -> [f64; 4] {
             *a += value * t;
         }
     }
-    // From Chebyshev's polynomials to powers of the distance from the centre, and from there to powers.
+    // From Chebyshev polynomials to powers of the distance from the centre, and from there to powers of the argument.
     let [t0, t1, t2, t3] = a;
     let [d0, d1, d2, d3] = [
         t0 - t2,
@@ -349,7 +350,7 @@ fn chebyshev_cubic(centre: f64, half: f64, f: impl Fn(f64) -> f64) -> [f64; 4] {
 mod tests {
     use super::exp2_of_negative;
 
-    /// Rounding down takes 4.1e-8, the polynomial 7.8e-8, and two roundings of a float as much again.
+    /// Rounding down takes 4.1e-8, the polynomial 7.8e-8, and two roundings of a float the same again.
     #[test]
     fn two_to_the_negative_is_that_of_f64() {
         for step in 0..=125 * 512u16 {

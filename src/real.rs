@@ -1,14 +1,14 @@
-//! The float that the law and its effects are written over.
+//! The float type over which the law and its effects are generic.
 //!
-//! Identification on the host runs them in `f64`, the firmware in `f32`: the same lines, so that what is fitted is
-//! what ships.
+//! Identification on the host runs them in `f64`, the firmware in `f32`. Both run the same code, so the fitted law is the law that
+//! ships.
 
 use crate::error::ConfigError;
 use crate::limits;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// `f32` or `f64`, with the few operations that the law and its effects need.
+/// `f32` or `f64`, with the operations that the law and its effects need.
 pub trait Real:
     Copy
     + Debug
@@ -28,37 +28,37 @@ pub trait Real:
     /// 1
     const ONE: Self;
 
-    /// The nearest value of this float; what is beyond its range becomes infinite.
+    /// The nearest value of this float; a value beyond its range becomes infinite.
     fn from_f64(value: f64) -> Self;
     /// The same value as `f64`, exactly.
     fn to_f64(self) -> f64;
     /// The nearest value of this float.
     fn from_i32(value: i32) -> Self;
-    /// The integer towards 0; the nearest `i32` of what is beyond, 0 of NaN.
+    /// The integer towards 0; a value beyond `i32` gives the nearest `i32`, NaN gives 0.
     fn to_i32(self) -> i32;
-    /// 8192·log₂ of a positive number by straight lines between powers of two, rounded down: 4096ths of half octaves; some
-    /// number of any other.
+    /// 8192·log₂ of a positive number, linear between powers of two and rounded down, which is 4096 per half octave. Unspecified
+    /// for any other number.
     fn half_octaves(self) -> i32;
     /// Magnitude.
     fn abs(self) -> Self;
-    /// 1 of what is below 0 and of −0, else 0.
+    /// 1 for a negative number and for −0, else 0.
     fn sign_bit(self) -> usize;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// 2ˣ of an x of at most 0, 1 at 0; of one above 0, and of NaN, it is finite. `f32` takes the short form of
-    /// [`crate::power`], within 2.1e-7 and x's own rounding.
+    /// 2ˣ for an x of at most 0, and 1 at 0. Finite for an x above 0 and for NaN. `f32` uses the short form in [`crate::power`],
+    /// with an error within 2.1e-7 plus x's own rounding.
     fn exp2_of_negative(self) -> Self;
     /// `|self|^exponent` for an exponent in 0…1: 0 at 0 for every exponent, 0 included.
     ///
-    /// `f32` takes the short form of [`crate::power`], `f64` libm's or the host's.
+    /// `f32` uses the short form in [`crate::power`], `f64` that of libm or of the host.
     fn abs_pow(self, exponent: Self) -> Self;
 
-    /// sin of `phase`, 2⁶⁴ to the cycle. `f32` takes that of [`crate::sine::sin_cos`], `f64` libm's or the host's.
+    /// sin of `phase`, 2⁶⁴ per cycle. `f32` uses [`crate::sine::sin_cos`], `f64` that of libm or of the host.
     fn sine(phase: u64) -> Self;
 
     /// Clamped to `-limit..=limit`; NaN becomes 0.
     ///
-    /// One comparison where it is within; `min` and `max` are calls on a Cortex-M.
+    /// One comparison for a value within the limit; `min` and `max` are function calls on a Cortex-M.
     #[inline(always)]
     fn clamped(self, limit: Self) -> Self {
         if self.abs() <= limit {
@@ -76,8 +76,8 @@ pub trait Real:
     fn clipped(self, limit: Self) -> Self;
 }
 
-/// `value` if it is finite and within `low..=high`, else the error that names `field`. Compared as `R`, to which the
-/// bounds are rounded: a target without f64 need not emulate it.
+/// Returns `value` if it is finite and within `low..=high`, else the error that names `field`. The comparison is in `R`, to which
+/// the bounds are rounded, so that a target without f64 need not emulate it.
 #[inline(always)]
 pub(crate) fn in_range<R: Real>(
     field: &'static str,
@@ -88,12 +88,12 @@ pub(crate) fn in_range<R: Real>(
     compare(field, value, R::from_f64(low), R::from_f64(high))
 }
 
-/// `value` if it can be a stiffness, damping or force coefficient.
+/// Returns `value` if it is a valid stiffness, damping or force coefficient.
 pub(crate) fn coefficient<R: Real>(field: &'static str, value: R) -> Result<R, ConfigError> {
     in_range(field, value, -limits::COEFFICIENT, limits::COEFFICIENT)
 }
 
-// Not inlined: there are many, and none is called every tick.
+// Not inlined, because there are many calls, and none on every tick.
 #[inline(never)]
 fn compare<R: Real>(field: &'static str, value: R, low: R, high: R) -> Result<R, ConfigError> {
     if value >= low && value <= high && value.is_finite() {
@@ -103,7 +103,7 @@ fn compare<R: Real>(field: &'static str, value: R, low: R, high: R) -> Result<R,
     }
 }
 
-// Apart: what it saves on the stack is no matter of what is in range.
+// A separate function, so that a value in range does not pay for its stack.
 #[cold]
 #[inline(never)]
 fn out_of_range<R: Real>(field: &'static str, value: R, low: R, high: R) -> ConfigError {
@@ -118,7 +118,7 @@ fn out_of_range<R: Real>(field: &'static str, value: R, low: R, high: R) -> Conf
     }
 }
 
-/// [`in_range`] of an `f32` in a `const`, where no trait's comparison can be called.
+/// [`in_range`] for an `f32` in a `const`, where a trait's comparison cannot be called.
 pub(crate) const fn within(
     field: &'static str,
     value: f32,
@@ -139,8 +139,8 @@ pub(crate) const fn within(
     }
 }
 
-/// √`x`, within 1e-7 of its own size: what a core without the square root of its own can do in a few instructions' code.
-/// 0 for subnormals and below 0, infinity and NaN as they are.
+/// √`x`, with a relative error within 1e-7: little code for a core without a square-root instruction. 0 for subnormal and negative
+/// numbers; infinity and NaN stay as they are.
 pub(crate) fn square_root(x: f32) -> f32 {
     if x < f32::MIN_POSITIVE {
         return 0.0;
@@ -148,7 +148,8 @@ pub(crate) fn square_root(x: f32) -> f32 {
     if !x.is_finite() {
         return x;
     }
-    // Half of the exponent, and a line for the mantissa, within 3.5 %; Newton's steps square that and halve it.
+    // Half of the exponent, and a line for the mantissa, with an error within 3.5 %; each Newton step halves the square of the
+    // error.
     let mut root = f32::from_bits((x.to_bits() >> 1) + 0x1fbd_1df5);
     for _ in 0..3 {
         root = 0.5 * (root + x / root);
@@ -178,7 +179,7 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn half_octaves(self) -> i32 {
-        // The mantissa follows the exponent.
+        // In the bits the mantissa follows the exponent.
         (self.to_bits() as i32).wrapping_sub(127 << 23) >> 10
     }
     #[inline(always)]
@@ -207,7 +208,7 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn clipped(self, limit: Self) -> Self {
-        // Positive floats compare as their bits do.
+        // Positive floats compare like their bits.
         let bits = self.to_bits();
         let magnitude = (bits & 0x7fff_ffff).min(limit.to_bits());
         f32::from_bits((bits & 0x8000_0000) | magnitude)
@@ -216,7 +217,7 @@ impl Real for f32 {
 
 #[cfg(feature = "std")]
 mod host {
-    /// In two thirds of the time of `powf`, by a rounding unit of the exponent: 1e-14 of a force.
+    /// Takes two thirds of the time of `powf`, at the cost of one rounding of the exponent: 1e-14 of a force.
     pub fn pow(base: f64, exponent: f64) -> f64 {
         (exponent * base.ln()).exp()
     }
@@ -280,7 +281,7 @@ impl Real for f64 {
         }
     }
     fn sine(phase: u64) -> Self {
-        // From −½ cycle, for the digits near 0.
+        // From −½ cycle on, for accuracy near 0.
         host::sin(phase.cast_signed() as f64 * (core::f64::consts::TAU / (1u128 << 64) as f64))
     }
     #[inline(always)]
@@ -296,7 +297,7 @@ mod tests {
     #[test]
     fn a_square_root_is_that_of_f64_to_the_last_digit_or_so() {
         let mut worst = 0.0f64;
-        // Every 997th float: both parities of the exponent, all of the mantissa.
+        // Every 997th float: both parities of the exponent, and all of the mantissa's range.
         for bits in (f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits()).step_by(997) {
             let x = f32::from_bits(bits);
             let exact = libm::sqrt(f64::from(x));

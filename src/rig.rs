@@ -1,38 +1,38 @@
-//! The fixed-tick controllers: they take what the sensors say of the specimen, say what the actuator is to do, run the law beside
-//! it, and protect both.
+//! The fixed-tick controllers. They take the sensor values, command the actuator, evaluate the law alongside the specimen, and
+//! protect both.
 //!
-//! [`RigController`] excites a specimen: an [`Exciter`]'s displacement goes out as the actuator's command, corrected for amplitude
-//! and phase from cycle to cycle, and the law is evaluated beside the measured force. The exciter is the generator of a
-//! [`Programme`](crate::sine::Programme) or a [`Stream`] of any motion. [`EmulationController`] is the other role: it is the damper,
-//! and drives the law's force for the displacement it measures.
+//! [`RigController`] excites a specimen: it sends an [`Exciter`]'s displacement to the actuator, corrects amplitude and phase from
+//! cycle to cycle, and compares the law's force with the measured one. The exciter is the generator of a
+//! [`Programme`](crate::sine::Programme), or a [`Stream`] of any motion. [`EmulationController`] has the opposite role: it replaces
+//! the damper, and drives the law's force for the displacement that it measures.
 //!
-//! # Who does the I/O
-//! A [`Controller`] does none: a [`Reading`] goes in, and the [`Telemetry`] that comes out holds the [`Command`].
+//! # Input and output
+//! A [`Controller`] does no I/O: it takes a [`Reading`] and returns the [`Telemetry`], which contains the [`Command`].
 //!
 //! | the converters | use |
 //! |---|---|
 //! | an ADS8688 and an AD5761R on SPI | [`Rig::new`], [`DamperEmulation::new`] |
-//! | others, read and written in calls that wait | [`Sensors`], [`Actuator`] and [`Blocking::wire`] |
-//! | awaited | the feature `async`: `AsyncSensors`, `AsyncActuator` and `Asynchronous::wire` |
-//! | DMA, or a link | the [`Controller`] itself, which has an example |
+//! | other converters, with blocking calls | [`Sensors`], [`Actuator`] and [`Blocking::wire`] |
+//! | other converters, with `async` calls | the feature `async`: `AsyncSensors`, `AsyncActuator` and `Asynchronous::wire` |
+//! | DMA, or a link | the [`Controller`] itself; its documentation has an example |
 //!
 //! # Deadline
-//! Call `tick()` once per tick, from a timer at the tick rate; it must return before the next. On the two SPI parts it clocks 64
-//! bits out of the ADC and 24 into the DAC, 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation is a fixed number of
-//! operations without a loop but for the law's effects, and calls nothing of libm; a swap of the law adds a row of its
-//! table to each of some hundred ticks, and the tick that ends a cycle the cycle's results, a dozen divisions and one square
-//! root. Every [`VERIFY_TICKS`] ticks 72 bits more read the DAC back.
+//! Call `tick()` once per tick, from a timer at the tick rate. It must return before the next tick. On the two SPI parts it clocks
+//! 64 bits out of the ADC and 24 into the DAC: 5.5 µs at 16 MHz, of the 100 µs at 10 kHz. Its computation has a fixed number of
+//! operations; only the law's effects contain loops, and it calls nothing of libm. A swap of the law adds one row of its table to
+//! each of about a hundred ticks. The tick that ends a cycle adds the cycle's results: a dozen divisions and one square root. Every
+//! [`VERIFY_TICKS`] ticks the DAC is read back, which takes 72 bits more.
 //!
 //! # Supervision
-//! Each tick is given the reading of a clock: one that comes late, not at all or twice stops what runs, see [`Controller::tick`].
-//! [`WithTrip`] adds an input from outside that says stop, [`WithReadBack`] a look at the enable line's level, and [`WithAlive`] a
-//! signal for a watchdog outside. The DAC is read back, and a clear sets both converters up again.
+//! Each tick takes the reading of a clock. A tick that is late, missing or called twice stops a running test, see
+//! [`Controller::tick`]. [`WithTrip`] adds an external stop input, [`WithReadBack`] a check of the enable line's level, and
+//! [`WithAlive`] a signal for an external watchdog. The DAC is read back, and a clear sets up both converters again.
 //!
 //! # Stopping
-//! A limit exceeded, sensors or an actuator that fail, a channel at the end of its range, stuck or dropped out, a cycle without response, a number
-//! that is not finite, a tick that came late or a link that is lost stops it: the enable line drops in that very tick, the
-//! command goes to 0 in a straight line within [`RigSettings::stop_ticks`] and one, and the cause stays as
-//! [`State::Faulted`] until [`Controller::clear`]. What of the rig's states follows on which:
+//! Each of these stops the rig: a limit exceeded, a failure of sensors or actuator, a channel at the end of its range, stuck or
+//! dropped out, a cycle without response, a number that is not finite, a late tick, a lost link. The enable line drops in that very
+//! tick. The command goes linearly to 0 within [`RigSettings::stop_ticks`] plus one. The cause stays as [`State::Faulted`] until
+//! [`Controller::clear`]. The transitions between the states are:
 //!
 //! ```text
 //!                  start                 stop, finish                     at rest
@@ -113,12 +113,12 @@ pub type Emulator<A, D, E, const N: usize> = SpiDamperEmulation<A, D, E, Running
 #[deprecated(note = "use DamperEmulationSettings")]
 pub type EmulatorSettings = DamperEmulationSettings;
 
-/// Temperatures that a specimen in its chamber may have, °C.
+/// Plausible temperatures of a specimen in its chamber, °C.
 pub(crate) const TEMPERATURES: [f64; 2] = [-60.0, 200.0];
-/// °C/s: a mesh of 50 g takes 250 W for that.
+/// Plausible rate of change, °C/s: a mesh of 50 g needs 250 W for it.
 const TEMPERATURE_RATE: f64 = 10.0;
 
-/// What a rig is set to. [`RigController::new`] validates it.
+/// Settings of a rig. [`RigController::new`] validates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -128,44 +128,46 @@ pub struct RigSettings {
     pub displacement_limit: f64,
     /// Largest measured force in either direction, kN, 1e-6…1e9.
     pub force_limit: f64,
-    /// Largest distance of the measured displacement from the demanded one, mm, 1e-6…1e4.
+    /// Largest difference between the measured and the demanded displacement, mm, 1e-6…1e4.
     pub tracking_limit: f64,
-    /// For how many ticks on end one of these must be exceeded to stop the rig, 1…1e6; for a quarter as many by more than a tenth.
+    /// Number of ticks in a row for which one of these limits must be exceeded to stop the rig, 1…1e6. A quarter of that is enough
+    /// for an excess of more than a tenth.
     pub trip_ticks: u32,
-    /// In how many ticks the command goes to 0 once stopped, 1…1e7.
+    /// Number of ticks in which the command goes to 0 after a stop, 1…1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without an exchange over the link it stops, see [`Controller::exchange`], 0…1e7; 0 where nobody is
-    /// linked.
+    /// Number of ticks without an exchange over the link after which the rig stops, see [`Controller::exchange`], 0…1e7; 0 without
+    /// a link.
     pub link_ticks: u32,
-    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
-    /// counts the ticks of the timer, one each. A clock that is independent of the timer, such as the processor's cycles, also
-    /// finds a timer at a wrong rate; give it at least 10 counts to the tick. See [`Controller::tick`].
+    /// Rate of the counter whose reading each tick takes, Hz: 0, or from the tick rate to 4e9 and to 2e9 times the tick rate. With
+    /// 0 the counter counts the timer's ticks, one each. A clock that is independent of the timer, such as the processor's cycle
+    /// counter, also detects a timer at a wrong rate; it needs at least 10 counts per tick. See [`Controller::tick`].
     pub clock_rate: f64,
-    /// Of the observer, Hz, 1e-3 to a tenth of the tick rate.
+    /// Bandwidth of the observer, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3…3.
     pub observer_damping: f64,
     /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0…1.
     pub correction_gain: f64,
-    /// Most by which amplitude's correction may have the command grow within a block, once it has settled, part of it, 0.01…10; twice that
-    /// before. More stops the rig: what asks for it is a displacement channel that shows too little, or an actuator that becomes weak.
+    /// Largest growth of the command within a block by the amplitude correction, once it has settled, as a part of the command,
+    /// 0.01…10; twice that before. More stops the rig, because it means that the displacement channel shows too little, or that the
+    /// actuator becomes weak.
     pub correction_limit: f64,
-    /// Lead to begin with, s, 0…0.1: what the actuator is known to lag.
+    /// Initial lead, s, 0…0.1: the known lag of the actuator.
     pub lead: f64,
     /// Time constant with which a correction takes effect, s, one tick to 10.
     pub glide: f64,
     /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
     pub feedback: f64,
-    /// Coldest and hottest that a measured temperature can be, °C, −273…2000. What is beyond is no temperature of the specimen.
+    /// Coldest and hottest plausible temperature, °C, −273…2000. A measured value beyond is not the specimen's temperature.
     pub temperature_range: [f64; 2],
-    /// Fastest that it can change, °C/s, 1e-3…1e3: the law is given no faster change while running.
+    /// Fastest plausible change of the temperature, °C/s, 1e-3…1e3: a running law gets no faster change.
     pub temperature_rate: f64,
-    /// Of what watches it.
+    /// Settings of the health monitor.
     pub health: HealthSettings,
 }
 
 impl Default for RigSettings {
-    /// For amplitudes up to 0.3 mm and a few kN, at 0.5–10 Hz.
+    /// Settings for amplitudes up to 0.3 mm and a few kN, at 0.5–10 Hz.
     fn default() -> Self {
         Self {
             displacement_limit: 0.5,
@@ -189,8 +191,8 @@ impl Default for RigSettings {
     }
 }
 
-/// What [`RigSettings`] come to at a tick rate, computed in f64. It goes over a link: a target without f64 takes what
-/// a host computed.
+/// [`RigSettings`] converted for a tick rate, computed in f64. It goes over a link, so that a target without f64 gets the numbers
+/// that a host computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigConfig {
     limits: Limits,
@@ -229,7 +231,7 @@ impl Fields for RigConfig {
 }
 
 impl RigSettings {
-    /// At `tick_rate` Hz, 1…1e6.
+    /// Converts the settings for `tick_rate` Hz, 1…1e6.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
@@ -269,45 +271,45 @@ impl RigSettings {
     }
 }
 
-/// One tick, as the rig saw it.
+/// One tick of the rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Telemetry {
     /// Ticks since construction, this one included.
     pub tick: u64,
-    /// Measured displacement, mm. The last one read, where reading failed.
+    /// Measured displacement, mm. If reading failed, the last one read.
     pub displacement: f32,
     /// Observed velocity, mm/s.
     pub velocity: f32,
-    /// Measured force, kN. The last one read, where reading failed.
+    /// Measured force, kN. If reading failed, the last one read.
     pub measured_force: f32,
-    /// Control inputs as the law was given them, in the units of its effects; 0 where there is none. The last ones read, where
-    /// reading failed.
+    /// Control inputs given to the law, in the units of its effects; 0 for an input that does not exist. If reading failed, the
+    /// last ones read.
     pub controls: [f32; CONTROLS],
     /// Force of the law at the observed motion, kN.
     pub model_force: f32,
-    /// What the actuator drives: mm, or kN from an emulator. The last one that it took, where it fails.
+    /// Command to the actuator: mm, or kN in a damper emulation. If the actuator fails, the last one that it accepted.
     pub command: f32,
-    /// Block of the programme; 0 from an emulator and of a stream.
+    /// Block of the programme; 0 in a damper emulation and for a stream.
     pub block: usize,
     /// Cycles completed.
     pub cycle: u32,
-    /// Phase of the cycle under way, 2³² to the cycle; 0 of a stream.
+    /// Phase of the current cycle, 2³² per cycle; 0 for a stream.
     pub phase: u32,
-    /// In a ramp of the programme, or following a stream.
+    /// Whether the tick is in a ramp of the programme, or follows a stream.
     pub ramp: bool,
-    /// What the rig is doing after this tick.
+    /// State of the rig after this tick.
     pub state: State,
-    /// The cycle that ended with this tick; never of a stream.
+    /// The cycle that ended with this tick; always `None` for a stream.
     pub report: Option<CycleReport>,
-    /// What was found wrong at this tick, or beside something else shortly before, the first time since it was cleared; by an
-    /// emulator of the temperature alone.
+    /// Event of the health monitor found at this tick, or shortly before together with another one. Each cause is reported once,
+    /// until events are cleared. A damper emulation reports only implausible temperatures.
     pub event: Option<Event>,
 }
 
 impl Telemetry {
-    /// What the actuator is to do until the next tick.
+    /// Command to the actuator until the next tick.
     #[inline(always)]
     pub fn to_drive(&self) -> Command {
         Command {
@@ -317,25 +319,25 @@ impl Telemetry {
     }
 }
 
-/// One cycle's results, from the observed displacement.
+/// Results of one cycle, from the observed displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CycleReport {
-    /// Block of the programme; 0 from an emulator.
+    /// Block of the programme; 0 in a damper emulation.
     pub block: usize,
     /// Number of the cycle, from 0.
     pub cycle: u32,
-    /// A ramp of the programme.
+    /// Whether it is a ramp of the programme.
     pub ramp: bool,
-    /// With the measured force.
+    /// Results with the measured force.
     pub measured: Cycle,
-    /// With the law's force.
+    /// Results with the law's force.
     pub model: Cycle,
-    /// RMS of the law's error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the error's
-    /// square is beyond a float.
+    /// RMS of the law's error divided by the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the error's
+    /// square exceeds a float.
     pub nrmse: f32,
-    /// By how much the law differed from the law as it was given, which slow changes of the specimen had led to; 0 where it
-    /// does not follow, and from an emulator.
+    /// Adaptation to slow changes of the specimen: relative difference between the law in force and the law as given. 0 without
+    /// adaptation, and in a damper emulation.
     pub followed: Adaptation,
 }

@@ -1,21 +1,20 @@
-//! A test of the law without a specimen: eq 13 under a [`Programme`], and what each cycle comes to.
+//! A test of the law without a specimen: the mixed damping law (eq 13) under a [`Programme`], and the results of each cycle.
 //!
-//! In a block of constant amplitude and frequency a tick is short, and of the same length whatever the motion and the
-//! coefficients: the phase within a 16th of the cycle, a *sector*, is advanced, and its overflow is all that is asked for.
-//! What is due now and then waits for the end of a sector: the sum's fold, the end of a cycle, and one after the other the
-//! steps to the results of the cycle before. After a swap of the law the ticks are longer while its table is filled. Ramps and
-//! sweeps, and blocks of less than 16 ticks to the cycle, go by [`SineGenerator`] and [`CycleAccumulator`] and take some
-//! hundred instructions.
+//! In a block of constant amplitude and frequency a tick is short, and equally long for every motion and all coefficients. It
+//! advances the phase within a 16th of the cycle, a *sector*, and checks only for its overflow. Rare work is done at the end of a
+//! sector: the fold of the sum, the end of a cycle, and, one by one, the steps to the results of the cycle before. After a swap of
+//! the law the ticks are longer while its table is filled. Ramps and sweeps, and blocks with less than 16 ticks per cycle, use
+//! [`SineGenerator`] and [`CycleAccumulator`], and take some hundred instructions.
 //!
 //! # Energy of a demanded sine
-//! With y = A·sin φ, ΔW = ∮F dy = A·ω·∫F·cos φ dt, whose integrand is the same at both ends: the sum over the ticks, with
-//! what the first and the last lack of a whole tick, is more accurate than any order of trapezoids. With a and e the parts
-//! of a tick after the cycle's beginning and after its end at which the next tick came, and P = F·cos φ at φ = 0, where its
-//! rate g is k1·A·ω a second,
+//! With y = A·sin φ, ΔW = ∮F dy = A·ω·∫F·cos φ dt. The integrand is the same at both ends of the cycle. The sum over the ticks,
+//! corrected for the incomplete first and last tick, is therefore more accurate than trapezoids of any order. Let a and e be the
+//! parts of a tick between the cycle's beginning, or its end, and the next tick. Let P be F·cos φ at φ = 0, where its rate g is
+//! k1·A·ω per second:
 //!
 //! ΔW = A·ω·Δt·(ΣP + P·(a − e) + g·Δt/2·(e·(1 − e) − a·(1 − a))).
 //!
-//! Eq 13 is odd, so that the smallest force is the largest, negated, and the means are 0.
+//! Eq 13 is odd, so that the smallest force is the negative of the largest, and the means are 0.
 
 use core::borrow::Borrow;
 
@@ -29,19 +28,20 @@ use crate::sine::{
 };
 use crate::sum::Sum;
 
-/// The sectors with a step at whose beginning the velocity is no longer, and not yet, positive.
+/// The first sector with a step at whose beginning the velocity is no longer positive, and the last at whose beginning it is not
+/// yet positive.
 const RISEN: usize = SECTORS / 4 + 1;
 const FALLEN: usize = 3 * SECTORS / 4 - 1;
 
-/// What a tick in a steady block works on.
+/// State of a tick in a steady block.
 #[derive(Clone, Copy, Debug)]
 struct Walk {
-    /// Within the sector, [`SECTOR`] to it, with [`SECTOR_ROUNDING`] in it. Of the last tick.
+    /// Phase of the last tick within the sector, [`SECTOR`] per sector, with [`SECTOR_ROUNDING`] added.
     phase: u64,
-    /// Of a tick.
+    /// Increment of the phase per tick.
     increment: u64,
     sector: Sector,
-    /// Bits of the largest force, kN: positive floats compare as integers do, and are above the negative ones.
+    /// Bits of the largest force, kN: positive floats compare like integers, and are above the negative ones.
     force_max: i32,
     /// A·ω, mm/s.
     speed: f32,
@@ -53,39 +53,39 @@ struct Walk {
     work: Sum,
 }
 
-/// What becomes of a tick that is not short.
+/// How a tick that is not short is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Stage {
     /// By the generator.
     #[default]
     Programme,
-    /// In a steady block, the table being filled; phase and increment are not in [`Walk`].
+    /// In a steady block while the table is filled; phase and increment are not in [`Walk`].
     Filling,
     /// In a steady block, at the end of a sector.
     Steady,
 }
 
-/// What the results of a steady cycle take beside [`Walk`].
+/// Further state for the results of a steady cycle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Steady {
     stage: Stage,
     /// Another law waits for the end of `cycles`.
     waiting: bool,
-    /// `beginning` is of the law before.
+    /// `beginning` belongs to the law before.
     law_taken: bool,
     /// Number of the sector.
     sector: usize,
     /// Phase and increment while the table is filled.
     parked: [u64; 2],
-    /// Cycles until something is due at the end of one, and from then until the block's end.
+    /// Cycles until work is due at the end of one, and from then until the end of the block.
     cycles: u32,
     cycles_after: u32,
-    /// The block's, and those completed at its end.
+    /// Cycles of the block, and those completed at its end.
     cycles_of_block: u32,
     cycles_then: u32,
     /// A, mm.
     amplitude: f32,
-    /// Ticks to a unit of the phase's upper half, and a millionth less.
+    /// Ticks per unit of the phase's upper half, and the same less a millionth.
     per_phase: f32,
     short_per_phase: f32,
     /// A·ω·Δt, mm.
@@ -96,7 +96,7 @@ struct Steady {
     beginning: [f32; 2],
     /// a.
     begun: f32,
-    /// Of that cycle: its sum and the upper half of the phase of the tick after it.
+    /// For that cycle: its sum, and the upper half of the phase of the tick after it.
     work: Sum,
     ended: u32,
     results: Cycle,
@@ -104,9 +104,9 @@ struct Steady {
     held: i32,
 }
 
-/// The law under a programme of up to `B` blocks, which it owns or borrows.
+/// The law under a programme of up to `B` blocks, which the simulation owns or borrows.
 #[derive(Clone, Debug)]
-// The fields of every tick come first, within reach of a load's offset.
+// The fields used on every tick come first, within the offset of a load.
 #[repr(C)]
 pub struct Simulation<const B: usize, P = Programme<B>> {
     walk: Walk,
@@ -121,10 +121,10 @@ pub struct Simulation<const B: usize, P = Programme<B>> {
 }
 
 impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
-    /// At rest, at the start of `programme`.
+    /// A simulation at rest, at the start of `programme`.
     ///
     /// # Errors
-    /// [`ConfigError::Empty`] for a programme with no block.
+    /// [`ConfigError::Empty`] for a programme without a block.
     pub fn new(programme: P, law: FastLaw<0>) -> Result<Self, ConfigError> {
         let generator = SineGenerator::new(programme)?;
         Ok(Self {
@@ -140,7 +140,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         })
     }
 
-    /// Another law from the end of this cycle on.
+    /// Sets a law that takes over at the end of this cycle.
     pub fn swap_law(&mut self, law: FastLaw<0>) {
         self.law.swap(law);
         let steady = &mut self.steady;
@@ -167,28 +167,28 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         cycles_then.wrapping_sub(cycles).wrapping_sub(cycles_after)
     }
 
-    /// How many cycles have their results, and those of the last one. In a steady block they follow the cycle's end by
-    /// thirteen sectors, so that no tick bears them all.
+    /// Number of cycles with results, and the results of the last one. In a steady block they are complete thirteen sectors after
+    /// the cycle's end, so that no tick bears the whole computation.
     pub fn results(&self) -> (u32, &Cycle) {
         (self.completed, &self.results)
     }
 
-    /// A law has taken over and its table is being filled: until then a tick takes two and a half times as long.
+    /// Whether a law has taken over and its table is being filled. Until then a tick takes two and a half times as long.
     pub fn filling(&self) -> bool {
         self.law.is_filling()
     }
 
-    /// The last tick was in a ramp.
+    /// Whether the last tick was in a ramp.
     pub fn ramp(&self) -> bool {
         self.ramp
     }
 
-    /// The programme is over: the force stays 0.
+    /// Whether the programme is over: the force stays 0.
     pub fn done(&self) -> bool {
         self.done
     }
 
-    /// The force in kN at the next tick; the first is at rest.
+    /// The force in kN at the next tick; the first tick is at rest.
     #[inline]
     pub fn tick(&mut self) -> f32 {
         self.walk.phase = self.walk.phase.wrapping_add(self.walk.increment);
@@ -198,7 +198,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         self.walk.sample(&self.law)
     }
 
-    /// The forces in kN at the next ticks: as many times [`Simulation::tick`], for less.
+    /// The forces in kN at the next ticks, like repeated calls of [`Simulation::tick`], at a lower cost.
     pub fn block(&mut self, forces: &mut [f32]) {
         let mut forces = forces;
         loop {
@@ -217,14 +217,14 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         }
     }
 
-    /// Where the velocity is positive or about to be. There the largest force is: by the damping it is more than at the same
+    /// Whether the velocity is positive or about to be. The largest force is there: damping makes it larger than at the same
     /// displacement on the way back.
     #[inline(always)]
     fn rises(&self) -> bool {
         !(RISEN..FALLEN).contains(&self.steady.sector)
     }
 
-    /// So many ticks, and hardly more, come before the end of the sector.
+    /// Number of ticks certain to come before the end of the sector; there are hardly more.
     #[inline(always)]
     fn short_ticks(&self) -> usize {
         if self.steady.stage != Stage::Steady {
@@ -247,7 +247,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         self.walk.sample(&self.law)
     }
 
-    /// The first tick of a cycle at whose beginning something is due.
+    /// The first tick of a cycle at whose beginning work is due.
     #[inline(never)]
     fn attend_boundary(&mut self) -> f32 {
         let steady = &mut self.steady;
@@ -287,7 +287,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         force
     }
 
-    /// While the table is filled phase and increment are not in the walk, so that no tick is short.
+    /// Takes phase and increment out of the walk while the table is filled, so that no tick is short.
     #[inline(always)]
     fn park(&mut self) {
         let [parked, increment] = &mut self.steady.parked;
@@ -302,7 +302,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         }
     }
 
-    /// The walk has come to another sector. Whether something is due but the law's force.
+    /// The walk has entered the next sector. Returns whether more than the law's force is due.
     #[inline(always)]
     fn sector_ends(&mut self) -> bool {
         self.walk.phase &= SECTOR - 1;
@@ -318,7 +318,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         false
     }
 
-    /// The walk has come to another cycle. Whether it is not one as the last.
+    /// The walk has entered the next cycle. Returns whether it differs from the last one.
     #[inline(always)]
     fn cycle_ends(&mut self) -> bool {
         let steady = &mut self.steady;
@@ -331,12 +331,12 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         steady.cycles == 0
     }
 
-    /// One of the steps to the results of the cycle before, and to those of this one: at the beginning of every other sector.
+    /// Does one step towards the results of the cycle before, and of this one: at the beginning of every other sector.
     #[inline(never)]
     fn step(&mut self, sector: usize) {
         let steady = &mut self.steady;
         let results = &mut steady.results;
-        // Of the block's first cycle: there are no results to come to.
+        // In the block's first cycle there are no results to compute.
         let first = steady.cycles.wrapping_add(steady.cycles_after) == steady.cycles_of_block;
         match sector {
             1 if !first => {
@@ -391,7 +391,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         self.walk.cubic = law.k3() * (amplitude * amplitude) * amplitude;
     }
 
-    /// A tick by the generator.
+    /// A tick computed by the generator.
     #[inline(never)]
     fn programme_tick(&mut self) -> f32 {
         self.walk.phase = Walk::PARKED.phase;
@@ -419,7 +419,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         force
     }
 
-    /// From the block's first tick, whose force is known, on the walk is short.
+    /// From the block's first tick on, whose force is known, the walk is short.
     fn block_begins(&mut self, block: &SteadyBlock, force: f32) {
         let increment = block.increment.saturating_add(1 << (PHASE_SHIFT - 1)) >> PHASE_SHIFT;
         let speed = block.amplitude * block.angular;
@@ -437,7 +437,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
             ..Walk::PARKED
         };
         let per_phase = (1u64 << 32) as f32 / increment as f32;
-        // Ticks to the cycle.
+        // Ticks per cycle.
         let ticks = SECTORS as f32 * (SECTOR as f32 / increment as f32);
         let stroke = core::f32::consts::TAU * block.amplitude / ticks;
         self.steady = Steady {
@@ -468,7 +468,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         self.park();
     }
 
-    /// The tick after the block, by the generator again. The cycle from here on begins with the block's last tick.
+    /// The tick after the block, computed by the generator again. The cycle from here on begins with the block's last tick.
     #[inline(never)]
     fn block_ends(&mut self) -> f32 {
         for sector in [1, 3, 7, 9, 13] {
@@ -493,11 +493,11 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
     }
 }
 
-/// Bits that a phase of 2¹²⁸ to the cycle has below the unit of one within a sector.
+/// Bits by which a phase of 2¹²⁸ per cycle is finer than a phase within a sector.
 const PHASE_SHIFT: u32 = 128 - SECTORS.ilog2() - SECTOR.ilog2();
 
 impl Walk {
-    /// Every tick comes to the end of a sector.
+    /// With these values every tick ends a sector.
     const PARKED: Self = Self {
         phase: 0,
         increment: SECTOR,
@@ -510,7 +510,7 @@ impl Walk {
     };
 
     /// Ticks that all come before the end of the sector.
-    // Not inlined: it needs every register.
+    // Not inlined, because it needs every register.
     #[inline(never)]
     fn run<const RISES: bool>(&mut self, law: &RunningLaw<0>, forces: &mut [f32]) {
         let mut walk = *self;

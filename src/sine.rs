@@ -1,17 +1,16 @@
-//! The excitation: a programme of sines and sweeps, ramped into one another.
+//! The excitation: a programme of sines and sweeps, with ramps between them.
 //!
-//! y(θ) = a(θ)·sin 2πθ, with θ the cycles travelled. A block keeps a constant; between two blocks, before the first and
-//! after the last, a ramp of whole cycles leads a from one amplitude to the next by the quintic 10s³ − 15s⁴ + 6s⁵ of the
-//! part s of the ramp that has been travelled. So a block of n cycles is n cycles at full amplitude, and its ramps
-//! come in addition.
+//! y(θ) = a(θ)·sin 2πθ, where θ counts the cycles. A block keeps a constant. Between two blocks, before the first and after the
+//! last there are ramps of whole cycles. A ramp leads a from one amplitude to the next by the quintic 10s³ − 15s⁴ + 6s⁵, where s is
+//! the completed part of the ramp. A block of n cycles thus has n cycles at full amplitude, and its ramps are additional.
 //!
-//! Where the frequency changes, in a sweep and in a ramp between two frequencies, it follows the cycles travelled
-//! linearly, f = f₀ + k·θ. That is the logarithmic sweep f = f₀·eᵏᵗ, and one tick of length h takes θ forward by
+//! In a sweep, and in a ramp between two frequencies, the frequency is linear in the cycles: f = f₀ + k·θ. This is the logarithmic
+//! sweep f = f₀·eᵏᵗ. One tick of length h advances θ by
 //!
 //! Δθ = (f₀/k + θ)·(eᵏʰ − 1),
 //!
-//! exactly, wherever in the tick the sweep began. Position, velocity and frequency are continuous throughout; the
-//! acceleration too, but for k's own jump where a change of frequency begins and ends.
+//! exactly, wherever in the tick the sweep began. Position, velocity and frequency are continuous throughout. The acceleration is
+//! continuous too, except where a change of frequency begins or ends, where k jumps.
 
 use core::borrow::Borrow;
 
@@ -32,11 +31,11 @@ const NODES: usize = 512;
 const QUARTER: usize = NODES / 4;
 const ENTRIES: usize = NODES + QUARTER + SECTOR_NODES;
 
-/// sin at 512 nodes over the cycle and as many of the next as [`Sector`] reads, computed in f64: the cosine of a node is a
-/// quarter further.
+/// sin at 512 nodes over the cycle, and at the further nodes that [`Sector`] reads, computed in f64. The cosine of a node is the
+/// sine a quarter of a cycle further.
 ///
-/// The nodes lie on the zeros and the extremes, which are exact: with nodes half a step away the zero crossings are a
-/// difference of nearly equal numbers, and |v|^α turns what is left into percents of the peak force.
+/// The nodes lie on the zeros and the extremes, which are exact. With nodes half a step away, the zero crossings would be a
+/// difference of nearly equal numbers, and |v|^α would turn the error into percents of the peak force.
 static SINE: [f32; ENTRIES] = sine_table();
 
 const fn sine_table() -> [f32; ENTRIES] {
@@ -63,7 +62,7 @@ const fn sine_table() -> [f32; ENTRIES] {
 /// sin 2π·node/nodes in f64, for up to a quarter of the nodes.
 pub(crate) const fn quarter_sine(node: usize, nodes: usize) -> f64 {
     let step = core::f64::consts::TAU / nodes as f64;
-    // Up to an eighth of the cycle by the sine's series, beyond by the cosine's: both converge fast there.
+    // Up to an eighth of the cycle by the series of the sine, beyond it by that of the cosine: both converge fast there.
     if node <= nodes / 8 {
         let x = node as f64 * step;
         power_series(x, 1.0, x)
@@ -72,8 +71,8 @@ pub(crate) const fn quarter_sine(node: usize, nodes: usize) -> f64 {
     }
 }
 
-/// first·(1 − x²/((n+1)(n+2)) + x⁴/(…) − …): the sine for n = 1, first = x, the cosine for n = 0, first = 1. The term
-/// left out is below (π/4)²⁰/20! = 3e-21.
+/// first·(1 − x²/((n+1)(n+2)) + x⁴/(…) − …): the sine for n = 1, first = x, the cosine for n = 0, first = 1. The first omitted term
+/// is below (π/4)²⁰/20! = 3e-21.
 const fn power_series(x: f64, n: f64, first: f64) -> f64 {
     let (mut sum, mut term, mut n) = (first, first, n);
     let mut count = 0;
@@ -86,18 +85,18 @@ const fn power_series(x: f64, n: f64, first: f64) -> f64 {
     sum
 }
 
-/// sin and cos of `phase`, 2⁶⁴ to the cycle, each within 1e-7, and near its zeros within 2e-7 of its own size or
-/// 1e-11, whichever is larger.
+/// sin and cos of `phase`, 2⁶⁴ per cycle. Each error is within 1e-7; near a zero it is within 2e-7 of the value or 1e-11, whichever
+/// is larger.
 ///
-/// The nearest node, turned by the remaining ±π/512 with three terms of Taylor's series: what those leave out is below
-/// (π/512)⁴/24 = 6e-11.
+/// The value at the nearest node is rotated by the remaining ±π/512 with three terms of the Taylor series; the omitted terms are
+/// below (π/512)⁴/24 = 6e-11.
 #[inline(always)]
 pub fn sin_cos(phase: u64) -> (f32, f32) {
-    // Half a node step, so that the nearest node is the one below; half of the remainder's unit, to round it.
+    // Adds half a node step, so that the nearest node is the one below, and half of the remainder's unit, to round it.
     let shifted = phase.wrapping_add((1 << 54) + (1 << 22));
     let node = (shifted >> 55) as usize;
     let remainder = ((shifted >> 23) as u32 ^ (1 << 31)) as i32;
-    // 2⁴¹ units of the remainder to the cycle.
+    // 2⁴¹ units of the remainder per cycle.
     let x = remainder as f32 * (core::f64::consts::TAU / (1u64 << 41) as f64) as f32;
     let half_square = 0.5 * x * x;
     let turn = x - x * half_square * (1.0 / 3.0);
@@ -109,47 +108,48 @@ pub fn sin_cos(phase: u64) -> (f32, f32) {
     )
 }
 
-/// Sectors of a cycle, that each hold a whole number of nodes.
+/// Sectors per cycle, each with a whole number of nodes.
 pub(crate) const SECTORS: usize = 16;
 const SECTOR_NODES: usize = NODES / SECTORS;
 /// One sector, in units of the phase within it.
 pub(crate) const SECTOR: u64 = 1 << 63;
-/// Half of the unit to which [`Sector::sin_cos`] takes the phase, so that it is rounded. With it a tick that falls on a
-/// sector's end but for the rounding of its phase belongs to the next.
+/// Half of the unit to which [`Sector::sin_cos`] truncates the phase, so that it is rounded. A tick that misses the end of a sector
+/// only by the rounding of its phase thus belongs to the next sector.
 pub(crate) const SECTOR_ROUNDING: u64 = 1 << 31;
 
-/// A part of the cycle: its nodes and the next sector's, and as far as a quarter beyond these, their cosines.
+/// One sector's table: its nodes and those of the next sector, and their cosines, which lie a quarter of a cycle further.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sector(&'static [f32; 2 * SECTOR_NODES + QUARTER]);
 
 impl Sector {
-    /// The first.
+    /// The first sector.
     pub(crate) const FIRST: Self = match SINE.first_chunk() {
         Some(nodes) => Self(nodes),
         None => Self(&[0.0; _]),
     };
 
-    /// Sector `index`; whole turns fall off.
+    /// Sector `index`, modulo the cycle.
     #[inline(always)]
     pub(crate) fn new(index: usize) -> Self {
         let first = index % SECTORS * SECTOR_NODES;
         Self(SINE[first..].first_chunk().unwrap_or(&[0.0; _]))
     }
 
-    /// sin and cos at `phase` within the sector, [`SECTOR`] to it.
+    /// sin and cos at `phase` within the sector, [`SECTOR`] per sector.
     ///
-    /// The nearest node, turned by the remaining ±π/512 = x with sin x ≈ x·(1 − (π/512)²/12) and cos x ≈ 1 − x²/2: within 2e-8
-    /// of the sine's own cubic, 3.1e-6 of it next to a zero, of which |v|^α makes at most 2.2e-7 of its peak.
+    /// The value at the nearest node is rotated by the remaining ±π/512 = x with sin x ≈ x·(1 − (π/512)²/12) and cos x ≈ 1 − x²/2.
+    /// The error is within 2e-8 of the sine's own cubic, and within 3.1e-6 of the value next to a zero, from which |v|^α makes at
+    /// most 2.2e-7 of its peak.
     #[inline(always)]
     pub(crate) fn sin_cos(self, phase: u64) -> (f32, f32) {
         const NODE_BITS: u32 = SECTOR_NODES.ilog2();
         const HALF_STEP: f64 = core::f64::consts::PI / NODES as f64;
         const SCALE: f64 = HALF_STEP / (1u64 << 32) as f64 * (1.0 - HALF_STEP * HALF_STEP / 12.0);
         let upper = (phase >> 32) as u32;
-        // Half a node step, so that the nearest node is the one below.
+        // Adds half a node step, so that the nearest node is the one below.
         let nearest = upper.wrapping_add(1 << (30 - NODE_BITS)) >> (31 - NODE_BITS);
         let nearest = nearest as usize % (2 * SECTOR_NODES);
-        // Above half a node step it is negative, from the next node.
+        // Above half a node step the remainder is negative, from the next node.
         let remainder = (upper << (NODE_BITS + 1)) as i32;
         let half = remainder as f32 * SCALE as f32;
         let x = half + half;
@@ -170,7 +170,7 @@ pub struct Block {
     cycles: u32,
 }
 
-/// A [`Block`] as it is read, before it is validated.
+/// A [`Block`] as read, before it is validated.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 #[serde(rename = "Block")]
@@ -251,13 +251,13 @@ impl Block {
     }
 }
 
-/// A stretch of whole cycles with one law of amplitude and frequency, as the generator walks it.
+/// Whole cycles with one function for amplitude and one for frequency, as the generator runs through them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Segment {
     cycles: u32,
-    /// Cycles per tick at θ = 0, 2¹²⁸ to the cycle.
+    /// Cycles per tick at θ = 0, 2¹²⁸ per cycle.
     increment: u128,
-    /// eᵏʰ − 1, 2⁶⁴ to 1: what each cycle travelled adds to the increment.
+    /// eᵏʰ − 1, 2⁶⁴ per 1: each completed cycle adds this to the increment.
     growth: i64,
     /// Frequency at θ = 0, Hz.
     frequency: f32,
@@ -267,7 +267,7 @@ struct Segment {
     chirp: f32,
     /// Amplitude at θ = 0, mm.
     amplitude: f32,
-    /// Amplitude at the end less that at the start, mm.
+    /// Amplitude at the end minus amplitude at the start, mm.
     rise: f32,
     /// 1 / cycles.
     inverse_length: f32,
@@ -316,25 +316,25 @@ impl Segment {
         }
     }
 
-    /// The phase of one tick, from `travelled` cycles and `phase` on.
+    /// Phase increment of one tick after `travelled` cycles and `phase`.
     #[inline(always)]
     fn step(&self, travelled: u32, phase: u128) -> u128 {
         if self.growth == 0 {
             return self.increment;
         }
-        // 2⁶⁴ to the cycle times 2⁶⁴ to 1. Whole turns of the product fall off: the step is less than half a cycle.
+        // The product of 2⁶⁴ per cycle and 2⁶⁴ per 1. Whole turns of it drop out, because the step is less than half a cycle.
         let theta = ((i128::from(travelled) << 64) | i128::from((phase >> 64) as u64))
             - (ROUNDING >> 64) as i128;
         self.increment
             .wrapping_add(i128::from(self.growth).wrapping_mul(theta) as u128)
     }
 
-    /// Frequency in Hz, from the end where it is the lower: a sum of positive terms, each with the relative accuracy of
+    /// Frequency in Hz, computed from the end with the lower frequency: a sum of positive terms, each with the relative accuracy of
     /// a float. From the higher end the low frequencies would be small differences.
     #[inline(always)]
     fn frequency(&self, travelled: u32, phase: u32) -> f32 {
         if self.chirp < 0.0 {
-            // One whole cycle less the phase, from the integer, so that no digits are lost.
+            // One whole cycle minus the phase, as an integer, so that no digits are lost.
             let rest = (!phase as f32 + 1.0) * CYCLES_PER_UNIT;
             let ahead = self.cycles.wrapping_sub(travelled).wrapping_sub(1) as f32 + rest;
             self.frequency_end - self.chirp * ahead
@@ -343,8 +343,8 @@ impl Segment {
         }
     }
 
-    /// Position, velocity and acceleration where amplitude or frequency change, after `travelled` cycles and the phase
-    /// in `excitation`.
+    /// Position, velocity and acceleration where amplitude or frequency changes, after `travelled` cycles and the phase in
+    /// `excitation`.
     #[inline]
     fn changing(&self, travelled: u32, sin: f32, cos: f32, excitation: &mut Excitation) {
         use core::f32::consts::TAU;
@@ -352,7 +352,7 @@ impl Segment {
         let frequency = self.frequency(travelled, excitation.phase);
         let angular = TAU * frequency;
         let angular_rate = TAU * self.chirp * frequency;
-        // s, its rate and the rate's rate.
+        // s and its first two time derivatives.
         let part = theta * self.inverse_length;
         let part = if part > 1.0 { 1.0 } else { part };
         let part_rate = frequency * self.inverse_length;
@@ -360,7 +360,7 @@ impl Segment {
         // 10s³ − 15s⁴ + 6s⁵ and its first two derivatives.
         let rest = 1.0 - part;
         let lower_half = |s: f32| s * s * s * (10.0 - s * (15.0 - 6.0 * s));
-        // By symmetry above one half, where the difference of the terms would lose digits.
+        // Above one half by symmetry, where the difference of the terms would lose digits.
         let step = if part > 0.5 {
             1.0 - lower_half(rest)
         } else {
@@ -379,10 +379,10 @@ impl Segment {
     }
 }
 
-/// Seconds that `cycles` take while the frequency goes from `from` to `to`.
+/// Duration of `cycles` in s while the frequency changes from `from` to `to`.
 fn duration(from: f64, to: f64, cycles: u32) -> f64 {
     let change = (to - from) / from;
-    // ln(1 + x)/x, which is 1 where nothing changes.
+    // ln(1 + x)/x, which is 1 for a constant frequency.
     let slowing = if change == 0.0 {
         1.0
     } else {
@@ -391,8 +391,8 @@ fn duration(from: f64, to: f64, cycles: u32) -> f64 {
     f64::from(cycles) / from * slowing
 }
 
-/// `part` of a cycle, below 1, in units of 2⁻¹²⁸ but for the last one, rounded down. In two digits of 64 bits, each exact: a whole
-/// cast from f64 to u128 is a function that the C libraries of 32-bit targets lack.
+/// `part` of a cycle, below 1, in units of 2⁻¹²⁸, rounded down, with the last bit cleared. Computed in two digits of 64 bits, each
+/// exact, because a direct cast from f64 to u128 is a function that the C libraries of 32-bit targets lack.
 fn fraction(part: f64) -> u128 {
     const DIGIT: f64 = (1u128 << 64) as f64;
     let scaled = part * DIGIT;
@@ -416,7 +416,7 @@ pub(crate) fn increment(frequency: f64, tick_rate: f64) -> u128 {
             value.checked_rem(d).unwrap_or(0),
         )
     };
-    // Long division with 64 bits to the digit: n·2¹²⁷/d.
+    // Long division with digits of 64 bits: n·2¹²⁷/d.
     let (high, rest) = divide(n << 63);
     let (low, _) = divide(rest << 64);
     let quotient = (high << 64) | low;
@@ -431,7 +431,7 @@ struct Planned {
     steady: Segment,
 }
 
-/// What a [`Programme`] is apart from its blocks: the part of it that goes first over a link.
+/// A [`Programme`] without its blocks: the part of it that goes over a link first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgrammeHead {
     tick_rate: f64,
@@ -440,7 +440,7 @@ pub struct ProgrammeHead {
     duration: f64,
 }
 
-/// A block of a [`Programme`] with the ramp that leads to it: a part of it to go over a link.
+/// A block of a [`Programme`] with the ramp before it, as it goes over a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedBlock(Planned);
 
@@ -553,13 +553,13 @@ impl Fields for PlannedBlock {
 
 /// Up to `N` blocks with the ramps around them.
 ///
-/// A target without f64 takes one apart from its [`Programme::head`] and its [`Programme::planned`] blocks.
+/// A target without f64 receives one in parts: its [`Programme::head`] and its [`Programme::planned`] blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Programme<const N: usize> {
     tick_rate: f64,
     ramp_cycles: u32,
     planned: heapless::Vec<Planned, N>,
-    /// After the last block.
+    /// The ramp after the last block.
     to_rest: Segment,
     duration: f64,
 }
@@ -581,11 +581,11 @@ impl<const N: usize> defmt::Format for Programme<N> {
 }
 
 impl<const N: usize> Programme<N> {
-    /// No blocks yet.
+    /// A programme without blocks.
     ///
     /// * `tick_rate`: Hz, 1…[`TICK_RATE_MAX`]
-    /// * `ramp_cycles`: cycles of each ramp, at least 1. They run at the frequency of the block beside them, or from the
-    ///   one's to the other's.
+    /// * `ramp_cycles`: cycles of each ramp, at least 1. A ramp has the frequency of its block, or changes from the frequency of
+    ///   one block to that of the next.
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -603,8 +603,7 @@ impl<const N: usize> Programme<N> {
         })
     }
 
-    /// A programme that takes no block before [`Programme::begin_planned`]. All bits are 0, so that it takes no flash in a
-    /// static.
+    /// A programme that takes no block before [`Programme::begin_planned`]. All bits are 0, so that it takes no flash in a static.
     pub const fn empty() -> Self {
         Self {
             tick_rate: 0.0,
@@ -615,11 +614,11 @@ impl<const N: usize> Programme<N> {
         }
     }
 
-    /// The programme with one more block at its end.
+    /// Adds one block at the end.
     ///
     /// # Errors
-    /// [`ConfigError::OutOfRange`] when a frequency exceeds a quarter of the tick rate, [`ConfigError::Full`] when `N`
-    /// blocks are in it already.
+    /// [`ConfigError::OutOfRange`] if a frequency exceeds a quarter of the tick rate, [`ConfigError::Full`] if the programme has
+    /// `N` blocks already.
     pub fn with(mut self, block: Block) -> Result<Self, ConfigError> {
         for (field, frequency) in [("from", block.from), ("to", block.to)] {
             let field = if block.from == block.to {
@@ -664,7 +663,7 @@ impl<const N: usize> Programme<N> {
         Ok(self)
     }
 
-    /// All but the blocks.
+    /// Everything except the blocks.
     pub fn head(&self) -> ProgrammeHead {
         ProgrammeHead {
             tick_rate: self.tick_rate,
@@ -679,7 +678,7 @@ impl<const N: usize> Programme<N> {
         self.planned.iter().copied().map(PlannedBlock)
     }
 
-    /// Becomes the programme of `head`, without its blocks.
+    /// Replaces this programme with that of `head`, without its blocks.
     pub fn begin_planned(&mut self, head: &ProgrammeHead) {
         self.tick_rate = head.tick_rate;
         self.ramp_cycles = head.ramp_cycles;
@@ -688,10 +687,10 @@ impl<const N: usize> Programme<N> {
         self.planned.clear();
     }
 
-    /// Takes the next block of the programme that `head` was of.
+    /// Adds the next block of the programme to which `head` belongs.
     ///
     /// # Errors
-    /// [`ConfigError::Full`] when `N` blocks are in it already.
+    /// [`ConfigError::Full`] if the programme has `N` blocks already.
     pub fn push_planned(&mut self, block: &PlannedBlock) -> Result<(), ConfigError> {
         self.planned.push(block.0).map_err(|_| ConfigError::Full {
             field: "blocks",
@@ -723,8 +722,7 @@ impl<const N: usize> Programme<N> {
     }
 }
 
-/// What the generator asks for at one tick. Position, velocity and acceleration are the derivatives of one another,
-/// ramps included.
+/// Demand of the generator at one tick. Velocity and acceleration are the time derivatives of the position, also in ramps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -735,17 +733,17 @@ pub struct Excitation {
     pub velocity: f32,
     /// Acceleration, mm/s².
     pub acceleration: f32,
-    /// Phase, 2³² to the cycle, to the nearest.
+    /// Phase, 2³² per cycle, rounded to the nearest.
     pub phase: u32,
     /// Cycles completed since the start, ramps included.
     pub cycle: u32,
-    /// Which block: in a ramp the one ahead, in the ramp to rest and after it the last.
+    /// Index of the block: in a ramp that of the block ahead, in the final ramp and after it that of the last block.
     pub block: usize,
-    /// In a ramp.
+    /// Whether the tick is in a ramp.
     pub ramp: bool,
-    /// A cycle ended since the tick before: this one is the first of the next cycle.
+    /// Whether a cycle ended since the tick before, so that this tick is the first of the next cycle.
     pub cycle_end: bool,
-    /// The programme is over; everything stays at 0.
+    /// Whether the programme is over; everything stays at 0.
     pub done: bool,
 }
 
@@ -757,39 +755,38 @@ enum Stage {
     Done,
 }
 
-/// Walks a [`Programme`], tick by tick.
+/// Runs through a [`Programme`], tick by tick.
 ///
-/// The phase is an integer, 2¹²⁸ to the cycle. A constant frequency's increment is exact to one unit, so that after
-/// n ticks the phase is within n units of the exact quotient: 10¹⁰ ticks (10⁶ cycles of 1 Hz at 10 kHz) make
-/// 3e-29 of a cycle.
+/// The phase is an integer, 2¹²⁸ per cycle. The increment of a constant frequency is exact to one unit, so that after n ticks the
+/// phase is within n units of the exact quotient: after 10¹⁰ ticks (10⁶ cycles of 1 Hz at 10 kHz) within 3e-29 of a cycle.
 #[derive(Clone, Debug)]
 pub struct SineGenerator<const N: usize, P = Programme<N>> {
     programme: P,
     at: Place,
 }
 
-/// A block of constant amplitude and frequency that has begun, as who walks it by other means needs it.
+/// A block of constant amplitude and frequency that has begun, for callers that compute its ticks by other means.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SteadyBlock {
-    /// mm
+    /// Amplitude, mm.
     pub(crate) amplitude: f32,
     /// ω, rad/s.
     pub(crate) angular: f32,
     /// Whole cycles.
     pub(crate) cycles: u32,
-    /// Of its first tick, 2¹²⁸ to the cycle.
+    /// Phase of its first tick, 2¹²⁸ per cycle.
     pub(crate) phase: u128,
-    /// Of a tick, 2¹²⁸ to the cycle.
+    /// Increment of the phase per tick, 2¹²⁸ per cycle.
     pub(crate) increment: u128,
 }
 
-/// Where in the programme the generator is.
+/// Position of the generator in the programme.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     segment: Segment,
     stage: Stage,
     block: usize,
-    /// With [`ROUNDING`] in it.
+    /// Phase, with [`ROUNDING`] added.
     phase: u128,
     /// Cycles completed in this segment.
     travelled: u32,
@@ -797,11 +794,11 @@ struct Place {
     cycle_end: bool,
 }
 
-/// Half a unit of [`Excitation::phase`], so that its upper 32 bits are the nearest, and a tick that falls on the end of
-/// a cycle but for the rounding of a decimal frequency belongs to the next cycle.
+/// Half a unit of [`Excitation::phase`], so that its upper 32 bits are rounded to the nearest. A tick that misses the end of a
+/// cycle only by the rounding of a decimal frequency thus belongs to the next cycle.
 const ROUNDING: u128 = 1 << 95;
 
-/// Cycles to one unit of [`Excitation::phase`].
+/// Cycles per unit of [`Excitation::phase`].
 const CYCLES_PER_UNIT: f32 = 1.0 / (1u64 << 32) as f32;
 
 impl Place {
@@ -819,10 +816,10 @@ impl Place {
 }
 
 impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
-    /// At rest, at the start of `programme`: the programme itself, or a reference to it.
+    /// A generator at rest, at the start of `programme`, which is the programme itself or a reference to it.
     ///
     /// # Errors
-    /// [`ConfigError::Empty`] for a programme with no block.
+    /// [`ConfigError::Empty`] for a programme without a block.
     pub fn new(programme: P) -> Result<Self, ConfigError> {
         let first = programme
             .borrow()
@@ -836,19 +833,19 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
         })
     }
 
-    /// What it walks.
+    /// The programme.
     pub fn programme(&self) -> &Programme<N> {
         self.programme.borrow()
     }
 
-    /// Back to the start of the programme, at rest.
+    /// Returns to the start of the programme, at rest.
     pub fn restart(&mut self) {
         if let Some(first) = self.programme.borrow().planned.first() {
             self.at = Place::start(first.ramp);
         }
     }
 
-    /// The excitation at this tick; the first call gives the start, at rest. After the end it holds at 0 for good.
+    /// The excitation at this tick; the first call gives the start, at rest. After the end it stays at 0.
     #[inline]
     pub fn tick(&mut self) -> Excitation {
         let at = &self.at;
@@ -886,7 +883,7 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
             return None;
         }
         let segment = &at.segment;
-        // The generator is one tick ahead; that the block has begun with the tick before shows in its phase.
+        // The generator is one tick ahead; its phase shows that the block began with the tick before.
         let phase = at.phase.checked_sub(segment.increment)?;
         (phase < segment.increment).then_some(SteadyBlock {
             amplitude: segment.amplitude,
@@ -897,8 +894,7 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
         })
     }
 
-    /// Goes to the end of the steady block under way, `past` of the next cycle beyond it, 2¹²⁸ to the cycle: the next tick is
-    /// there.
+    /// Skips to the end of the current steady block, and `past` into the next cycle, 2¹²⁸ per cycle: the next tick is there.
     pub(crate) fn steady_ended(&mut self, past: u128) {
         let at = &mut self.at;
         at.cycle = at.cycle.wrapping_add(at.segment.cycles);
@@ -924,7 +920,7 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
         }
     }
 
-    /// Goes on to the next segment at the end of this one, with the phase that is already past it.
+    /// Continues in the next segment, with the phase that is already past the end of this one.
     fn next_segment(&mut self) {
         let programme = self.programme.borrow();
         let planned = &programme.planned;
@@ -942,8 +938,8 @@ impl<const N: usize, P: Borrow<Programme<N>>> SineGenerator<N, P> {
         match segment {
             Some(segment) => {
                 let past = (at.phase >> 96) as u32 as f32 * CYCLES_PER_UNIT;
-                // The time past the boundary is the same before and after it, the rate of change of frequency is
-                // not: k'·f·t²/2 − k·f·t²/2 with t = past/f. What is left out is of third order in the tick.
+                // The time past the boundary is the same before and after it, but the rate of change of frequency is not: k'·f·t²/2
+                // − k·f·t²/2 with t = past/f. The omitted terms are of third order in the tick.
                 let correction =
                     (segment.chirp - at.segment.chirp) * past * past / (2.0 * segment.frequency);
                 let correction = (correction * (1u64 << 63) as f32) as i64;
@@ -964,7 +960,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// A fraction of a cycle is what a cast of the whole gives, from the smallest step there is to the largest.
+        /// A fraction of a cycle equals the direct cast of the whole, from the smallest step to the largest.
         #[test]
         fn a_fraction_is_the_cast_of_the_whole(mantissa in 1.0..2.0f64, exponent in -80..-1i32) {
             let part = mantissa * libm::exp2(f64::from(exponent));

@@ -1,4 +1,4 @@
-//! The mixed damping law with the effects that its type names: only those are linked, and only they hold state.
+//! The mixed damping law with the effects named in its type: only those are linked, and only they hold state.
 
 use crate::effects::{EffectSet, LawForce, Motion};
 use crate::fast_law::Adaptation;
@@ -7,7 +7,7 @@ use crate::power::{PowerSeed, PowerTable};
 use crate::real::Real;
 use crate::tick_law::TickLaw;
 
-/// The mixed damping law, its damping from a table of 4 KiB, and the effects of the tuple `E` at work.
+/// The running mixed damping law, with its damping from a table of 4 KiB, and the effects of the tuple `E`.
 ///
 /// It is filled in place, so that no law passes through the stack:
 ///
@@ -25,7 +25,7 @@ use crate::tick_law::TickLaw;
 /// # Ok::<(), mesh_damper::error::ConfigError>(())
 /// ```
 #[derive(Clone, Debug)]
-// The table comes last: all else is within reach of a load's offset.
+// The table comes last, so that all other fields are within the offset of a load.
 #[repr(C)]
 pub struct StaticLaw<E: EffectSet<f32>> {
     in_force: Law<f32>,
@@ -38,7 +38,7 @@ pub struct StaticLaw<E: EffectSet<f32>> {
 }
 
 impl<E: EffectSet<f32>> StaticLaw<E> {
-    /// No force, until it is set. All bits are 0, so that it takes no flash in a static.
+    /// A law without force, until it is set. All bits are 0, so that it takes no flash in a static.
     pub const fn empty() -> Self {
         const NOTHING: Law<f32> = Law::from_valid(0.0, 0.0, 0.0, 0.0);
         Self {
@@ -56,13 +56,13 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
         }
     }
 
-    /// `law` and `effects`, at rest. Takes 64 powers in f64: not for the hot path.
+    /// Sets `law` and `effects`, at rest. Computes 64 powers in f64: not for the hot path.
     pub fn set(&mut self, law: Law<f32>, effects: E) {
         let seed = PowerSeed::from_valid(law.c().to_f64(), law.alpha().to_f64());
         self.set_with_seed(law, &seed, effects);
     }
 
-    /// [`StaticLaw::set`] with the seed of the damping's table that the host computed for `law`: takes 256 rows of the table.
+    /// [`StaticLaw::set`] with the seed of the damping table that the host computed for `law`. It fills the 256 rows of the table.
     pub fn set_with_seed(&mut self, law: Law<f32>, seed: &PowerSeed, effects: E) {
         self.table.fill(seed);
         self.given = law;
@@ -71,7 +71,7 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
         self.follow(Adaptation::default());
     }
 
-    /// The law as it was given.
+    /// The law as given.
     pub fn law(&self) -> &Law<f32> {
         &self.given
     }
@@ -103,7 +103,7 @@ impl<E: EffectSet<f32>> TickLaw for StaticLaw<E> {
         self.state = E::AT_REST;
     }
 
-    /// No law waits.
+    /// No law can wait here.
     #[inline(always)]
     fn boundary(&mut self) -> bool {
         false

@@ -5,8 +5,8 @@ pub(crate) const FOLD: u32 = 16;
 
 /// A long sum of floats with the rounding error of a short one.
 ///
-/// [`FOLD`] terms are added up plainly, which costs half of what compensating every term does and is off by at most
-/// 16·2⁻²⁴ of those sixteen; their sum is then added with its rounding error kept (Knuth's two-sum).
+/// [`FOLD`] terms are added plainly, which costs half as much as compensating every term, with an error of at most 16·2⁻²⁴ of those
+/// sixteen. Their sum is then added with its rounding error kept (Knuth's two-sum).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sum {
     part: f32,
@@ -15,7 +15,7 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// Of nothing.
+    /// An empty sum.
     pub(crate) const ZERO: Self = Self {
         part: 0.0,
         high: 0.0,
@@ -28,7 +28,7 @@ impl Sum {
         self.part += term;
     }
 
-    /// To be called after every [`FOLD`] terms.
+    /// Call it after every [`FOLD`] terms.
     #[inline(always)]
     pub(crate) fn fold(&mut self) {
         let sum = self.high + self.part;

@@ -1,8 +1,7 @@
-//! The law's coefficients over mesh density and amplitude.
+//! Coefficients of the mixed damping law over mesh density and amplitude.
 //!
-//! A grid holds one [`Law`] for each pair of a density (g/cm³) and an amplitude (mm) of the cycle. Between the nodes each
-//! coefficient is interpolated linearly in both directions; outside it is that of the nearest edge, and the answer
-//! says so.
+//! The grid holds one [`Law`] for each pair of a density (g/cm³) and a cycle amplitude (mm). Between grid nodes each coefficient is
+//! interpolated linearly in both directions. Outside the grid the coefficient is that of the nearest edge, and the result says so.
 
 mod smoothed;
 
@@ -22,8 +21,8 @@ pub const AMPLITUDE_RANGE: (f64, f64) = (1e-6, 1e4);
 /// Tables 6–9 of the paper: 304 wire of 0.3 mm, crisscross angle 60°, ring of outer diameter 22 mm, inner diameter 12 mm,
 /// height 15 mm, at 1 Hz. Amplitudes 0.05…0.25 mm, densities 2.0…4.0 g/cm³.
 ///
-/// The last row of Table 7 is scattered over the page; from left to right it reads 9.4, 34.9, 4.7, 8.1, 18.5. The
-/// paper prints k3 in kN and c in kN·s/mm; they are kN/mm³ and kN·(s/mm)^α.
+/// The last row of Table 7 is scattered over the page; from left to right it reads 9.4, 34.9, 4.7, 8.1, 18.5. The paper prints k3
+/// in kN and c in kN·s/mm; they are in kN/mm³ and kN·(s/mm)^α.
 pub static PAPER: Table<5, 5> = Table {
     densities: Nodes {
         values: [2.0, 2.5, 3.0, 3.5, 4.0],
@@ -33,7 +32,7 @@ pub static PAPER: Table<5, 5> = Table {
         values: [0.05, 0.10, 0.15, 0.20, 0.25],
         count: 5,
     },
-    // A row to an amplitude.
+    // One row per amplitude.
     cells: [
         [
             Law::from_valid(0.3365, 86.7, 0.0235, 0.4014),
@@ -73,7 +72,7 @@ pub static PAPER: Table<5, 5> = Table {
     ],
 };
 
-/// Where a value lies with respect to the nodes.
+/// Position of a value relative to the nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,29 +88,29 @@ pub enum Placement {
 /// The law at one density and amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookup {
-    /// Interpolated, or the nearest edge's.
+    /// The interpolated law, or that of the nearest edge.
     pub law: Law<f32>,
-    /// Where the density lies.
+    /// Position of the density.
     pub density: Placement,
-    /// Where the amplitude lies.
+    /// Position of the amplitude.
     pub amplitude: Placement,
 }
 
 impl Lookup {
-    /// Density or amplitude lie outside the grid, so that the law is that of the nearest edge.
+    /// Whether density or amplitude lie outside the grid, so that the law is that of the nearest edge.
     pub fn clamped(&self) -> bool {
         self.density != Placement::Inside || self.amplitude != Placement::Inside
     }
 }
 
-/// Up to `N` nodes, increasing.
+/// Up to `N` increasing nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Nodes<const N: usize> {
     values: [f32; N],
     count: usize,
 }
 
-/// Two neighbouring nodes and the part of the way from the first to the second.
+/// Two neighbouring nodes, and the position between them as a part of their distance.
 struct Between {
     lower: usize,
     upper: usize,
@@ -223,7 +222,7 @@ impl<const D: usize, const A: usize> Table<D, A> {
 
 const NO_FORCE: Law<f32> = Law::from_valid(0.0, 0.0, 0.0, 0.0);
 
-/// Every coefficient `part` (0…1) of the way from `a` to `b`, which leaves each in its range.
+/// Interpolates every coefficient at `part` (0…1) between `a` and `b`, which leaves each in its range.
 fn between(a: Law<f32>, b: Law<f32>, part: f32) -> Law<f32> {
     let mix = |a: f32, b: f32| a + (b - a) * part;
     Law::from_valid(
@@ -234,7 +233,7 @@ fn between(a: Law<f32>, b: Law<f32>, part: f32) -> Law<f32> {
     )
 }
 
-/// A grid that was refused.
+/// A grid that was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -247,10 +246,10 @@ pub enum TableError {
         density: usize,
         /// Index of the cell's amplitude.
         amplitude: usize,
-        /// The coefficient and what is wrong with it.
+        /// The coefficient and its error.
         error: ConfigError,
     },
-    /// There is no such cell in the grid.
+    /// The grid has no such cell.
     NoSuchCell {
         /// Index of the density.
         density: usize,
@@ -317,13 +316,13 @@ pub struct TableBuilder<const D: usize, const A: usize> {
 }
 
 impl<const D: usize, const A: usize> TableBuilder<D, A> {
-    /// A grid with no cells yet.
+    /// A grid without cells.
     ///
     /// * `densities`: g/cm³, 1 to `D` of them, strictly increasing within [`DENSITY_RANGE`]
     /// * `amplitudes`: mm, 1 to `A` of them, strictly increasing within [`AMPLITUDE_RANGE`]
     ///
     /// # Errors
-    /// [`TableError::Nodes`], naming `densities` or `amplitudes`. Nodes that are one number in f32 do not increase.
+    /// [`TableError::Nodes`], naming `densities` or `amplitudes`. Nodes that are equal in f32 do not increase.
     pub fn new(densities: &[f64], amplitudes: &[f64]) -> Result<Self, TableError> {
         Ok(Self {
             table: Table {
@@ -337,8 +336,7 @@ impl<const D: usize, const A: usize> TableBuilder<D, A> {
         })
     }
 
-    /// The coefficients `[k1, k3, c, alpha]`, with the units and ranges of [`Law::new`], of the cell at these indices into
-    /// the nodes.
+    /// Sets the coefficients `[k1, k3, c, alpha]` of the cell at these indices, with the units and ranges of [`Law::new`].
     ///
     /// # Errors
     /// [`TableError::Cell`] with the coefficient's name, [`TableError::NoSuchCell`], [`TableError::Twice`].
@@ -376,10 +374,10 @@ impl<const D: usize, const A: usize> TableBuilder<D, A> {
         }
     }
 
-    /// The table, once every cell is given.
+    /// Returns the table, once every cell is set.
     ///
     /// # Errors
-    /// [`TableError::Missing`] with the first cell that was not.
+    /// [`TableError::Missing`] with the first missing cell.
     pub fn build(self) -> Result<Table<D, A>, TableError> {
         for (amplitude, row) in self
             .given

@@ -1,9 +1,10 @@
-//! Telemetry of a rig on its own timer: from its tick to whoever sends it, without a wait.
+//! Telemetry of a rig on its own timer, from its tick to the sender, without waiting.
 //!
-//! A [`Channel`] has two ends. The tick's interrupt owns the [`Recorder`], which puts a row into a queue every `every` ticks from the first
-//! one at which the rig runs, and a note where a cycle ends, the monitor names something or the rig's state changes. The main loop owns the [`Sender`], which makes frames of them. Where a
-//! queue is full, because whoever is at the other end of the line does not read, a row is left out and its number with it: who reads
-//! the rows sees how many are missing. Neither end ever waits for the other.
+//! A [`Channel`] has two ends. The tick's interrupt owns the [`Recorder`]. It puts a row into a queue every `every` ticks, from the
+//! first tick at which the rig runs. It also puts a note into a queue where a cycle ends, the health monitor reports an event, or
+//! the state of the rig changes. The main loop owns the [`Sender`], which makes frames of rows and notes. If a queue is full,
+//! because the other end of the line does not read, a row is left out together with its number, so that the reader sees how many
+//! are missing. Neither end ever waits for the other.
 //!
 //! ```
 //! use mesh_damper::frame::{FrameBuffer, Frames};
@@ -39,21 +40,21 @@ use crate::frame::FrameBuffer;
 use crate::message::{Note, ROWS, Row, TelemetryConfig, write_note, write_rows};
 use crate::rig::{State, Telemetry};
 
-/// Places for notes. A cycle has one, and the shortest are of some ten ticks: a main loop that is held up for some cycles loses none.
+/// Capacity for notes. A cycle makes one, and the shortest cycles have about ten ticks, so a main loop that is held up for some
+/// cycles loses none.
 const NOTES: usize = 8;
 
-/// The queues between both ends. One of the `N` places stays empty. At a rate of 1 kHz 256 rows are what is measured in a quarter of a
-/// second.
+/// The queues between both ends. One of the `N` places stays empty. At 1 kHz, 256 rows are a quarter of a second.
 pub struct Channel<const N: usize> {
     rows: Queue<Row, N>,
     notes: Queue<Note, NOTES>,
     shared: Shared,
 }
 
-/// What both ends see beside the queues.
+/// State that both ends share, in addition to the queues.
 #[derive(Debug)]
 struct Shared {
-    /// Rows have waited for as long as they may.
+    /// Rows have waited for the longest permitted time.
     due: AtomicBool,
     /// Control inputs to send with each row.
     controls: AtomicU8,
@@ -66,7 +67,7 @@ impl<const N: usize> Default for Channel<N> {
 }
 
 impl<const N: usize> Channel<N> {
-    /// Nothing in it.
+    /// An empty channel.
     pub const fn new() -> Self {
         Self {
             rows: Queue::new(),
@@ -78,7 +79,7 @@ impl<const N: usize> Channel<N> {
         }
     }
 
-    /// Both ends. No telemetry is asked for yet.
+    /// Returns both ends. No telemetry is requested yet.
     pub fn split(&mut self) -> (Recorder<'_>, Sender<'_>) {
         let (put_row, rows) = self.rows.split();
         let (put_note, notes) = self.notes.split();
@@ -94,7 +95,7 @@ impl<const N: usize> Channel<N> {
             waited: 0,
             phase: Phase::Before,
             state: None,
-            unsaid: None,
+            pending_end: None,
         };
         let sender = Sender {
             rows,
@@ -114,19 +115,19 @@ pub struct Recorder<'c> {
     config: TelemetryConfig,
     next_row: u32,
     next_note: u32,
-    /// Since the rig ran first.
+    /// Ticks since the rig first ran.
     ticks: u32,
     until_row: u32,
-    /// Ticks that the oldest row has waited, or no row.
+    /// Ticks since the oldest row was queued, or since the last request if there is none.
     waited: u32,
     phase: Phase,
-    /// Of the rig, at the last tick; none before the first one since telemetry was asked for.
+    /// State of the rig at the last tick; `None` before the first tick after telemetry was requested.
     state: Option<State>,
-    /// The tick at which the test was over, as long as nobody could be told.
-    unsaid: Option<u32>,
+    /// The tick at which the test ended, until a note of it is queued.
+    pending_end: Option<u32>,
 }
 
-/// How far the test is of which telemetry is asked for.
+/// Progress of the test whose telemetry is requested.
 #[derive(Clone, Copy, PartialEq)]
 enum Phase {
     Before,
@@ -135,16 +136,16 @@ enum Phase {
 }
 
 impl Recorder<'_> {
-    /// From the next tick on. Rows and notes are counted from 0.
+    /// Sets the telemetry from the next tick on. Rows and notes are counted from 0.
     pub fn set(&mut self, config: TelemetryConfig) {
         self.config = config;
         self.shared.controls.store(config.controls, Relaxed);
         (self.next_row, self.next_note) = (0, 0);
         (self.ticks, self.until_row, self.waited) = (0, 0, 0);
-        (self.phase, self.state, self.unsaid) = (Phase::Before, None, None);
+        (self.phase, self.state, self.pending_end) = (Phase::Before, None, None);
     }
 
-    /// A tick of the rig, and the temperature of the specimen at it, °C.
+    /// Takes a tick of the rig, and the temperature of the specimen, °C.
     #[inline]
     pub fn tick(&mut self, telemetry: &Telemetry, temperature: f32) {
         if self.config.every == 0 {
@@ -159,7 +160,7 @@ impl Recorder<'_> {
             State::Faulted(_) if changed => self.phase = Phase::UnderWay,
             _ => return,
         }
-        // A fault's way back to rest belongs to the test.
+        // After a fault the return to rest is still part of the test.
         let over = match telemetry.state {
             State::Running => false,
             State::Faulted(_) => telemetry.command == 0.0,
@@ -167,11 +168,12 @@ impl Recorder<'_> {
         };
         if over && self.phase == Phase::UnderWay {
             self.phase = Phase::Over;
-            self.unsaid = Some(self.ticks);
+            self.pending_end = Some(self.ticks);
             self.waited = self.config.within;
         }
-        let says = telemetry.report.is_some() || telemetry.event.is_some();
-        if says || self.unsaid.is_some() || (changed && telemetry.state != State::Running) {
+        let has_note = telemetry.report.is_some() || telemetry.event.is_some();
+        if has_note || self.pending_end.is_some() || (changed && telemetry.state != State::Running)
+        {
             self.note(telemetry);
         }
         if self.until_row == 0 {
@@ -200,7 +202,7 @@ impl Recorder<'_> {
             session: self.config.session,
         };
         self.next_row = self.next_row.wrapping_add(1);
-        // One for which there is no room is missing from the numbers.
+        // A row without room leaves a gap in the numbers.
         let _ = self.rows.enqueue(row);
     }
 
@@ -208,20 +210,20 @@ impl Recorder<'_> {
     fn note(&mut self, telemetry: &Telemetry) {
         let note = Note {
             number: self.next_note,
-            tick: self.unsaid.unwrap_or(self.ticks),
+            tick: self.pending_end.unwrap_or(self.ticks),
             state: telemetry.state,
-            ends: self.unsaid.is_some(),
+            ends: self.pending_end.is_some(),
             report: telemetry.report,
             event: telemetry.event,
             session: self.config.session,
         };
-        let told = self.notes.enqueue(note).is_ok();
-        // One for which there is no room is missing from the numbers; the end is said again until there is room.
-        if told || self.unsaid.is_none() {
+        let queued = self.notes.enqueue(note).is_ok();
+        // A note without room leaves a gap in the numbers; the note of the end is repeated until there is room.
+        if queued || self.pending_end.is_none() {
             self.next_note = self.next_note.wrapping_add(1);
         }
-        if told {
-            self.unsaid = None;
+        if queued {
+            self.pending_end = None;
         }
     }
 }
@@ -231,12 +233,12 @@ pub struct Sender<'c> {
     rows: Consumer<'c, Row>,
     notes: Consumer<'c, Note>,
     shared: &'c Shared,
-    /// Of the next frame.
+    /// Sequence number of the next frame.
     sequence: u32,
 }
 
 impl Sender<'_> {
-    /// The next frame, once there is enough for one or something has waited for long enough; says no where there is none.
+    /// Writes the next frame, once there is enough data for one or the data has waited long enough. Returns whether it wrote one.
     pub fn next(&mut self, frame: &mut FrameBuffer) -> bool {
         let sequence = self.sequence;
         let written = if let Some(note) = self.notes.dequeue() {

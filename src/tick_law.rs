@@ -1,9 +1,9 @@
-//! What firmware asks of a law every tick, whether the law was composed by its type or is read while it runs.
+//! The interface of a law for a firmware's tick. The law is either composed by its type, or read while the rig runs.
 
 use crate::effects::Motion;
 use crate::fast_law::Adaptation;
 
-/// A law at work: its configuration and what it remembers.
+/// A running law: its configuration and its state.
 ///
 /// | law | use it where |
 /// |---|---|
@@ -15,20 +15,20 @@ pub trait TickLaw {
     /// Force in kN on this tick. Call it once per tick, in order.
     fn force(&mut self, motion: &Motion<f32>) -> f32;
 
-    /// All effects at rest.
+    /// Puts all effects at rest.
     fn rest(&mut self);
 
-    /// A cycle has ended: another law that waited takes over, and says so.
+    /// Marks the end of a cycle: a waiting law takes over. Returns whether one did.
     fn boundary(&mut self) -> bool;
 
-    /// From here on k1, k3 and c differ by these parts, clamped to −1…1, from the law as it was given.
+    /// From now on k1, k3 and c differ from the law as given by these parts, clamped to −1…1.
     fn follow(&mut self, followed: Adaptation);
 
-    /// By how much the law in force differs from the law as it was given.
+    /// Relative difference between the law in force and the law as given.
     fn followed(&self) -> Adaptation;
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as it was given, kN, with what its effects make of each. 0 where something lies
-    /// between the specimen and what is measured. Not for every tick.
+    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as given, kN, each as its effects change it. 0 where a stage lies between the
+    /// specimen and the measurement. Not for every tick.
     fn parts(&self, motion: &Motion<f32>) -> [f32; 3];
 }
 

@@ -13,7 +13,7 @@ impl<S: SpiDevice> Ads8688<S> {
     /// [`Ads8688::new`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's, or [`AdcError::Register`].
+    /// An error of the bus, or [`AdcError::Register`].
     pub async fn new_async(
         spi: S,
         displacement: Scale,
@@ -27,7 +27,7 @@ impl<S: SpiDevice> Ads8688<S> {
     /// [`Ads8688::restore`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's, or [`AdcError::Register`].
+    /// An error of the bus, or [`AdcError::Register`].
     pub async fn restore_async(&mut self) -> Result<(), AdcError<S::Error>> {
         self.in_step = false;
         self.spi.write(&[RESET, 0, 0, 0]).await?;
@@ -40,10 +40,10 @@ impl<S: SpiDevice> Ads8688<S> {
         Ok(())
     }
 
-    /// [`Ads8688::read`] over an asynchronous bus. A call that is dropped before it is over is as one that the bus failed.
+    /// [`Ads8688::read`] over an asynchronous bus. Dropping the call before it completes has the same effect as a bus error.
     ///
     /// # Errors
-    /// The bus's.
+    /// An error of the bus.
     pub async fn read_async(&mut self) -> Result<Reading, S::Error> {
         if !self.in_step {
             self.convert_async(SELECT_DISPLACEMENT).await?;

@@ -12,7 +12,7 @@ impl<S: SpiDevice> Ad5761<S> {
     /// [`Ad5761::new`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's, or [`DacError::Control`].
+    /// An error of the bus, or [`DacError::Control`].
     pub async fn new_async(spi: S, scale: Scale) -> Result<Self, DacError<S::Error>> {
         let mut part = Self::unset(spi, scale);
         part.set_up_async().await?;
@@ -31,7 +31,7 @@ impl<S: SpiDevice> Ad5761<S> {
     /// [`Ad5761::restore`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's, or [`DacError::Control`].
+    /// An error of the bus, or [`DacError::Control`].
     pub async fn restore_async(&mut self) -> Result<(), DacError<S::Error>> {
         match self.verify_async().await {
             Ok(()) => Ok(()),
@@ -42,7 +42,7 @@ impl<S: SpiDevice> Ad5761<S> {
     /// [`Ad5761::verify`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
+    /// An error of the bus, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
     pub async fn verify_async(&mut self) -> Result<(), DacError<S::Error>> {
         self.spi.write(&frame(READ_CONTROL, 0)).await?;
         let control = self.transfer_async(READ_OUTPUT).await?;
@@ -61,7 +61,7 @@ impl<S: SpiDevice> Ad5761<S> {
     /// [`Ad5761::write`] over an asynchronous bus.
     ///
     /// # Errors
-    /// The bus's.
+    /// An error of the bus.
     pub async fn write_async(&mut self, value: f32) -> Result<Code, S::Error> {
         let code = self.scale.encode(value);
         self.spi.write(&frame(WRITE_AND_UPDATE, code.code)).await?;

@@ -1,4 +1,4 @@
-//! Even stiffness: a damper that is stiffer one way than the other, as a preloaded ring is. Eq 14 fits it as a2 and
+//! Even stiffness: a damper that is stiffer in one direction, such as a preloaded ring. The paper's eq 14 contains it as a2 and
 //! then drops it.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};

@@ -1,7 +1,7 @@
-//! Friction that is felt through a play: after each reversal the damper moves for a way before the friction holds it again.
+//! Friction behind free play: after each reversal the damper moves some distance before the friction holds it again.
 //!
-//! Pins in worn holes, wires that lie loosely against what they rub on: the part that slides is pushed from one side, and on the way
-//! back it stays where it is until it is met from the other.
+//! Examples are pins in worn holes, and wires that lie loosely against their contacts. The sliding part is pushed from one side; on
+//! the way back it stays where it is until it is pushed from the other side.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::Stretch;
@@ -12,14 +12,14 @@ use crate::real::{Real, coefficient, in_range};
 
 /// F = k·(p − p clipped to ±s/2), p ← p + Δy clamped to ±(s/2 + x).
 ///
-/// p is where the damper stands in a play of the width s that travels with a Coulomb slider, the spring that is stretched beyond the
-/// play included. The slider holds until the spring is stretched by x. After a reversal the force falls to nothing over x, the
-/// motion goes over s without one, and the force rises over x to where it slides again. It begins in the middle of the play.
+/// p is the position of the damper in a play of width s that moves with a Coulomb slider, including the stretch of the spring
+/// beyond the play. The slider holds until the spring is stretched by x. After a reversal the force falls to 0 over x, stays 0 over
+/// s, and rises over x until the slider moves again. The initial position is the middle of the play.
 ///
-/// Under a steady sine of amplitude X it dissipates 4·k·x·(X − x − s/2) J a cycle when X > x + s/2, nothing otherwise. With s = 0 it is
-/// a Jenkins element of [`StickSlip`](super::StickSlip).
+/// Under a steady sine of amplitude X it dissipates 4·k·x·(X − x − s/2) J per cycle if X > x + s/2, and nothing otherwise. With s =
+/// 0 it is a Jenkins element of [`StickSlip`](super::StickSlip).
 ///
-/// It is passive for k ≥ 0: k·(F/k)²/2 is stored, and a slider takes the rest.
+/// It is passive for k ≥ 0: the spring stores k·(F/k)²/2, and the slider dissipates the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Backlash<R> {
     stiffness: R,
@@ -92,7 +92,7 @@ impl<R: Real> Equations<R> for Backlash<R> {
         in_range("slack", self.half_slack, 0.0, 0.5 * limits::DISPLACEMENT).map(|_| ())
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let reach = self.half_slack + self.slip_limit;
@@ -101,7 +101,7 @@ impl<R: Real> Equations<R> for Backlash<R> {
         if beyond <= R::ZERO {
             return R::ZERO;
         }
-        // Beside a wide play the sum that is its reach is rounded.
+        // Next to a wide play the sum that gives its reach is rounded.
         let force = self.stiffness * beyond.clipped(self.slip_limit);
         if place < R::ZERO { -force } else { force }
     }

@@ -1,4 +1,4 @@
-//! Rate-independent friction that gives way smoothly (Bouc 1967, Wen 1976): the second form of stick-slip.
+//! Rate-independent friction with smooth yielding (Bouc 1967, Wen 1976): the second form of stick-slip.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::{SHARPEST, Stretch, power};
@@ -9,13 +9,13 @@ use crate::real::{Real, coefficient, in_range};
 
 /// F = k·z, dz = dy·(1 − (|z|/x)ⁿ·(1 + sgn(dy·z))/2).
 ///
-/// A branch towards 0 is straight, with stiffness k; away from 0 it bends towards ±x and never passes it: by 1 − e^(−y/x) for
-/// n = 1, by tanh y/x for n = 2, and ever later, like a Jenkins element, for a larger n.
+/// A branch towards 0 is straight, with stiffness k. Away from 0 it bends towards ±x and never passes it: as 1 − e^(−y/x) for n =
+/// 1, as tanh y/x for n = 2, and later for a larger n, approaching a Jenkins element.
 ///
 /// # Step
-/// With δ = 1 − |z|/x the bent branch is dδ = −m·δ·|dy|/x, where m = (1 − (1 − δ)ⁿ)/δ lies between 1 and n and changes little.
-/// So a step with a = m·|dy|/x takes 1 − e⁻ᵃ of δ, with m from the middle of the step: of the second order, exact for n = 1,
-/// and bounded for steps of any length, as what stands for eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
+/// With δ = 1 − |z|/x the bent branch is dδ = −m·δ·|dy|/x. Here m = (1 − (1 − δ)ⁿ)/δ lies between 1 and n and changes little. A
+/// step with a = m·|dy|/x therefore subtracts 1 − e⁻ᵃ of δ, with m from the middle of the step. The step is of second order, exact
+/// for n = 1, and bounded for any length, because the approximation of eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoucWen<R> {
     stiffness: R,
@@ -44,11 +44,11 @@ impl<R: Real> BoucWen<R> {
         Ok(new)
     }
 
-    /// m at |z|/x = `part`. Not inlined: it is taken twice.
+    /// m at |z|/x = `part`. Not inlined, because it is called twice.
     #[inline(never)]
     fn bend(&self, part: R) -> R {
         let bend = (R::ONE - power(part, self.sharpness)) / (R::ONE - part);
-        // Next to the limit it is a quotient of what rounding leaves.
+        // Next to the limit it is a quotient of rounding errors.
         let (low, high) = if self.sharpness > R::ONE {
             (R::ONE, self.sharpness)
         } else {
@@ -67,7 +67,7 @@ impl<R: Real> BoucWen<R> {
 /// 1 − e⁻ᵃ for an a of at least 0: within a⁴/24 of e⁻ᵃ, and below 1.
 #[inline(always)]
 fn taken<R: Real>(a: R) -> R {
-    // Beyond that the cube would overflow and nothing is left to take.
+    // Beyond this the cube would overflow, and the result is 1 already.
     let most = R::from_f64(1e3);
     let a = if a < most { a } else { most };
     let grown = a * (R::ONE + a * (R::from_f64(0.5) + a * R::from_f64(1.0 / 6.0)));
@@ -119,11 +119,11 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
     }
 
-    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    // Not inlined on a target, so that ticks without this effect do not load its registers and constants.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let stretch = Stretch::after(state, motion, |stretch, way| {
-            // Straight as far as 0, and bent from there.
+            // Straight up to 0, and bent from there.
             let sum = stretch + way;
             let (start, bent) = if stretch >= R::ZERO {
                 (stretch, way)

@@ -1,4 +1,4 @@
-//! A spring in series with the specimen: the fixture gives way, and the specimen moves less than is measured.
+//! A spring in series with the specimen: the fixture yields, so the specimen moves less than the measured displacement.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion, Packed};
@@ -7,23 +7,24 @@ use crate::law::Law;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// The specimen's displacement x and velocity ẋ, where that of specimen and spring together is y, solve
+/// Let y be the displacement of specimen and spring together. The specimen's displacement x and velocity ẋ solve
 ///
 /// K·(y − x) = F(x, ẋ) + c1·ẋ + E,
 ///
-/// F eq 13, c1 that of [`super::Viscous`], E the other effects' force. All effects see x and ẋ; the acceleration stays y's.
-/// E is that of the tick before, 0 at the first: where the other effects together are stiffer than spring and law, and
-/// nothing damps, the force swings from tick to tick. So it does where what [`super::LoadFriction`] and [`super::Directional`] add to the
-/// law's damping is more than all of it.
+/// F is eq 13, c1 that of [`super::Viscous`], and E the force of the other effects. All effects see x and ẋ; the acceleration stays
+/// that of y. E is taken from the tick before, and is 0 at the first tick. The force therefore oscillates from tick to tick where
+/// the other effects together are stiffer than spring and law, and undamped. It also does where [`super::LoadFriction`] and
+/// [`super::Directional`] add more than 100 % to the law's damping.
 ///
 /// # Step
-/// The spring's deflection d = y − x follows from its last two by the second backward difference, which damps a stiff spring
-/// (BDF2): ẋ = ẏ − (3d − 4d₋₁ + d₋₂)/2Δt, that is d = D − h·ẋ with h = 2Δt/3 and D = (4d₋₁ − d₋₂)/3 + h·ẏ. What is small is kept, so
-/// that the limit of a stiff spring is the law and no difference of displacements.
+/// The spring's deflection d = y − x follows from its last two values by the second backward difference, which damps a stiff spring
+/// (BDF2): ẋ = ẏ − (3d − 4d₋₁ + d₋₂)/2Δt. This is d = D − h·ẋ with h = 2Δt/3 and D = (4d₋₁ − d₋₂)/3 + h·ẏ. The state is the small
+/// deflection. The limit of a stiff spring is thus the law itself, without a difference of displacements.
 ///
-/// Now ẋ alone is sought. It has the sign of what pulls where the specimen stays, and a magnitude below both those that the
-/// spring alone, and c·|v|^α alone, would allow. From the lesser of these Newton's steps come close in a few, and where friction
-/// holds and a velocity has no meaning the force is that of the balance.
+/// Now only ẋ is unknown. It has the sign of the force that would act on the specimen at rest. Its magnitude is below both the
+/// value that the spring alone would allow and the value that c·|v|^α alone would allow. Newton's method starts from the smaller of
+/// these and converges in a few steps. Where friction holds the specimen, and the velocity has no meaning, the force is that of the
+/// balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compliance<R> {
     stiffness: R,
@@ -31,7 +32,7 @@ pub struct Compliance<R> {
     step: R,
 }
 
-/// What a [`Compliance`] remembers.
+/// State of a [`Compliance`].
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ComplianceState<R> {
@@ -43,12 +44,12 @@ pub struct ComplianceState<R> {
     velocity: R,
 }
 
-/// Newton's steps.
+/// Number of Newton steps.
 const STEPS: usize = 4;
-/// Squarings that stand for an exponent above 1, and the exponent that they come to.
+/// Number of squarings that approximate an exponent above 1.
 const SQUARINGS: usize = 6;
 const POWER: f64 = (1 << SQUARINGS) as f64;
-/// Smallest magnitude of a velocity, mm/s: no quotient overflows at it.
+/// Smallest magnitude of a velocity, mm/s, at which no quotient overflows.
 const SLOWEST: f64 = 1e-20;
 
 impl<R: Real> Compliance<R> {
@@ -67,7 +68,7 @@ impl<R: Real> Compliance<R> {
         Ok(new)
     }
 
-    /// At the first tick the spring is stretched as if `motion` had not changed lately.
+    /// At the first tick the spring is stretched as if `motion` had been constant for some time.
     #[cold]
     #[inline(never)]
     fn begin(&self, motion: &ClampedMotion<R>, law: &Law<R>, damping: R) -> ComplianceState<R> {
@@ -168,13 +169,14 @@ impl<R: Real> Equations<R> for Compliance<R> {
         let mut at = trial.at(speed);
         for _ in 0..STEPS {
             let next = speed - at.excess * speed / (alpha * at.damping + at.rate * speed);
-            // Friction next to Coulomb's bends so much that a step may lead beyond 0.
+            // Friction close to Coulomb's is so strongly curved that a step may pass 0.
             let lowest = speed * R::from_f64(1.0 / 16.0);
             speed = within(if next > lowest { next } else { lowest });
             at = trial.at(speed);
         }
         let v = trial.signed(speed);
-        // Where it holds the balance's force, where it slides the law's: they differ by what the steps have left.
+        // Where the specimen sticks, the force of the balance, where it slides, that of the law. They differ by the remaining error
+        // of the Newton steps.
         let held = at.damping / (at.damping.abs() + self.step * self.stiffness * speed);
         let force = trial.signed(at.damping - at.excess * held);
         let deflection = (unmoved - self.step * v).clamped(R::from_f64(2.0 * limits::DISPLACEMENT));
@@ -198,7 +200,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
     #[inline(always)]
     fn added(&self, state: &mut Self::State, added: R, viscous: R) {
         if let Some(state) = state {
-            // What is beyond all measure must not stay: a difference of infinities would.
+            // An infinite sum must not stay in the state: a difference of infinities would be NaN for good.
             state.others = (added - viscous * state.velocity).clamped(R::from_f64(limits::FORCE));
         }
     }
@@ -218,20 +220,19 @@ impl Packed for Compliance<f32> {
 }
 
 impl<R: Real> AugmentedState<R> {
-    /// After a tick with a [`Compliance`]: by how much its spring gives way, mm, and the velocity of the specimen behind it,
-    /// mm/s.
+    /// After a tick with a [`Compliance`]: the deflection of its spring, mm, and the velocity of the specimen behind it, mm/s.
     pub fn behind_spring(&self) -> Option<(R, R)> {
         let state = self.compliance.as_ref()?;
         Some((state.deflections[0], state.velocity))
     }
 }
 
-/// A tick's equation, with what is known.
+/// The equation of one tick, with its known terms.
 struct Trial<'a, R, D> {
     compliance: &'a Compliance<R>,
     law: &'a Law<R>,
     viscous: R,
-    /// Eq 13's damping force over a velocity.
+    /// Eq 13's damping force as a function of velocity.
     damping: D,
     /// y, mm.
     displacement: R,
@@ -243,18 +244,18 @@ struct Trial<'a, R, D> {
     forward: bool,
 }
 
-/// The equation at a speed.
+/// The equation evaluated at a speed.
 #[derive(Clone, Copy)]
 struct Tried<R> {
     /// x, mm.
     displacement: R,
     /// Eq 13's elastic force, kN.
     elastic: R,
-    /// Eq 13's damping force, kN, as the speed without a sign.
+    /// Magnitude of eq 13's damping force, kN, at this speed.
     damping: R,
-    /// All forces less the spring's, kN, likewise.
+    /// All forces minus the spring's, kN, in the direction of the velocity.
     excess: R,
-    /// What a velocity adds to them but for eq 13's damping, kN·s/mm.
+    /// Derivative of these forces with respect to velocity, without eq 13's damping, kN·s/mm.
     rate: R,
 }
 
@@ -264,7 +265,7 @@ impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
         if self.forward { value } else { -value }
     }
 
-    // Not inlined: a tick takes it six times.
+    // Not inlined, because a tick calls it six times.
     #[inline(never)]
     fn at(&self, speed: R) -> Tried<R> {
         let Compliance { stiffness, step } = *self.compliance;
@@ -276,7 +277,7 @@ impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
         let balance = elastic + self.viscous * v + self.others - stiffness * deflection;
         let tangent = self.law.k1() + R::from_f64(3.0) * self.law.k3() * (x * x);
         let rate = step * (stiffness + tangent) + self.viscous;
-        // A law that gives way faster than the spring has no solution.
+        // A law with a negative stiffness beyond the spring's has no solution.
         let least = R::from_f64(0.25) * step * stiffness;
         Tried {
             displacement: x,
@@ -288,7 +289,7 @@ impl<R: Real, D: Fn(R) -> R> Trial<'_, R, D> {
     }
 }
 
-/// A magnitude of the velocity that leads to no overflow.
+/// Clamps the magnitude of a velocity so that nothing overflows.
 #[inline(always)]
 fn within<R: Real>(speed: R) -> R {
     let (slowest, fastest) = (R::from_f64(SLOWEST), R::from_f64(limits::VELOCITY));

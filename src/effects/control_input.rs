@@ -1,5 +1,5 @@
-//! A yielding branch and a dashpot whose strength a control input sets: the coil of a magneto-rheological damper, the pressure on a
-//! friction pad, the tension of a band.
+//! A yielding branch and a dashpot whose strength follows a control input: the coil current of a magneto-rheological damper, the
+//! pressure on a friction pad, the tension of a band.
 
 use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::motion::CONTROLS;
@@ -10,21 +10,22 @@ use crate::real::{Real, coefficient, in_range};
 
 /// Longest lag, s: that of a branch of [`Relaxation`](super::Relaxation).
 const LAG: f64 = 1e6;
-/// Range of the saturation, in the unit of the input. At the last the strength of the largest input is within 1e-6 of a line.
+/// Range of the saturation, in the unit of the input. At the upper end the strength of the largest input differs from a line by
+/// less than 1e-6.
 const SATURATION: [f64; 2] = [1e-9, 1e12];
 
 /// F = f·(k·e + c·v), f = w/(1 + w/s), T·dw/dt = |u| − w, with the stretch e of a [`Yielding`] branch of stiffness 1.
 ///
-/// u is the control input, w what of it has arrived at the specimen after the lag T, and f the strength: w as long as that is far below the
-/// saturation s, and never more than s. At a steady strength and velocity the force is f·(k·x·tanh(v/v₀) + c·v). The sign of the
-/// input is of no matter.
+/// u is the control input, w the part of it that has reached the specimen with the lag T, and f the strength: close to w far below
+/// the saturation s, and never more than s. At a steady strength and velocity the force is f·(k·x·tanh(v/v₀) + c·v). The sign of
+/// the input has no influence.
 ///
-/// Under a steady input it is passive for k ≥ 0 and c ≥ 0. An input that rises while the branch is stretched stiffens its spring, and what the spring then
-/// has more is the input's work.
+/// Under a steady input it is passive for k ≥ 0 and c ≥ 0. An input that rises while the branch is stretched stiffens its spring;
+/// the input does the work for the additional energy of the spring.
 ///
 /// # Step
 /// The input is held from one tick to the next, so that the lag is exact: w ← w + (1 − e^(−Δt/T))·(|u| − w). Before the first tick
-/// the input was what it is there.
+/// the input is assumed to have had its first value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlInput<R> {
     /// The branch at a strength of 1.
@@ -35,30 +36,30 @@ pub struct ControlInput<R> {
     arriving: R,
     /// 1/s.
     bend: R,
-    /// Its place among the controls.
+    /// Index of the input among the controls.
     input: usize,
 }
 
-/// What a [`ControlInput`] remembers.
-// No option of all of it: that of the stretch would lend it a niche, and nothing would not be zeros.
+/// State of a [`ControlInput`].
+// Not an `Option` of the whole: it would use a niche of the stretch, and `None` would not be all zeros.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ControlInputState<R: Real> {
-    /// Whether there was a tick.
+    /// Whether there was a tick yet.
     has_begun: bool,
     /// w.
     arrived: R,
-    /// What rounding has kept from it: a tick's change is smaller than an f32 can add where the lag is long.
+    /// Rounding error of `arrived`: with a long lag the change in a tick is smaller than an f32 can add.
     carry: R,
     stretch: <Yielding<R> as Equations<R>>::State,
 }
 
 impl<R: Real> ControlInput<R> {
-    /// Without a lag, and in proportion to the input.
+    /// An input without lag, whose force is proportional to the input.
     ///
-    /// * `input`: place among [`Motion::controls`](super::Motion::controls), 0…3
-    /// * `branch`: what an input of 1 makes of the branch
-    /// * `viscosity`: c, what it makes of the dashpot, kN·s/mm, −1e9…1e9
+    /// * `input`: index among [`Motion::controls`](super::Motion::controls), 0…3
+    /// * `branch`: the branch at an input of 1
+    /// * `viscosity`: c, the dashpot at an input of 1, kN·s/mm, −1e9…1e9
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -74,7 +75,7 @@ impl<R: Real> ControlInput<R> {
         Ok(new)
     }
 
-    /// The same, late.
+    /// The same with a lag.
     ///
     /// * `lag`: T, s, 0…1e6
     /// * `tick`: Δt, s, 1e-7…1e3
@@ -89,12 +90,12 @@ impl<R: Real> ControlInput<R> {
         Ok(Self { arriving, ..self })
     }
 
-    /// The same with a strength that comes near to `saturation`.
+    /// The same with a strength that approaches `saturation`.
     ///
     /// * `saturation`: s, in the unit of the input, 1e-9…1e12
     ///
     /// # Errors
-    /// It is not finite or out of range.
+    /// `saturation` is not finite or out of range.
     pub fn with_saturation(self, saturation: R) -> Result<Self, ConfigError> {
         let saturation = in_range("saturation", saturation, SATURATION[0], SATURATION[1])?;
         Ok(Self {
@@ -204,8 +205,8 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         place("input", self.input as f64).map(|_| ())
     }
 
-    /// Its lag stays: a steady input has arrived before the first tick.
-    /// Of the lag 1 − e^(−2Δt/T) = a·(2 − a), a = 1 − e^(−Δt/T).
+    /// Its lag stays, because a steady input has arrived before the first tick. For the doubled tick 1 − e^(−2Δt/T) = a·(2 − a), a
+    /// = 1 − e^(−Δt/T).
     fn at_half_rate(&self) -> Self {
         Self {
             branch: self.branch.at_half_rate(),
@@ -214,7 +215,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         }
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let strength = self.strength(state, motion.control(self.input));
@@ -223,10 +224,10 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     }
 }
 
-/// `value` as a place among the controls.
+/// Checks that `value` is an index of a control.
 ///
 /// # Errors
-/// It is none.
+/// It is not an index.
 fn place(field: &'static str, value: f64) -> Result<usize, ConfigError> {
     let known = (0..CONTROLS).find(|&place| place as f64 == value);
     known.ok_or(ConfigError::OutOfRange {

@@ -1,7 +1,7 @@
-//! A spring that loses stiffness with the largest displacement so far, and may pinch: the first form of degradation.
+//! A spring that loses stiffness with the largest displacement so far, optionally with pinching: the first form of degradation.
 //!
-//! Rubber on its first strokes (Mullins), joints and wires that are bent loose: a motion within what has been meets a softer damper than
-//! the first one did.
+//! Examples are rubber on its first strokes (Mullins effect), and joints and wires that bend loose. A motion within the largest one
+//! so far meets a softer damper than the first motion did.
 
 use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -9,17 +9,16 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// Range of the softening, mm: at the second no displacement takes more than a thousandth.
+/// Range of the softening, mm: at the upper end no displacement takes more than a thousandth of the stiffness.
 const SOFTENING: [f64; 2] = [1e-9, 1e3 * limits::DISPLACEMENT];
 
 /// F = k·y·(1 − p + p·|y|/m)/(1 + m/m₀), m the largest |y| so far.
 ///
-/// At y = ±m the spring has k/(1 + m/m₀), of which nothing comes back. In between it is that of a straight line for p = 0; with
-/// pinching it is softer about 0, by the part p. A first stroke goes along k·y/(1 + |y|/m₀), and |F| stays below k·m₀ whatever the
-/// displacement.
+/// At y = ±m the secant stiffness is k/(1 + m/m₀), and it never recovers. In between, the force is linear for p = 0; with pinching
+/// it is softer about 0, by the part p. A first stroke follows k·y/(1 + |y|/m₀), and |F| stays below k·m₀ for every displacement.
 ///
-/// It is passive for k ≥ 0: at one m it is elastic, and what is stored at some y,
-/// k·y²·((1 − p)/2 + p·|y|/(3·m))/(1 + m/m₀), falls where m grows.
+/// It is passive for k ≥ 0: at constant m it is elastic, and the energy stored at y, k·y²·((1 − p)/2 + p·|y|/(3·m))/(1 + m/m₀),
+/// falls when m grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Degradation<R> {
     stiffness: R,
@@ -29,7 +28,7 @@ pub struct Degradation<R> {
 
 impl<R: Real> Degradation<R> {
     /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `softening`: m₀, the largest displacement after which half of the stiffness is left, mm, 1e-9…1e7
+    /// * `softening`: m₀, the largest displacement so far at which half of the stiffness remains, mm, 1e-9…1e7
     /// * `pinching`: p, 0…1
     ///
     /// # Errors
@@ -91,7 +90,7 @@ impl<R: Real> Equations<R> for Degradation<R> {
         in_range("pinching", self.pinching, 0.0, 1.0).map(|_| ())
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, largest: &mut R, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();

@@ -1,19 +1,20 @@
-//! A force channel that is late: the skew of a multiplexed converter, or of a filter that the displacement does not pass.
+//! A delayed force channel: the skew of a multiplexed converter, or a filter in the force channel only.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
-/// Most ticks of a [`Delay`].
+/// Longest [`Delay`], ticks.
 pub const MAX_DELAY: u8 = 255;
-/// Forces that are kept: as many as an index of 8 bits tells apart.
+/// Number of stored forces: all values of an 8-bit index.
 const KEPT: usize = 256;
 
-/// F(t) = F_all(t − T): of the law's force with every effect's, as it was T ago.
+/// F(t) = F_all(t − T): the sum of the law's force and of every effect's, T ago.
 ///
-/// Of T the whole ticks are those of a force that is kept; before the first tick it is the first tick's. The rest, at most
-/// half a tick to either side, is taken off the motion: a force between two ticks would be wrong where friction turns.
+/// The whole ticks of T come from the stored forces; before the first tick it is the first tick's force. The rest, at most half a
+/// tick to either side, is applied to the motion, because a force interpolated between two ticks would be wrong where friction
+/// reverses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay<R> {
     /// Whole ticks.
@@ -22,7 +23,7 @@ pub struct Delay<R> {
     rest: R,
 }
 
-/// The last forces, kN.
+/// The stored forces, kN.
 #[derive(Clone, Debug)]
 #[repr(C)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -38,9 +39,9 @@ pub struct DelayState<R> {
         )
     )]
     forces: [R; KEPT],
-    /// Where the next one goes.
+    /// Index for the next force.
     next: u8,
-    /// How many there are, at most [`MAX_DELAY`].
+    /// Number of stored forces, at most [`MAX_DELAY`].
     filled: u8,
 }
 
@@ -53,7 +54,7 @@ impl<R: Real> Delay<R> {
     pub fn new(time: R, tick: R) -> Result<Self, ConfigError> {
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
         let most = f64::from(MAX_DELAY);
-        // What rounding to a float adds is no longer a delay.
+        // Excess by rounding to a float is not a longer delay.
         let ticks = in_range("time", time, 0.0, most * tick)?.to_f64() / tick;
         let ticks = if ticks < most { ticks } else { most };
         let whole = (ticks + 0.5) as u8;
@@ -63,13 +64,13 @@ impl<R: Real> Delay<R> {
         })
     }
 
-    /// How many ticks late the force of [`Self::shifted`] motion is.
+    /// Delay in ticks of the force of the [`Self::shifted`] motion.
     pub fn whole_ticks(&self) -> usize {
         self.whole.into()
     }
 
-    /// `motion` as it was by the rest of T before: within (ω·rest)²/2 of a sine's velocity, (ω·rest)³/6 of its displacement.
-    /// Cycles and temperature stay.
+    /// `motion` earlier by the rest of T: within (ω·rest)²/2 of a sine's velocity and (ω·rest)³/6 of its displacement. Cycles and
+    /// temperature stay.
     #[inline]
     pub fn shifted(&self, motion: &Motion<R>) -> Motion<R> {
         let change = self.rest * motion.acceleration;
@@ -150,7 +151,7 @@ impl Packed for Delay<f32> {
     }
 }
 
-/// [`KEPT`] forces as a sequence: longer than the arrays that serde knows.
+/// [`KEPT`] forces as a sequence, because serde supports only shorter arrays.
 #[cfg(feature = "serde")]
 mod kept {
     use core::fmt;

@@ -1,37 +1,37 @@
-//! What an effect is, as data: packs, model files, reports, benchmarks, fuzzing and docs go through all of them by it.
+//! Description of an effect as data. Packs, model files, reports, benchmarks, fuzzing and docs iterate over all descriptions.
 
 /// How an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectKind {
     /// It adds a force to that of the mixed damping law, and may scale that too.
     Force,
-    /// It lies between the specimen and what is measured.
+    /// It lies between the specimen and the measurement.
     Stage,
     /// It only scales the forces of the mixed damping law.
     Modulator,
 }
 
-/// When a law that is read while the rig runs looks whether the effect is there.
+/// When a law that is read while the rig runs checks whether the effect is present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
-    /// A multiplication or two, nothing remembered: all of these are computed where one is there.
+    /// One or two multiplications, no state: if one of these is present, all are computed.
     Light,
-    /// One test of its own each tick.
+    /// One check of its own on each tick.
     Common,
-    /// One test for all of these, and one of its own behind that.
+    /// One check for all rare effects together, and then one of its own.
     Rare,
 }
 
-/// What a force may depend on, by the name that it has in every file.
+/// A quantity on which a force may depend, with its name in every file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dependence {
     /// Displacement.
     Displacement,
     /// Velocity.
     Velocity,
-    /// What the motion was before.
+    /// The earlier motion.
     History,
-    /// Time, whatever the motion.
+    /// Time, independent of the motion.
     Time,
     /// Cycles since the test began.
     Cycle,
@@ -46,7 +46,7 @@ pub enum Dependence {
 }
 
 impl Dependence {
-    /// The name that it has in every file.
+    /// Its name in every file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",
@@ -62,42 +62,41 @@ impl Dependence {
     }
 }
 
-/// How a force grows with a motion that goes on beyond the operating range, with displacement, velocity and acceleration in
-/// proportion.
+/// How a force grows when a motion exceeds the operating range, with displacement, velocity and acceleration in proportion.
 ///
-/// Whatever it is, a force stays finite: motions are clamped to [`crate::limits`].
+/// A force always stays finite, because motions are clamped to [`crate::limits`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
-    /// Not at all: it does not depend on the motion.
+    /// It does not grow, because it does not depend on the motion.
     Constant,
-    /// Up to a limit of its own, and no further.
+    /// It grows up to a limit of its own.
     Saturates,
-    /// As at the edge of its table, and no further.
+    /// It keeps its value at the edge of its table.
     Held,
-    /// As the motion, or less.
+    /// In proportion to the motion, or less.
     AtMostLinear,
-    /// As the motion.
+    /// In proportion to the motion.
     Linear,
-    /// As the way beyond a gap.
+    /// In proportion to the distance beyond a gap.
     LinearBeyondGap,
-    /// As the square.
+    /// With the square.
     Quadratic,
-    /// As the third power.
+    /// With the third power.
     Cubic,
-    /// As the fifth power.
+    /// With the fifth power.
     FifthPower,
-    /// As the displacement times |v|^α.
+    /// With the displacement times |v|^α.
     LinearTimesDamping,
-    /// As |v|^α.
+    /// With |v|^α.
     OfDamping,
-    /// As the forces of the mixed damping law.
+    /// With the forces of the mixed damping law.
     OfLaw,
-    /// As the force of all that lies between it and the specimen.
+    /// With the total force between it and the specimen.
     OfForceBehind,
 }
 
 impl Growth {
-    /// Its words in `docs/effects.md`.
+    /// Its wording in `docs/effects.md`.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Constant => "constant",
@@ -117,14 +116,14 @@ impl Growth {
     }
 }
 
-/// A parameter that is left out in a file.
+/// Treatment of a parameter that a file leaves out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
-    /// It must not be.
+    /// The parameter is required.
     Refused,
     /// It has this value.
     Is(f64),
-    /// It has the value of the parameter at this place.
+    /// It has the value of the parameter at this index.
     As(usize),
 }
 
@@ -137,12 +136,12 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Least and largest value.
     pub range: [f64; 2],
-    /// What holds where a file leaves it out.
+    /// Treatment where a file leaves it out.
     pub absent: Absent,
 }
 
 impl Parameter {
-    /// One that every file gives.
+    /// A required parameter.
     pub const fn new(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
         Self {
             name,
@@ -152,43 +151,45 @@ impl Parameter {
         }
     }
 
-    /// The same, where a file may leave it out.
+    /// The same, as an optional parameter.
     #[must_use]
     pub const fn or(self, absent: Absent) -> Self {
         Self { absent, ..self }
     }
 }
 
-/// What an effect is.
+/// Description of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Description {
     /// Its own name.
     pub name: &'static str,
-    /// The family that it is of, by the name that it has in every file. Most families have one effect.
+    /// Name of its family in every file. Most families have one effect.
     pub family: &'static str,
-    /// Its number in a pack. It never changes, and that of a removed effect is not given again.
+    /// Its number in a pack. It never changes, and the number of a removed effect is not reused.
     pub number: u8,
     /// How it acts.
     pub kind: EffectKind,
-    /// When a running law looks for it.
+    /// When a running law checks for it.
     pub cost: Cost,
-    /// Of one element.
+    /// Parameters of one element.
     pub parameters: &'static [Parameter],
-    /// Most elements: 1 for most effects.
+    /// Largest number of elements: 1 for most effects.
     pub most: usize,
-    /// Parameters that a damper of 0.1 mm and 1 kN could have, element by element: what counts, fuzzing and tests take.
+    /// Typical parameters for a damper of 0.1 mm and 1 kN, element by element. Instruction counts, fuzzing and tests use them.
     pub typical: &'static [f64],
     /// What its force depends on.
     pub depends_on: &'static [Dependence],
     /// How its force grows outside the operating range.
     pub outside: Growth,
-    /// Whether it gives more energy than it takes in closed cycles by what it is, whatever its parameters: a tone drives by itself, and
-    /// a force that is late returns more than was stored. [`Passivity`](crate::passivity::Passivity) leaves it out. What supplies energy
-    /// at some of its parameters only, such as a dashpot below 0, does not say so here.
+    /// Whether it gives out more energy than it absorbs in closed cycles by its nature, whatever its parameters. Examples are a
+    /// tone, which drives by itself, and a delayed force, which returns more than was stored.
+    /// [`Passivity`](crate::passivity::Passivity) leaves such an effect out. The flag is not set for an effect that supplies energy
+    /// only with some parameters, such as a dashpot below 0.
     pub supplies_energy: bool,
-    /// Whether all of its force, or a part, is a part of the mixed damping law's: what slow changes of the law change too.
+    /// Whether all of its force, or a part, is proportional to the mixed damping law's, so that slow changes of the law change it
+    /// too.
     pub scales_law: bool,
-    /// What it is, in one sentence.
+    /// The effect in one sentence.
     pub sentence: &'static str,
 }
 

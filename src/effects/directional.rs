@@ -1,14 +1,14 @@
-//! Damping that differs between the directions: valves that are wider one way, wires that lie as they were drawn.
+//! Damping that differs between the directions: valves with different openings, wires with a drawing direction.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
-/// F = d·c·|v|^α: the law's own damping, by the part d more where the displacement rises, and by d less where it falls.
+/// F = d·c·|v|^α: adds the part d of the law's own damping where the displacement rises, and subtracts it where it falls.
 ///
-/// It remembers nothing. With |d| ≤ 1 the law's damping and this are (1 + d·sgn v)·c·|v|^α·sgn v together, which never drives the
-/// motion. Of a cycle that goes both ways alike it takes nothing: it moves the loop by d times the damping, and a rig may
+/// It has no state. With |d| ≤ 1 the law's damping and this force together are (1 + d·sgn v)·c·|v|^α·sgn v, which never drives the
+/// motion. It dissipates nothing in a cycle that is symmetric in velocity: it shifts the loop by d times the damping, and a rig may
 /// take that for a preload.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional<R> {
@@ -16,7 +16,7 @@ pub struct Directional<R> {
 }
 
 impl<R: Real> Directional<R> {
-    /// * `difference`: d, by which part of itself the damping is larger where the displacement rises, −1…1
+    /// * `difference`: d, relative increase of the damping where the displacement rises, −1…1
     ///
     /// # Errors
     /// `difference` not finite or out of range.
@@ -59,7 +59,7 @@ impl<R: Real> Equations<R> for Directional<R> {
         in_range("difference", self.difference, -1.0, 1.0).map(|_| ())
     }
 
-    /// At rest the law has no damping, and so this has none.
+    /// At rest the law has no damping, and so this force is 0.
     #[inline(always)]
     fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let rising = self.difference * law.damping;

@@ -1,4 +1,4 @@
-//! A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.
+//! A force that settles with the cycles: run-in, friction wear, or wires that break one after another.
 
 use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -6,8 +6,8 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// F = (1 − e^(−n/N))·(k·y + a·F_elastic + b·F_damping), n the cycles since the test began: in the end the stiffness has
-/// changed by k, eq 13's elastic force by the fraction a of itself, and its damping force by b.
+/// F = (1 − e^(−n/N))·(k·y + a·F_elastic + b·F_damping), n the cycles since the test began. In the end the stiffness has changed by
+/// k, eq 13's elastic force by the fraction a of itself, and its damping force by b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift<R> {
     stiffness: R,
@@ -20,8 +20,8 @@ pub struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
-    /// * `stiffness`: what the stiffness has changed by in the end, kN/mm, −1e9…1e9
-    /// * `cycles`: N, after which 63 % of the change is done, 0.1…1e9
+    /// * `stiffness`: final change of the stiffness, kN/mm, −1e9…1e9
+    /// * `cycles`: N, after which 63 % of the change is complete, 0.1…1e9
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -37,8 +37,8 @@ impl<R: Real> Drift<R> {
 
     /// The same with a change of eq 13's forces.
     ///
-    /// * `elastic_change`: a, −1…1e3: no force turns round, and what a slow change comes to in the end may be far beyond what a
-    ///   test sees of it
+    /// * `elastic_change`: a, −1…1e3. Below −1 the force would reverse. The upper end is high, because the final value of a slow
+    ///   change may be far beyond the change within a test
     /// * `damping_change`: b, −1…1e3
     ///
     /// # Errors
@@ -53,13 +53,13 @@ impl<R: Real> Drift<R> {
         })
     }
 
-    /// What of `law` has changed in the end.
+    /// Final change of the forces of `law`.
     #[inline(always)]
     fn change_of_law(&self, law: LawForce<R>) -> R {
         self.elastic * law.total + self.beyond * law.damping
     }
 
-    /// As much of a change as is done.
+    /// The completed part of a change.
     #[inline(always)]
     fn done(&self, change: R, motion: &ClampedMotion<R>) -> R {
         change - change * (motion.cycles() * self.rate).exp2_of_negative()
@@ -111,7 +111,7 @@ impl<R: Real> Equations<R> for Drift<R> {
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
         in_range("elastic_change", self.elastic, -1.0, limits::CHANGE)?;
-        // A little beyond the range, as the sum of what was rounded, and likewise −log₂ e/0.1.
+        // A little beyond the range, because it is a sum of rounded numbers; the same holds for −log₂ e/0.1.
         let damping = self.elastic + self.beyond;
         in_range("damping_change", damping, -1.001, 1.001 * limits::CHANGE)?;
         in_range("rate", self.rate, -15.0, 0.0).map(|_| ())
@@ -123,7 +123,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         self.done(change, motion)
     }
 
-    /// All but the stiffness.
+    /// All of the force but that of the stiffness.
     #[inline(always)]
     fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.done(self.change_of_law(law), motion)

@@ -1,4 +1,4 @@
-//! A force channel behind a low-pass: that of a load cell's amplifier, which the displacement does not pass.
+//! A force channel behind a low-pass filter, such as that of a load cell's amplifier. The displacement does not pass through it.
 
 use core::f64::consts::{PI, SQRT_2};
 
@@ -7,45 +7,46 @@ use super::{Equations, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
 
-/// Least and largest corner, cycles a tick. Below, f32 would lose what a tick changes; above, a tick sees no lag.
+/// Lowest and highest corner, cycles per tick. Below, f32 would lose the change within a tick; above, a tick has no lag.
 const CORNER: [f64; 2] = [1e-4, 1e3];
 
-/// F″ + √2·ω·F′ + ω²·F = ω²·F_all, ω = 2π·corner: of the law's force with every effect's, what a second-order low-pass of
-/// Butterworth's damping 1/√2 shows (S. Butterworth, "On the theory of filter amplifiers", Wireless Engineer 7, 1930).
+/// F″ + √2·ω·F′ + ω²·F = ω²·F_all, ω = 2π·corner: the sum of the law's force and of every effect's, behind a second-order
+/// Butterworth low-pass with damping 1/√2 (S. Butterworth, "On the theory of filter amplifiers", Wireless Engineer 7, 1930).
 ///
-/// Its gain is 1/√(1 + r⁴) and its lag atan2(√2·r, 1 − r²) at r corners: 1 at rest, 1/√2 and a quarter turn at the corner. A slow
-/// force is √2/ω late. Before the first tick the first force has stood for ever.
+/// At r times the corner frequency its gain is 1/√(1 + r⁴) and its phase lag atan2(√2·r, 1 − r²): 1 and 0 at rest, 1/√2 and a
+/// quarter turn at the corner. A slow force is late by √2/ω. Before the first tick the force is assumed to have had its first value
+/// for ever.
 ///
-/// With the force a straight line within a tick of Δt the step is exact. What is shown differs from the force by e, and
-/// g = e + √2·F′/ω turns with it: with a = ω·Δt/√2 and ΔF the force's change
+/// For a force that is linear within a tick of Δt the step is exact. Let e be the output minus the input, and g = e + √2·F′/ω, with
+/// a = ω·Δt/√2 and ΔF the change of the force:
 ///
 /// - e ← e + im·g − lost·e + along·ΔF, along = −lost/a
 /// - g ← g − im·e − lost·g + across·ΔF, across = −im/a
 ///
-/// where 1 − lost = e^(−a)·cos a and im = e^(−a)·sin a. Both shrink by e^(−a) in a tick, so that nothing grows, however the
+/// where 1 − lost = e^(−a)·cos a and im = e^(−a)·sin a. e and g shrink by e^(−a) per tick, so that nothing grows, however the
 /// coefficients are rounded; at rest e is 0 to the last bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceFilter<R> {
-    /// Kept instead of 1 − lost: near 1, f32 would round the corner.
+    /// Stored in place of 1 − lost, because near 1 an f32 would round the corner.
     lost: R,
     im: R,
     along: R,
     across: R,
 }
 
-/// What a [`ForceFilter`] remembers, all in kN.
+/// State of a [`ForceFilter`], all in kN.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceFilterState<R> {
     /// The force of the tick before.
     previous: R,
-    /// What was shown less that.
+    /// Output minus that force.
     e: R,
     g: R,
 }
 
 impl<R: Real> ForceFilter<R> {
-    /// * `corner`: where the gain is 1/√2, Hz, 1e-4…1e3 a tick
+    /// * `corner`: frequency at which the gain is 1/√2, Hz, 1e-4…1e3 per tick
     /// * `tick`: s, 1e-7…1e3
     ///
     /// # Errors
@@ -105,7 +106,7 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         in_range("im", self.im, -0.014, 0.323)?;
         in_range("along", self.along, -1.0, 0.0)?;
         in_range("across", self.across, -1.0, 0.004)?;
-        // What was read may be any of these, and must not grow: the slowest corner keeps 1 − 9e-4 of the square.
+        // The numbers read may be any of these, and the state must not grow: the lowest corner keeps 1 − 9e-4 of the square.
         let kept = R::ONE - self.lost;
         let square = kept * kept + self.im * self.im;
         in_range("kept", square, 0.0, 0.9995).map(|_| ())

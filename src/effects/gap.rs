@@ -1,4 +1,4 @@
-//! Free play of the mounting: the specimen does not feel the first part of a displacement to either side.
+//! Free play of the mounting: the specimen does not feel the first part of a displacement in either direction.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
@@ -6,18 +6,18 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// The specimen is moved by sgn y·max(|y| − w, 0) instead of y. Velocity and acceleration are y's beyond ±w, and within it 0,
-/// or y's as well where what damps lies beside the play.
+/// The specimen moves by sgn y·max(|y| − w, 0) instead of y. Beyond ±w its velocity and acceleration are those of y. Within ±w they
+/// are 0, or also those of y where the damping parts lie parallel to the play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap<R> {
     half_width: R,
-    /// What part of velocity and acceleration is felt within ±w: 0 or 1.
+    /// The part of velocity and acceleration that acts within ±w: 0 or 1.
     inside: R,
 }
 
 impl<R: Real> Gap<R> {
     /// * `half_width`: w, mm, 0…1e4
-    /// * `damps_inside`: velocity and acceleration stay within ±w
+    /// * `damps_inside`: whether velocity and acceleration are those of y within ±w too
     ///
     /// # Errors
     /// `half_width` not finite or out of range.
@@ -30,7 +30,7 @@ impl<R: Real> Gap<R> {
         Ok(new)
     }
 
-    /// The motion that the specimen feels where the mounting's is `motion`. Cycles and temperature stay.
+    /// The motion of the specimen for the mounting's `motion`. Cycles and temperature stay.
     #[inline]
     pub fn transform(&self, motion: &Motion<R>) -> Motion<R> {
         let y = motion.displacement;
@@ -86,7 +86,7 @@ impl<R: Real> Equations<R> for Gap<R> {
         in_range("inside", self.inside, 0.0, 1.0).map(|_| ())
     }
 
-    /// What is within the limits stays within.
+    /// A motion within the limits stays within them.
     #[inline(always)]
     fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
         ClampedMotion(self.transform(&motion.0))

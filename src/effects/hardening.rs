@@ -1,4 +1,4 @@
-//! Odd stiffness above the cubic: wires that come to lie against each other towards the end of the stroke.
+//! Odd stiffness above the cubic: wires that come into contact with each other towards the end of the stroke.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};

@@ -7,24 +7,24 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// Range of the rise of a branch that leads away from 0.
+/// Range of the hardening of a branch that leads away from 0.
 const HARDENING: [f64; 2] = [-1.0, 100.0];
-/// Largest excess of the rise of a branch that leads towards 0.
+/// Largest excess of the hardening on a branch that leads towards 0.
 const MOST_LOSS: f64 = 200.0;
 
 /// F = k·z with |z| ≤ x: away from 0 dz = dy·(1 + h·(|z|/x)ⁿ), towards 0 dz = dy·(1 + (h + l)·(|z|/x)ⁿ).
 ///
 /// Bouc and Wen's dz = A·dy − β·(γ·|dy|·|z|ⁿ⁻¹·z + δ·dy·|z|ⁿ) is this with k = A, h = −(γ + δ)·β·(A·x)ⁿ/A and l = 2γ·β·(A·x)ⁿ/A.
-/// With h = −1 and l = 1 it is the softening one of [`BoucWen`](super::BoucWen); with h > 0 each branch grows steeper, which nothing
-/// ends but x.
+/// With h = −1 and l = 1 it is the softening form of [`BoucWen`](super::BoucWen). With h > 0 each branch becomes steeper, and only
+/// x ends it.
 ///
-/// The equation is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is stored, all of the work goes there on the way away from 0, and on the way back, with
-/// l ≥ 0, not more is given back.
+/// The equation is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is the stored energy. On the way away from 0 all work is stored, and on the
+/// way back, with l ≥ 0, no more than that is returned.
 ///
 /// # Step
-/// To 0 and from 0 with (|z|/x)ⁿ as the line through 0 that meets it in the middle of the step, dz = dy·(1 + c·z): of the second
-/// order, and exact for n = 1. A step that takes more than half of a z loses too much of it and not too little. z never passes its bound,
-/// whatever the steps.
+/// A step towards 0 and one away from 0 replace (|z|/x)ⁿ by the line through 0 that meets it in the middle of the step, dz = dy·(1
+/// + c·z). The step is of second order, and exact for n = 1. A step that takes more than half of a z loses too much of it rather
+/// than too little. z never passes its bound, whatever the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HardeningFriction<R> {
     stiffness: R,
@@ -61,16 +61,16 @@ impl<R: Real> HardeningFriction<R> {
         Ok(new)
     }
 
-    /// c of the line 1 + c·z that meets 1 + rise·(z/x)ⁿ at z = `stretch` ≥ 0. Not inlined: it is taken four times.
+    /// c of the line 1 + c·z that meets 1 + rise·(z/x)ⁿ at z = `stretch` ≥ 0. Not inlined, because it is called four times.
     #[inline(never)]
     fn bend(&self, stretch: R, rise: R) -> R {
-        // Next to 0 it is a quotient of what rounding leaves, of a force that hardly bends there.
+        // Next to 0 it is a quotient of rounding errors, of a force that is almost straight there.
         let least = R::from_f64(1e-4) * self.stretch_limit;
         let stretch = if stretch > least { stretch } else { least };
         rise * power(stretch / self.stretch_limit, self.sharpness) / stretch
     }
 
-    /// z ≥ 0 after `way` mm away from 0. Not inlined: it is called from two places.
+    /// z ≥ 0 after `way` mm away from 0. Not inlined, because it is called from two places.
     #[inline(never)]
     fn away(&self, stretch: R, way: R) -> R {
         let slope = R::ONE + self.bend(stretch, self.hardening) * stretch;
@@ -88,12 +88,12 @@ impl<R: Real> HardeningFriction<R> {
     fn back(&self, stretch: R, way: R) -> R {
         let rise = self.hardening + self.loss;
         let half = R::from_f64(0.5);
-        // Where a step falls by much, the line of its middle would hardly fall at all: not below half of where it began.
+        // Where a step falls steeply, the line of its middle would be almost flat: use at least half of the initial z.
         let middle = fallen(stretch, self.bend(stretch, rise), half * way);
         let least = half * stretch;
         let middle = if middle > least { middle } else { least };
         let bend = self.bend(middle, rise);
-        // Where it falls less than its way, the line may be below 0 at an end that is not its middle: there z would grow.
+        // Where it falls by less than its displacement, the line may be below 0 at the other end, and z would grow there.
         let flat = -R::ONE / stretch;
         let bend = if bend > flat { bend } else { flat };
         let left = fallen(stretch, bend, way);
@@ -115,8 +115,8 @@ fn fallen<R: Real>(stretch: R, bend: R, way: R) -> R {
     stretch - (R::ONE + bend * stretch) * way * mean_growth(-bend * way)
 }
 
-/// ln(1 + u)/u for an u of at least −1: with s the eighth root of 1 + u and x = (s − 1)/(s + 1), ln s is 2·artanh x, of which two terms
-/// are within x⁴/5, and at −1 it is finite.
+/// ln(1 + u)/u for a u of at least −1. With s the eighth root of 1 + u and x = (s − 1)/(s + 1), ln s is 2·artanh x; two of its
+/// terms are within x⁴/5, and at −1 the result is finite.
 #[inline(never)]
 fn mean_logarithm<R: Real>(u: R) -> R {
     if u.abs() < R::from_f64(0.02) {
@@ -200,7 +200,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         in_range("loss", self.loss, 0.0, MOST_LOSS).map(|_| ())
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let stretch = Stretch::after(state, motion, |stretch, way| {

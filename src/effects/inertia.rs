@@ -17,7 +17,7 @@ pub struct Inertia<R> {
 }
 
 impl<R: Real> Inertia<R> {
-    /// * `mass`: kg, −1e6…1e6. A negative one is what a load cell shows that was compensated for too much mass.
+    /// * `mass`: kg, −1e6…1e6. A negative mass results from a load cell that is compensated for too large a mass.
     ///
     /// # Errors
     /// `mass` not finite or out of range.

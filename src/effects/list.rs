@@ -1,10 +1,10 @@
-//! What is made of the list of effects: the one line that an effect has outside its own file.
+//! Code generated from the list of effects, in which each effect has one line outside its own file.
 //!
-//! Forces are added in the order of the list, the light ones first, the rare ones last. A motion passes through the stages
-//! in that order too.
+//! Forces are added in the order of the list, the light ones first, the rare ones last. A motion passes through the stages in that
+//! order too.
 
-/// Makes the module of each effect in the list, [`Effect`](super::Effect) over all of them, and the set of effects and of their
-/// states that an [`AugmentedLaw`](super::AugmentedLaw) holds.
+/// Generates the module of each effect in the list, [`Effect`](super::Effect) over all of them, and the sets of effects and of
+/// their states that an [`AugmentedLaw`](super::AugmentedLaw) holds.
 macro_rules! effects {
     ($($module:ident: $name:ident,)+) => {
         $(
@@ -12,12 +12,12 @@ macro_rules! effects {
             pub use $module::$name;
         )+
 
-        /// What each effect is, in the order in which their forces are added.
+        /// Descriptions of all effects, in the order in which their forces are added.
         pub const DESCRIPTIONS: &[Description] = &[
             $(<$name<f32> as Equations<f32>>::DESCRIPTION,)+
         ];
 
-        /// Any one effect's configuration.
+        /// Configuration of any one effect.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Effect<R> {
@@ -25,11 +25,11 @@ macro_rules! effects {
         }
 
         impl<R: Real> Effect<R> {
-            /// The effect whose number in a pack is `number`, of `parameters` in the order of its description, element by
-            /// element, for a tick of `tick` s.
+            /// The effect with the pack number `number`. `parameters` are in the order of its description, element by element; a
+            /// tick lasts `tick` s.
             ///
             /// # Errors
-            /// A number that no effect has; what the effect's constructor refuses.
+            /// A number that no effect has, or the error of the effect's constructor.
             pub fn from_parameters(
                 number: u8,
                 parameters: &[f64],
@@ -41,7 +41,7 @@ macro_rules! effects {
                 Err(unknown(number))
             }
 
-            /// What it is.
+            /// Its description.
             pub fn description(&self) -> Description {
                 match self {
                     $(Self::$name(_) => <$name<R> as Equations<R>>::DESCRIPTION,)+
@@ -57,10 +57,10 @@ macro_rules! effects {
         }
 
         impl Effect<f32> {
-            /// Writes its number, how many words it has, and the words.
+            /// Writes its number, its number of words, and the words.
             pub(crate) fn pack(&self, writer: &mut Writer<'_>) {
                 let mut words = heapless::Vec::<f32, MOST_WORDS>::new();
-                // As many as there is room for.
+                // Takes as many words as fit.
                 let mut put = |word| {
                     let _ = words.push(word);
                 };
@@ -70,15 +70,15 @@ macro_rules! effects {
                         <$name<f32> as Equations<f32>>::DESCRIPTION.number
                     })+
                 };
-                // A length below 128 is one byte.
+                // A length below 128 takes one byte.
                 writer.bytes(&[number, words.len() as u8]);
                 for word in &words {
                     writer.f32(*word);
                 }
             }
 
-            /// Of the `number` and the words that [`Effect::pack`] wrote; the words are still to be checked. `None` where they are
-            /// not those of an effect.
+            /// The effect from its `number` and the words that [`Effect::pack`] wrote; the words are not checked yet. `None` if
+            /// they cannot be those of an effect.
             pub(crate) fn unpack(number: u8, words: &[f32]) -> Option<Self> {
                 $(if number == <$name<f32> as Equations<f32>>::DESCRIPTION.number {
                     return $name::unpack(words).map(Self::$name);
@@ -92,7 +92,7 @@ macro_rules! effects {
             }
         }
 
-        /// The bit of each effect.
+        /// One bit per effect.
         #[derive(Clone, Copy)]
         enum Bit {
             $($name,)+
@@ -105,9 +105,9 @@ macro_rules! effects {
             }
         }
 
-        /// The bit of the correction, which counts among the effects as none.
+        /// The bit of the residual table, which does not count as an effect.
         const CORRECTION: u32 = Bit::ResidualTable.mask();
-        /// The bit of a law that is being written, which is that of no effect.
+        /// The bit of a law that is being written; no effect has it.
         const UNFINISHED: u32 = 1 << 31;
         const _: () = assert!(CORRECTION < UNFINISHED);
         const LIGHT: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Light) { Bit::$name.mask() } else { 0 })|+;
@@ -122,16 +122,16 @@ macro_rules! effects {
         /// Up to one effect of each kind.
         #[derive(Clone, Debug, PartialEq)]
         struct Effects<R> {
-            /// The bits of those that are there, and of the correction.
+            /// The bits of the effects that are present, and of the residual table.
             present: u32,
             $($module: $name<R>,)+
         }
 
-        /// What the effects of an [`AugmentedLaw`] remember: nothing before the first tick.
+        /// State of the effects of an [`AugmentedLaw`]: empty before the first tick.
         #[derive(Clone, Debug)]
-        // The longest stands at the end of the list: the others are within reach of a load's offset.
+        // The longest state comes at the end of the list, so that the others are within the offset of a load.
         #[repr(C)]
-        // A simulation that goes back writes it and reads it again.
+        // A simulation that goes back in time writes it and reads it again.
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(
             feature = "serde",
@@ -146,7 +146,7 @@ macro_rules! effects {
         }
 
         impl<R: Real> AugmentedState<R> {
-            /// Before the first tick, whatever the effects are. All bits are 0.
+            /// State before the first tick, for any effects. All bits are 0.
             pub(crate) const AT_REST: Self = Self {
                 $($module: <$name<R> as Equations<R>>::AT_REST,)+
                 correction: ResidualTableState::NEW,
@@ -172,7 +172,7 @@ macro_rules! effects {
                 Ok(())
             }
 
-            /// [`Equations::check`] of the effect of this number.
+            /// [`Equations::check`] of the effect with this number.
             #[inline(never)]
             fn check(&self, number: u8) -> Result<(), ConfigError> {
                 $(if number == <$name<R> as Equations<R>>::DESCRIPTION.number {
@@ -191,14 +191,14 @@ macro_rules! effects {
                 self.present & bit != 0
             }
 
-            /// It becomes `other`, one by one: a copy of all of them is too long for a small stack.
+            /// Copies `other`, one effect at a time: a copy of all at once needs too much of a small stack.
             #[inline(never)]
             fn copy_from(&mut self, other: &Self) {
                 self.present = other.present;
                 $(self.$module = other.$module;)+
             }
 
-            /// [`Equations::at_half_rate`] of each that is there.
+            /// [`Equations::at_half_rate`] of each effect that is present.
             #[inline(never)]
             fn halve_rate(&mut self) {
                 $(if self.has(Bit::$name.mask()) {
@@ -212,7 +212,7 @@ macro_rules! effects {
                     .flatten()
             }
 
-            /// `law` and every effect's force but those of the rare ones, kN.
+            /// Sum of `law` and of every force but those of the rare effects, kN.
             #[inline(always)]
             fn add_force(
                 &self,
@@ -232,7 +232,7 @@ macro_rules! effects {
                 total
             }
 
-            /// The sum of `force` and the rare effects' forces, kN.
+            /// Sum of `force` and of the rare effects' forces, kN.
             #[inline(always)]
             fn add_rare_force(
                 &self,
@@ -250,8 +250,8 @@ macro_rules! effects {
                 total
             }
 
-            /// What the effects make of `law` alone, kN.
-            // Not inlined: it is taken twice, and not every tick.
+            /// The forces of `law` alone, as the effects scale them, kN.
+            // Not inlined, because it is called twice, and not on every tick.
             #[inline(never)]
             fn scaled(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
                 let mut total = law.total;
@@ -261,7 +261,7 @@ macro_rules! effects {
                 total
             }
 
-            /// [`AugmentedLaw::force_through_stages`] without the correction.
+            /// [`AugmentedLaw::force_through_stages`] without the residual table.
             #[inline(always)]
             fn force_through_stages(
                 &self,

@@ -1,4 +1,4 @@
-//! Friction that grows with the load on the contacts: wires that are pressed together by the displacement slide harder.
+//! Friction that grows with the load on the contacts: the displacement presses the wires together.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -6,17 +6,17 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// F = λ·|y|·c·|v|^α·sgn v: the law's own friction, by the part λ·|y| more.
+/// F = λ·|y|·c·|v|^α·sgn v: adds the part λ·|y| of the law's own friction.
 ///
-/// It remembers nothing and never drives the motion: F·v ≥ 0 whatever the motion, as c ≥ 0 and λ ≥ 0. Under a sine of
-/// amplitude X and angular frequency ω it dissipates 4·λ·c·ω^α·X^(2+α)/(2 + α) J a cycle.
+/// It has no state and never drives the motion: F·v ≥ 0 for every motion, because c ≥ 0 and λ ≥ 0. Under a sine of amplitude X and
+/// angular frequency ω it dissipates 4·λ·c·ω^α·X^(2+α)/(2 + α) J per cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadFriction<R> {
     load: R,
 }
 
 impl<R: Real> LoadFriction<R> {
-    /// * `load`: λ, what a mm of displacement adds to the friction as a part of it, 1/mm, 0…1e6
+    /// * `load`: λ, relative increase of the friction per mm of displacement, 1/mm, 0…1e6
     ///
     /// # Errors
     /// `load` not finite or out of range.

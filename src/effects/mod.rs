@@ -1,10 +1,9 @@
-//! Physical effects that eq 13 lacks, one per file, and the law that carries a set of them.
+//! Physical effects in addition to eq 13, one per file, and the law that holds a set of them.
 //!
-//! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state (what it remembers).
-//! All are generic over the float: identification runs them in `f64`, the firmware in `f32`.
+//! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state. All are generic over the float:
+//! identification runs them in `f64`, the firmware in `f32`.
 //!
-//! Most add a force to eq 13's. Four lie between the specimen and what is measured, and are stages that a tick passes
-//! through:
+//! Most add a force to eq 13's. Four are stages between the specimen and the measurement, through which a tick passes:
 //!
 //! ```text
 //! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ low-pass ─▶ force
@@ -46,65 +45,66 @@ pub mod correction {
 #[deprecated(note = "use ClampedMotion")]
 pub type ConfinedMotion<R> = ClampedMotion<R>;
 
-/// The equations of an effect. Its file holds its configuration, which implements this, its state, and its description.
+/// The equations of an effect. Its file holds its configuration, which implements this trait, its state, and its description.
 ///
-/// What an effect does not do has a default that costs nothing: a force and a modulator have a force, a stage has none.
+/// Methods that an effect does not need have a default without cost: a force and a modulator have a force, a stage has none.
 pub trait Equations<R: Real>: Copy {
-    /// What it is.
+    /// Its description.
     const DESCRIPTION: Description;
-    /// One that does nothing. All bits are 0.
+    /// An effect that does nothing. All bits are 0.
     const NONE: Self;
 
-    /// What it remembers from tick to tick; `()` for most.
+    /// Its state from tick to tick; `()` for most.
     type State: Clone;
-    /// Before the first tick, whatever the configuration. All bits are 0.
+    /// State before the first tick, for any configuration. All bits are 0.
     const AT_REST: Self::State;
 
-    /// Of `parameters` in the order of the description, element by element, for a tick of `tick` s.
+    /// The effect from `parameters` in the order of the description, element by element, for a tick of `tick` s.
     ///
     /// # Errors
-    /// Too few or too many, or the one that is not finite or out of range.
+    /// Too few or too many parameters, or the one that is not finite or out of range.
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError>;
 
-    /// Whether what it is made of is finite and within what its constructor can give: for one that was not constructed, but
-    /// read.
+    /// Checks an effect that was not constructed but read: whether its numbers are finite and within the range that its constructor
+    /// can give.
     ///
     /// # Errors
-    /// The field that is not.
+    /// The field that is not finite or out of range.
     fn check(&self) -> Result<(), ConfigError>;
 
-    /// The force in kN that it adds on this tick to the mixed damping law's, `law`. Called once per tick, in order.
+    /// The force in kN that it adds on this tick to that of the mixed damping law, `law`. Called once per tick, in order.
     #[inline(always)]
     fn force(&self, _: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.force_of_law(motion, law)
     }
 
-    /// What of it is a part of the law's forces, kN: all of a modulator that only scales.
+    /// The part of it that is proportional to the law's forces, kN: the whole of a modulator.
     #[inline(always)]
     fn force_of_law(&self, _: &ClampedMotion<R>, _: LawForce<R>) -> R {
         R::ZERO
     }
 
-    /// The coefficient in kN·s/mm of a dashpot beside the law, which a stage that solves for the velocity takes along.
+    /// Coefficient in kN·s/mm of a dashpot parallel to the law, which a stage that solves for the velocity includes.
     #[inline(always)]
     fn viscous(&self) -> R {
         R::ZERO
     }
 
-    /// The same for ticks that are twice as long, in a few hundred instructions at most; of what knows no tick the same.
+    /// The same effect for ticks that are twice as long, in a few hundred instructions at most; unchanged for an effect that does
+    /// not depend on the tick.
     #[must_use]
     fn at_half_rate(&self) -> Self {
         *self
     }
 
-    /// Of a stage: the motion that the specimen feels where what is before the stage moves by `motion`.
+    /// For a stage: the motion of the specimen behind the stage, where the motion before the stage is `motion`.
     #[inline(always)]
     fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
         *motion
     }
 
-    /// Of a stage whose motion depends on the force behind it: that motion, and the law's force at it. `damping` gives the law's
-    /// damping force at a velocity within the limit, `viscous` is [`Equations::viscous`] of the effects beside it.
+    /// For a stage whose motion depends on the force behind it: that motion, and the law's force at it. `damping` gives the law's
+    /// damping force at a velocity within the limit; `viscous` is [`Equations::viscous`] of the parallel effects.
     #[inline(always)]
     fn solved(
         &self,
@@ -117,11 +117,11 @@ pub trait Equations<R: Real>: Copy {
         None
     }
 
-    /// Of a stage: what the effects behind it added to the law's force on this tick, kN.
+    /// For a stage: takes the force that the effects behind it added to the law's on this tick, kN.
     #[inline(always)]
     fn added(&self, _: &mut Self::State, _force: R, _viscous: R) {}
 
-    /// Of a stage: what is measured of `force` kN.
+    /// For a stage: the measured force for `force` kN.
     #[inline(always)]
     fn shown(&self, _: &mut Self::State, force: R) -> R {
         force
@@ -130,14 +130,14 @@ pub trait Equations<R: Real>: Copy {
 
 /// An effect as words in a pack.
 pub(crate) trait Packed: Sized {
-    /// Gives the words to `put`, at most [`MOST_WORDS`].
+    /// Passes the words to `put`, at most [`MOST_WORDS`].
     fn pack(&self, put: &mut impl FnMut(f32));
 
-    /// Of the words that [`Packed::pack`] gave; `None` where they are no effect. They are still to be checked.
+    /// The effect from the words that [`Packed::pack`] gave; `None` if they cannot be an effect. They are not checked yet.
     fn unpack(words: &[f32]) -> Option<Self>;
 }
 
-/// Of a pack or a caller that gives the number of an effect of another version.
+/// Error for a pack or a caller with the number of an effect of another version.
 pub(crate) fn unknown(number: u8) -> ConfigError {
     ConfigError::OutOfRange {
         field: "effect",
@@ -162,10 +162,10 @@ const HIGHEST: u8 = {
 /// Most words of an effect in a pack.
 pub(crate) const MOST_WORDS: usize = 5 * MAX_TONES;
 
-/// `parameters`, of which there are `N`.
+/// Returns `parameters` as an array of `N`.
 ///
 /// # Errors
-/// More or fewer.
+/// More or fewer than `N`.
 fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], ConfigError> {
     parameters.try_into().map_err(|_| ConfigError::Full {
         field: "parameters",
@@ -173,10 +173,10 @@ fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], ConfigError> 
     })
 }
 
-/// The `parameters` by elements of `N`, of which there are at most `MOST`, and what `make` makes of each.
+/// Splits `parameters` into elements of `N`, at most `MOST` of them, and applies `make` to each.
 ///
 /// # Errors
-/// Too many, or a part of one.
+/// Too many elements, or an incomplete one.
 fn elements<const N: usize, const MOST: usize, E>(
     field: &'static str,
     parameters: &[f64],
@@ -191,16 +191,16 @@ fn elements<const N: usize, const MOST: usize, E>(
     }
     let mut elements = heapless::Vec::new();
     for &group in groups {
-        // There is room, as was just seen.
+        // There is room, as checked above.
         let _ = elements.push(make(group));
     }
     Ok(elements)
 }
 
-/// The first `used` of what an effect has room for, at least one.
+/// The first `used` of an effect's elements, at least one.
 ///
 /// # Errors
-/// None, or more than there is room for.
+/// None, or more than the capacity.
 #[inline(never)]
 fn some<'t, T>(field: &'static str, all: &'t [T], used: usize) -> Result<&'t [T], ConfigError> {
     match all.get(..used) {
@@ -268,38 +268,38 @@ pub struct AugmentedLaw<R, const N: usize> {
 }
 
 impl<const N: usize> AugmentedLaw<f32, N> {
-    /// `law` without an effect, of which [`AugmentedLaw::is_unfinished`] says so until [`AugmentedLaw::finish`].
+    /// `law` without effects; [`AugmentedLaw::is_unfinished`] is true until [`AugmentedLaw::finish`].
     pub(crate) fn begin(&mut self, law: Law<f32>) {
         self.law = law;
         self.effects = Effects::NONE;
         self.effects.present = UNFINISHED;
     }
 
-    /// No table, which is a matter of its own: it is as long as all effects.
+    /// Removes the residual table. A separate method, because the table is as long as all effects together.
     pub(crate) fn begin_table(&mut self) {
         self.correction = ResidualTable::NONE;
     }
 
-    /// Whether the effect of this number is in its ranges, for one that was read.
+    /// Checks that the effect of this number is in its ranges, after it was read.
     ///
     /// # Errors
-    /// The field that is not.
+    /// The field that is not in its range.
     pub(crate) fn check_effect(&self, number: u8) -> Result<(), ConfigError> {
         self.effects.check(number)
     }
 
-    /// Whether it is still being written, and by nobody else: no law in force is.
+    /// Whether it is still being written by this upload; no law in force is.
     pub(crate) fn is_unfinished(&self) -> bool {
         self.effects.has(UNFINISHED)
     }
 
-    /// All of it is written.
+    /// Marks the law as completely written.
     pub(crate) fn finish(&mut self) {
         self.effects.present &= !UNFINISHED;
     }
 
-    /// Cells of the residual table whose head was read, from number `from` to before number `to`; whether that were the last of them. `None`
-    /// where they are not all there.
+    /// Reads cells of the residual table whose head was read, from index `from` to before index `to`. Returns whether these were
+    /// the last. `None` if they are not all there.
     pub(crate) fn read_cells(
         &mut self,
         reader: &mut crate::frame::Reader<'_>,
@@ -307,7 +307,7 @@ impl<const N: usize> AugmentedLaw<f32, N> {
         to: usize,
     ) -> Option<bool> {
         let is_last = self.correction.unpack_cells(reader, from, to)?;
-        // What a table without a force would remember is no matter of the law's.
+        // A table without force must leave no memory in the law.
         if is_last && self.effects.present & CORRECTION == 0 {
             self.correction = ResidualTable::NONE;
         }
@@ -325,19 +325,19 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
     }
 
-    /// The law with one more effect.
+    /// Adds one more effect.
     ///
     /// # Errors
-    /// [`ConfigError::Full`] when `N` effects are in it already, or, naming the kind, one of this kind.
+    /// [`ConfigError::Full`] if the law has `N` effects already, or, naming the kind, one of this kind.
     pub fn with(mut self, effect: Effect<R>) -> Result<Self, ConfigError> {
         self.push(effect)?;
         Ok(self)
     }
 
-    /// The law with a residual table in the place of the one that it has, or has not. It counts among the `N` as none.
+    /// Sets the residual table, and replaces one that the law has. It does not count among the `N` effects.
     ///
     /// # Errors
-    /// [`ConfigError::Full`] where `N` is 0: such a law has no place for what is remembered.
+    /// [`ConfigError::Full`] if `N` is 0: such a law has no place for the state.
     pub fn with_residual_table(mut self, table: ResidualTable<R>) -> Result<Self, ConfigError> {
         if N == 0 {
             return Err(ConfigError::Full {
@@ -361,7 +361,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.with_residual_table(correction)
     }
 
-    /// The residual table, where there is one.
+    /// The residual table, if there is one.
     pub fn residual_table(&self) -> Option<&ResidualTable<R>> {
         Some(&self.correction).filter(|_| self.effects.has(CORRECTION))
     }
@@ -372,10 +372,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.residual_table()
     }
 
-    /// [`AugmentedLaw::with_residual_table`] with the one that `write` writes in place.
+    /// [`AugmentedLaw::with_residual_table`] with a table that `write` writes in place.
     ///
     /// # Errors
-    /// That of `write`; the law has no correction then.
+    /// The error of `write`; the law has no residual table then.
     pub(crate) fn correct_with<E>(
         &mut self,
         write: impl FnOnce(&mut ResidualTable<R>) -> Result<(), E>,
@@ -385,7 +385,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         if written.is_ok() && self.correction.is_there() {
             self.effects.present |= CORRECTION;
         } else {
-            // What it would remember is no matter of the law's.
+            // An absent table must leave no memory in the law.
             self.correction = ResidualTable::NONE;
         }
         written
@@ -402,7 +402,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.effects.add(effect)
     }
 
-    /// The same effects beside another eq 13: when the amplitude changes and its coefficients are tabulated over it.
+    /// Replaces eq 13 and keeps the effects, for coefficients that are tabulated over the amplitude when the amplitude changes.
     pub fn set_law(&mut self, law: Law<R>) {
         self.law = law;
     }
@@ -424,12 +424,12 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
                 && self.correction.remembers_as(&other.correction))
     }
 
-    /// All effects at rest.
+    /// The state with all effects at rest.
     pub fn at_rest(&self) -> AugmentedState<R> {
         AugmentedState::AT_REST
     }
 
-    /// Force in kN on this tick: the law's and every effect's. Call it once per tick.
+    /// Force in kN on this tick: that of the law and of every effect. Call it once per tick.
     #[inline]
     pub fn force(&self, state: &mut AugmentedState<R>, motion: &Motion<R>) -> R {
         let motion = motion.clamped();
@@ -441,10 +441,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.with_effects(state, &motion, law)
     }
 
-    /// What a check of [`crate::passivity`] looks at: without the effects that supply energy by their description, and without a spring in
-    /// series. That one gives back what it takes; only, what it sees of the other effects is a tick old, which is nothing at the tick that it
-    /// is made for, and much at one of a thirtieth of a cycle.
-    /// Written into `judged`, as it is no matter of the stack's.
+    /// The law that the check of [`crate::passivity`] examines, written into `judged` to save stack: without the effects that
+    /// supply energy by their description, and without a spring in series. Such a spring returns the energy that it absorbs. But it
+    /// uses the other effects' forces of the tick before, which is harmless at the tick that it is made for, and wrong at a tick of
+    /// a thirtieth of a cycle.
     pub(crate) fn write_judged(&self, judged: &mut Self) {
         judged.law = self.law;
         judged.effects.copy_from(&self.effects);
@@ -458,8 +458,8 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.correction.halve_rate();
     }
 
-    /// Whether an effect depends on a control input or on the cycles: what a check of [`crate::passivity`] holds constant, and looks at in
-    /// two states.
+    /// Whether an effect depends on a control input or on the cycles. The check of [`crate::passivity`] holds both constant, and
+    /// runs in two states of them.
     pub(crate) fn has_parameters_of_state(&self) -> bool {
         self.effects.present & HELD != 0
     }
@@ -470,20 +470,20 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.effects.present & WARMED != 0 || self.residual_table().is_some_and(of_table)
     }
 
-    /// Whether the frequency is taken from the cycles.
+    /// Whether the frequency is computed from the cycles.
     pub(crate) fn is_over_frequency(&self) -> bool {
         self.residual_table()
             .is_some_and(ResidualTable::is_over_frequency)
     }
 
-    /// A stage is among the effects.
+    /// Whether a stage is among the effects.
     #[inline(always)]
     pub(crate) fn has_stages(&self) -> bool {
         N > 0 && self.effects.present & STAGES != 0
     }
 
-    /// Force in kN on this tick whatever the effects are, with `law` for the mixed damping law. `damping` gives its damping force
-    /// at a velocity within the limit.
+    /// Force in kN on this tick for any effects, with `law` as the mixed damping law. `damping` gives its damping force at a
+    /// velocity within the limit.
     #[inline(always)]
     pub(crate) fn force_through_stages(
         &self,
@@ -495,11 +495,11 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         let force = self
             .effects
             .force_through_stages(state, motion, law, damping);
-        // It was fitted to what is measured: no stage stands before it.
+        // The residual table was fitted to the measured motion, so no stage applies to it.
         self.corrected(state, motion, force)
     }
 
-    /// What the effects that scale the law's forces make of an elastic force of 1 and of a damping force of 1.
+    /// Factors by which the effects that scale the law's forces change an elastic force and a damping force.
     pub(crate) fn scales(&self, motion: &ClampedMotion<R>) -> [R; 2] {
         if self.effects.present & SCALING == 0 {
             return [R::ONE; 2];
@@ -507,7 +507,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         LawForce::units().map(|law| self.effects.scaled(motion, law))
     }
 
-    /// The sum of `force` and the correction's, kN.
+    /// Sum of `force` and of the residual table's force, kN.
     #[inline(always)]
     fn corrected(&self, state: &mut AugmentedState<R>, motion: &ClampedMotion<R>, force: R) -> R {
         if self.effects.has(CORRECTION) {
@@ -517,7 +517,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         }
     }
 
-    /// `law`, whoever computed it, and every effect's force but the stages', kN.
+    /// Sum of `law` and of every effect's force except those of stages, kN. The caller computes `law`.
     #[inline(always)]
     pub(crate) fn with_effects(
         &self,

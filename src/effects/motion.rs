@@ -1,4 +1,4 @@
-//! What the effects see on a tick: the motion within the limits, and what the mixed damping law makes of it.
+//! Inputs of the effects on a tick: the motion clamped to the limits, and the mixed damping law's force.
 
 use crate::law::Law;
 use crate::limits;
@@ -7,7 +7,7 @@ use crate::real::Real;
 /// Most control inputs of a damper: the current of a coil, the pressure of a gas.
 pub const CONTROLS: usize = 4;
 
-/// One tick of motion as the effects see it.
+/// One tick of motion, as input of the effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,14 +20,14 @@ pub struct Motion<R> {
     pub acceleration: R,
     /// Cycles since the test began, the current one's fraction included.
     pub cycles: R,
-    /// Temperature, °C. A constant where nothing measures it.
+    /// Temperature, °C. A constant where it is not measured.
     pub temperature: R,
-    /// What the damper is controlled by, in the units of the effects that depend on it; 0 where it is not.
+    /// Control inputs of the damper, in the units of the effects that depend on them; 0 for an input that does not exist.
     pub controls: [R; CONTROLS],
 }
 
 impl<R: Real> Motion<R> {
-    /// Within [`limits`], once per tick rather than in every effect. NaN becomes 0.
+    /// Clamps the motion to [`limits`], once per tick rather than in every effect. NaN becomes 0.
     #[inline(always)]
     pub fn clamped(&self) -> ClampedMotion<R> {
         ClampedMotion(Self {
@@ -41,7 +41,7 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// A [`Motion`] within [`limits`].
+/// A [`Motion`] clamped to [`limits`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClampedMotion<R>(pub(super) Motion<R>);
 
@@ -61,7 +61,7 @@ impl<R: Real> ClampedMotion<R> {
     pub fn acceleration(&self) -> R {
         self.0.acceleration
     }
-    /// Cycles since the test began, at least 0. Not clamped: what reads it takes any number of them, and NaN.
+    /// Cycles since the test began, at least 0. Not clamped: their users accept any number of them, and NaN.
     #[inline(always)]
     pub fn cycles(&self) -> R {
         self.0.cycles
@@ -71,7 +71,7 @@ impl<R: Real> ClampedMotion<R> {
     pub fn temperature(&self) -> R {
         self.0.temperature
     }
-    /// Control input at `place`, −1e6…1e6; 0 for NaN and beyond the last. Clamped here, as most laws read none.
+    /// Control input at index `place`, −1e6…1e6; 0 for NaN and beyond the last index. Clamped here, because most laws read none.
     #[inline(always)]
     pub fn control(&self, place: usize) -> R {
         let control = self.0.controls.get(place).copied().unwrap_or(R::ZERO);
@@ -79,17 +79,17 @@ impl<R: Real> ClampedMotion<R> {
     }
 }
 
-/// What eq 13 comes to on a tick, kN.
+/// Force of eq 13 on a tick, kN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LawForce<R> {
     /// c·|v|^α·sgn v
     pub damping: R,
-    /// With the elastic force.
+    /// Sum of the damping force and the elastic force.
     pub total: R,
 }
 
 impl<R: Real> LawForce<R> {
-    /// An elastic force of 1 alone, and a damping force of 1 alone.
+    /// An elastic force of 1 without damping, and a damping force of 1 without elastic force.
     pub(crate) fn units() -> [Self; 2] {
         [R::ZERO, R::ONE].map(|damping| Self {
             damping,
@@ -97,7 +97,7 @@ impl<R: Real> LawForce<R> {
         })
     }
 
-    /// `law` at `motion`, its damping by `damping`.
+    /// Force of `law` at `motion`, with its damping force from `damping`.
     #[inline(always)]
     pub(crate) fn of(law: &Law<R>, motion: &ClampedMotion<R>, damping: impl Fn(R) -> R) -> Self {
         let damping = damping(motion.velocity());

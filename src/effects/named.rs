@@ -1,11 +1,11 @@
-//! A set of effects that a type names: a tuple of them.
+//! A set of effects named by a type: a tuple of them.
 
 use super::description::EffectKind;
 use super::{ClampedMotion, DESCRIPTIONS, Equations, LawForce};
 use crate::law::Law;
 use crate::real::Real;
 
-/// A tuple of up to eight effects, in the order of [`DESCRIPTIONS`]; any other order does not compile where it is used.
+/// A tuple of up to eight effects, in the order of [`DESCRIPTIONS`]; a tuple in any other order does not compile where it is used.
 ///
 /// ```compile_fail
 /// use mesh_damper::effects::{StickSlip, Viscous};
@@ -15,22 +15,22 @@ use crate::real::Real;
 /// static mut LAW: StaticLaw<(StickSlip<f32>, Viscous<f32>)> = StaticLaw::empty();
 /// ```
 pub trait EffectSet<R: Real>: Copy {
-    /// What its effects remember.
+    /// State of its effects.
     type State: Clone;
-    /// No effect does anything. All bits are 0.
+    /// A set in which no effect does anything. All bits are 0.
     const NONE: Self;
-    /// Before the first tick. All bits are 0.
+    /// State before the first tick. All bits are 0.
     const AT_REST: Self::State;
-    /// One of them is a stage.
+    /// Whether one of them is a stage.
     const HAS_STAGES: bool;
 
-    /// The force in kN with `law` for that of the mixed damping law.
+    /// The force in kN, with `law` as that of the mixed damping law.
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R;
 
-    /// What the effects make of `law` alone, kN.
+    /// The forces of `law` alone, as the effects scale them, kN.
     fn scaled(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R;
 
-    /// The force in kN through the stages, with `law` for the mixed damping law. `damping` gives its damping force at a velocity
+    /// The force in kN through the stages, with `law` as the mixed damping law. `damping` gives its damping force at a velocity
     /// within the limit.
     fn force_through_stages(
         &self,
@@ -41,7 +41,7 @@ pub trait EffectSet<R: Real>: Copy {
     ) -> R;
 }
 
-/// Where an effect stands in [`DESCRIPTIONS`].
+/// Index of an effect in [`DESCRIPTIONS`].
 const fn place(number: u8) -> usize {
     let mut place = 0;
     while place < DESCRIPTIONS.len() && DESCRIPTIONS[place].number != number {

@@ -1,5 +1,5 @@
-//! Tones: forces of their own frequencies, whatever the motion. A pump, a shaker's neighbour, mains hum in the load cell and
-//! its harmonics.
+//! Tones: forces with their own frequencies, independent of the motion. Examples are a pump, a neighbouring shaker, and mains hum
+//! in the load cell with its harmonics.
 
 use core::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
 
-/// Hz: half of the highest tick rate.
+/// Highest frequency, Hz: half of the highest tick rate.
 const FREQUENCY_MAX: f64 = 0.499e6;
 
 /// Most tones in one [`Periodic`].
@@ -19,7 +19,7 @@ pub const MAX_TONES: usize = 3;
 
 /// F = Σ Fᵢ·sin(2πfᵢ·t + φᵢ), t = 0 at the first tick.
 ///
-/// A phase is an integer of 64 bits, so that a million ticks later it is as far as it should be.
+/// A phase is an integer of 64 bits, so that it is still exact after a million ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic<R> {
     tones: [Tone<R>; MAX_TONES],
@@ -29,9 +29,9 @@ pub struct Periodic<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tone<R> {
     amplitude: R,
-    /// Of a tick, 2⁶⁴ to the cycle, in halves: aligned as all else that a law is made of.
+    /// Increment of the phase per tick, 2⁶⁴ per cycle, in halves: aligned like all other parts of a law.
     increment: [u32; 2],
-    /// At the first tick.
+    /// Phase at the first tick.
     phase: [u32; 2],
 }
 
@@ -49,8 +49,8 @@ impl<R: Real> Tone<R> {
         self.amplitude * R::sine(phase)
     }
 
-    /// The sum of `tones`' forces; one that is not there has none.
-    // Not inlined: its registers are no matter of a single tone.
+    /// Sum of the forces of `tones`; an absent tone has none.
+    // Not inlined, so that a single tone does not load its registers.
     #[inline(never)]
     fn force_of(tones: &[Self], states: &mut [[u32; 2]]) -> R {
         let pairs = tones.iter().zip(states);
@@ -59,7 +59,7 @@ impl<R: Real> Tone<R> {
 }
 
 impl<R: Real> Periodic<R> {
-    /// The time's parameters are `f64` whatever the float: rounded to `f32` they would be a cycle apart after 10⁷ cycles.
+    /// The parameters of time are `f64` for every float: rounded to `f32` they would be off by a cycle after 10⁷ cycles.
     ///
     /// * `tones`: 1…3, each of an amplitude F, kN, −1e9…1e9, a frequency f, Hz, 1e-6 to 0.499 of the tick rate, and a phase φ,
     ///   rad, −1e3…1e3

@@ -1,7 +1,7 @@
-//! Springs and dashpots in series (Maxwell branches) beside the law: a force that fades when the motion stops.
+//! Springs and dashpots in series (Maxwell branches), parallel to the law: a force that decays when the motion stops.
 //!
-//! Several of them with spread times are a Prony series, as the source has it of its material (Table 5), and stand for
-//! materials that relax over all times as well.
+//! Several branches with spread times are a Prony series, which the paper uses for its material (Table 5). They also approximate
+//! materials that relax on all time scales.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
@@ -14,9 +14,8 @@ pub const MAX_BRANCHES: usize = 3;
 
 /// dzᵢ/dt = kᵢ·v − zᵢ/τᵢ, F = Σ zᵢ.
 ///
-/// With the displacement a straight line within a tick of Δt the step is exact:
-/// z ← z − loss·z + gain·Δy, loss = 1 − e^(−Δt/τ), gain = k·loss·τ/Δt.
-/// Storage modulus Σ k·(ωτ)²/(1 + (ωτ)²), loss modulus Σ k·ωτ/(1 + (ωτ)²).
+/// For a displacement that is linear within a tick of Δt the step is exact: z ← z − loss·z + gain·Δy, loss = 1 − e^(−Δt/τ), gain =
+/// k·loss·τ/Δt. The storage modulus is Σ k·(ωτ)²/(1 + (ωτ)²), the loss modulus Σ k·ωτ/(1 + (ωτ)²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<R> {
     branches: [Branch<R>; MAX_BRANCHES],
@@ -26,7 +25,7 @@ pub struct Relaxation<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Branch<R> {
     gain: R,
-    /// Kept instead of 1 − loss: near 1, f32 would round the time constant.
+    /// Stored in place of 1 − loss, because near 1 an f32 would round the time constant.
     loss: R,
 }
 
@@ -45,8 +44,8 @@ impl<R: Real> Branch<R> {
         force
     }
 
-    /// The sum of `branches`' forces; one that is not there has none.
-    // Not inlined: its registers are no matter of a single branch.
+    /// Sum of the forces of `branches`; an absent branch has none.
+    // Not inlined, so that a single branch does not load its registers.
     #[inline(never)]
     fn force_of(branches: &[Self], states: &mut [BranchState<R>], step: R) -> R {
         let pairs = branches.iter().zip(states);
@@ -55,7 +54,7 @@ impl<R: Real> Branch<R> {
         })
     }
 
-    // Not inlined: the loop that calls it is unrolled.
+    // Not inlined, because the loop that calls it is unrolled.
     #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("gain", self.gain)?;
@@ -63,9 +62,9 @@ impl<R: Real> Branch<R> {
     }
 }
 
-/// What a [`Relaxation`] remembers.
+/// State of a [`Relaxation`].
 #[derive(Clone, Copy, Debug)]
-// What every tick needs comes first: within reach of a load's offset from one address.
+// The fields of every tick come first, within the offset of a load from one address.
 #[repr(C)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RelaxationState<R> {
@@ -78,7 +77,7 @@ pub struct RelaxationState<R> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct BranchState<R> {
     force: R,
-    /// What rounding has kept from the force: a tick's change is far smaller than an f32 can add when τ is long.
+    /// Rounding error of the force: with a long τ the change in a tick is far smaller than an f32 can add.
     carry: R,
 }
 
@@ -157,8 +156,8 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         used.iter().try_for_each(Branch::check)
     }
 
-    /// Of two ticks: loss ← 1 − (1 − loss)² = loss·(2 − loss), and gain, in proportion to loss/Δt, ← gain·(2 − loss)/2.
-    /// With q = 1 − e^(−Δt/τ), 1 − e^(−2Δt/τ) = q·(2 − q), and the gain k·q·τ/Δt becomes k·q·(2 − q)·τ/2Δt.
+    /// For two ticks: loss ← 1 − (1 − loss)² = loss·(2 − loss), and gain, in proportion to loss/Δt, ← gain·(2 − loss)/2. With q = 1
+    /// − e^(−Δt/τ), 1 − e^(−2Δt/τ) = q·(2 − q), and the gain k·q·τ/Δt becomes k·q·(2 − q)·τ/2Δt.
     fn at_half_rate(&self) -> Self {
         let mut new = *self;
         for branch in &mut new.branches {

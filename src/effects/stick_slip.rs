@@ -1,8 +1,7 @@
 //! Rate-independent friction with elastic pre-sliding: Jenkins elements in parallel (an Iwan model).
 //!
-//! Each element is a spring in series with a Coulomb slider. It sticks until its spring is stretched by the slip limit,
-//! then slides at constant force. Many of them with spread slip limits are a bundle of wires whose contacts let go one
-//! after another.
+//! Each element is a spring in series with a Coulomb slider. It sticks until its spring is stretched by the slip limit, then slides
+//! at constant force. Several elements with spread slip limits describe a bundle of wires whose contacts slip one after another.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
@@ -15,8 +14,8 @@ pub const MAX_ELEMENTS: usize = 6;
 
 /// F = Σ kᵢ·zᵢ, zᵢ ← zᵢ + Δy clamped to ±xᵢ.
 ///
-/// Under a steady sine of amplitude X each element dissipates 4·k·x·(X − x) J a cycle when X > x, nothing otherwise
-/// (Iwan 1966; Jenkins 1962).
+/// Under a steady sine of amplitude X each element dissipates 4·k·x·(X − x) J per cycle if X > x, and nothing otherwise (Iwan 1966;
+/// Jenkins 1962).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip<R> {
     elements: [Element<R>; MAX_ELEMENTS],
@@ -30,7 +29,7 @@ struct Element<R> {
 }
 
 impl<R: Real> Element<R> {
-    // Not inlined: the loop that calls it is unrolled.
+    // Not inlined, because the loop that calls it is unrolled.
     #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
@@ -39,7 +38,7 @@ impl<R: Real> Element<R> {
     }
 }
 
-/// What a [`StickSlip`] remembers.
+/// State of a [`StickSlip`].
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StickSlipState<R> {
@@ -120,7 +119,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         used.iter().try_for_each(Element::check)
     }
 
-    // On a target not inlined: its registers and constants are no matter of ticks without it.
+    // Not inlined on a target, so that ticks without this effect do not load its registers and constants.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();

@@ -1,4 +1,4 @@
-//! One-sided contact: a stop that the specimen or its fixture meets beyond a gap.
+//! One-sided contact: a stop that the specimen or its fixture reaches beyond a gap.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -6,15 +6,15 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// Most contacts in one [`Stop`]: one on each side, or two of one side.
+/// Most contacts in one [`Stop`]: one on each side, or two on one side.
 pub const MAX_CONTACTS: usize = 2;
 
 /// F = Σ kᵢ·max(y − gᵢ, 0) for the contacts with a gap above 0, and kᵢ·min(y − gᵢ, 0) for those below.
 ///
-/// Elastic: it dissipates nothing.
+/// It is elastic, and dissipates nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop<R> {
-    /// One that is not there has a stiffness of 0.
+    /// An absent contact has a stiffness of 0.
     contacts: [Contact<R>; MAX_CONTACTS],
 }
 
@@ -95,7 +95,7 @@ impl<R: Real> Equations<R> for Stop<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         for contact in &self.contacts {
-            // Where there is one its gap says on which side.
+            // The sign of a contact's gap gives its side.
             if contact.stiffness != R::ZERO || contact.gap != R::ZERO {
                 contact.check()?;
             }

@@ -1,4 +1,4 @@
-//! What a branch with a spring remembers, and the power that bends Bouc and Wen's friction.
+//! State of a branch with a spring, and the power function in the Bouc-Wen friction.
 
 use super::ClampedMotion;
 use crate::real::Real;
@@ -6,7 +6,7 @@ use crate::real::Real;
 /// Largest exponent.
 pub(super) const SHARPEST: f64 = 8.0;
 
-/// A stretch and where it was.
+/// The stretch of a spring, and the displacement that belongs to it.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stretch<R> {
@@ -17,7 +17,7 @@ pub struct Stretch<R> {
 }
 
 impl<R: Real> Stretch<R> {
-    /// z after a tick with this motion; `moved` gives it for a z and a way of at least 0, for both of which the way leads up.
+    /// z after a tick with this motion. `moved` gives it for a z and a displacement of at least 0, which both point upwards.
     #[inline(always)]
     pub(super) fn after(
         state: &mut Option<Self>,
@@ -43,7 +43,7 @@ impl<R: Real> Stretch<R> {
     }
 }
 
-/// |part|^sharpness for a sharpness up to [`SHARPEST`], by an exponent of at most 1.
+/// |part|^sharpness for a sharpness up to [`SHARPEST`], computed with an exponent of at most 1.
 #[inline(always)]
 pub(super) fn power<R: Real>(part: R, sharpness: R) -> R {
     let root = part.abs_pow(sharpness * R::from_f64(1.0 / SHARPEST));

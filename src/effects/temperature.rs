@@ -1,4 +1,4 @@
-//! A force that scales with temperature: the wire's modulus and its friction change, together or each in its own way.
+//! A force that scales with temperature: the wire's modulus and its friction change, together or separately.
 
 use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -6,8 +6,8 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): for each °C above T0 eq 13's elastic force falls by the fraction β, and
-/// its damping force by β_damping.
+/// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): per °C above T0 eq 13's elastic force falls by the fraction β, and its
+/// damping force by β_damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
     beta: R,
@@ -20,8 +20,8 @@ pub struct Temperature<R> {
 impl<R: Real> Temperature<R> {
     /// With the same β for both forces.
     ///
-    /// * `beta`: loss of force per degree, 1/°C, −1…1
-    /// * `reference`: T0, the temperature at which the law's coefficients hold, °C, −273.15…1e4
+    /// * `beta`: relative loss of force per degree, 1/°C, −1…1
+    /// * `reference`: T0, the temperature for which the law's coefficients are valid, °C, −273.15…1e4
     ///
     /// # Errors
     /// The field that is not finite or out of range.
@@ -35,12 +35,12 @@ impl<R: Real> Temperature<R> {
         })
     }
 
-    /// The same with another β for the damping force.
+    /// The same with a separate β for the damping force.
     ///
-    /// * `beta_damping`: its loss per degree, 1/°C, −1…1
+    /// * `beta_damping`: its relative loss per degree, 1/°C, −1…1
     ///
     /// # Errors
-    /// It is not finite or out of range.
+    /// `beta_damping` is not finite or out of range.
     pub fn with_damping(self, beta_damping: R) -> Result<Self, ConfigError> {
         let beta_damping = in_range("beta_damping", beta_damping, -1.0, 1.0)?;
         Ok(Self {

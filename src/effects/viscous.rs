@@ -1,4 +1,4 @@
-//! A linear dashpot beside the |v|^α damping: a fluid, or the film between wires.
+//! A linear dashpot parallel to the |v|^α damping: a fluid, or the film between wires.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -13,7 +13,7 @@ pub struct Viscous<R> {
 }
 
 impl<R: Real> Viscous<R> {
-    /// * `c1`: kN·s/mm, −1e9…1e9. A negative one is allowed: it may take back what |v|^α gives too much of.
+    /// * `c1`: kN·s/mm, −1e9…1e9. A negative value is allowed: it may compensate for too much damping by |v|^α.
     ///
     /// # Errors
     /// `c1` not finite or out of range.

@@ -1,6 +1,7 @@
 //! A slider that loses strength with the energy that it has dissipated: the second form of degradation.
 //!
-//! Contacts that are polished, asperities that are worn off: friction with elastic pre-sliding that fades as the damper works.
+//! Examples are contacts that become polished and asperities that wear off. The friction with elastic pre-sliding fades as the
+//! damper works.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -10,22 +11,22 @@ use crate::real::{Real, coefficient, in_range};
 
 /// Range of the energy, J.
 const ENERGY: [f64; 2] = [1e-9, 1e9];
-/// The energy beyond which it is no longer added up, J: of the loss all but a billionth is done.
+/// The energy beyond which the sum stops, J: all but a billionth of the loss is complete.
 const MOST_ENERGY: f64 = 1e18;
 
 /// F = k·z·(1 − d·E/(E + E₀)), z ← z + Δy clamped to ±x.
 ///
-/// E is the energy in J that the slider has dissipated so far: |F| times the way that it slid, kN·mm. After E₀ half of the loss is
-/// done, and 1 − d of the friction is left in the end. A steady loop of amplitude X > x dissipates 4·k·x·(X − x)·(1 − d·E/(E + E₀)) J at
-/// an E that hardly changes within it: dE/dn, n the number of cycles. With d = 0 it is a Jenkins element of
+/// E is the energy in J that the slider has dissipated so far: |F| times its sliding distance, kN·mm. At E₀ half of the loss is
+/// complete, and in the end 1 − d of the friction remains. A steady loop of amplitude X > x dissipates dE/dn = 4·k·x·(X − x)·(1 −
+/// d·E/(E + E₀)) J per cycle, if E hardly changes within it; n is the number of cycles. With d = 0 it is a Jenkins element of
 /// [`StickSlip`](super::StickSlip).
 ///
-/// It is passive for k ≥ 0: k·z²·(1 − d·E/(E + E₀))/2 is stored, which falls where E grows.
+/// It is passive for k ≥ 0: the stored energy is k·z²·(1 − d·E/(E + E₀))/2, which falls when E grows.
 ///
 /// # Step
-/// Within a tick E grows by the mean of the strengths before and after (Heun): of the second order, and a tick that dissipates many
-/// times E₀ dissipates too much of it and not too little. The sum is compensated (Kahan 1965): in `f32` too it goes on growing by what is
-/// a billionth of it.
+/// Within a tick E grows with the mean of the strengths before and after (Heun), which is of second order. A tick that dissipates
+/// many times E₀ dissipates too much of it rather than too little. The sum is compensated (Kahan 1965), so that in `f32` too it
+/// grows by increments of a billionth of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weakening<R> {
     stiffness: R,
@@ -34,7 +35,7 @@ pub struct Weakening<R> {
     energy: R,
 }
 
-/// What a [`Weakening`] remembers.
+/// State of a [`Weakening`].
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WeakeningState<R> {
@@ -44,7 +45,7 @@ pub struct WeakeningState<R> {
     previous: R,
     /// E, J.
     dissipated: R,
-    /// By how much the rounding of E has made it too large, J.
+    /// Rounding error by which E is too large, J.
     rounded_up: R,
 }
 
@@ -73,7 +74,8 @@ impl<R: Real> Weakening<R> {
         R::ONE - self.loss * (dissipated / (dissipated + self.energy))
     }
 
-    /// What `way` mm at the slip limit dissipate, J. Not inlined: no tick without sliding has it.
+    /// Adds the energy that sliding by `way` mm at the slip limit dissipates, J. Not inlined, because a tick without sliding does
+    /// not call it.
     #[inline(never)]
     fn slide(&self, state: &mut WeakeningState<R>, way: R) {
         let whole = self.stiffness.abs() * self.slip_limit * way;
@@ -139,7 +141,7 @@ impl<R: Real> Equations<R> for Weakening<R> {
         in_range("energy", self.energy, ENERGY[0], ENERGY[1]).map(|_| ())
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let y = motion.displacement();
@@ -154,7 +156,7 @@ impl<R: Real> Equations<R> for Weakening<R> {
         let tried = state.stretch + step;
         let stretch = tried.clipped(self.slip_limit);
         if stretch != tried {
-            // By its differences: the rounding of a sum beside the limit would be taken for a way at every tick.
+            // From differences: otherwise the rounding of a sum next to the limit would count as sliding on every tick.
             let way = (step - (stretch - state.stretch)).abs();
             self.slide(state, way);
         }

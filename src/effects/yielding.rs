@@ -1,7 +1,7 @@
-//! A dashpot that yields, behind a spring: a Maxwell branch whose force grows ever more slowly with its rate.
+//! A yielding dashpot behind a spring: a Maxwell branch whose force grows ever more slowly with its rate.
 //!
-//! Oil through a valve that opens, a pad that slips once it is pushed hard enough, rubber that flows: stiff while they are hardly
-//! moved, and then of about one force.
+//! Examples are oil through a valve that opens, a pad that slips under enough force, and rubber that flows. They are stiff for
+//! small motions, and have a nearly constant force for large ones.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::stretch::Stretch;
@@ -10,7 +10,7 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// Range of the rate, mm/s.
+/// Range of v₀, mm/s.
 const RATE: [f64; 2] = [1e-9, limits::VELOCITY];
 /// Longest relaxation time, s: that of [`Relaxation`](super::Relaxation).
 const TIME: f64 = 1e6;
@@ -18,22 +18,24 @@ const TIME: f64 = 1e6;
 const TICK: [f64; 2] = [1e-7, 1e3];
 /// γ = 1 − 1/√2 of the step.
 const PART: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
-/// Halley's steps that a stage takes. From where it starts, the two leave a stretch within 3e-10 of itself, and an f32 by two units
-/// of its last digit (`the_root_is_found_in_two_steps`).
+/// Halley steps per stage. From the start value used, two steps leave a relative error of the stretch within 3e-10, and in f32
+/// within two units of the last digit (`the_root_is_found_in_two_steps`).
 const STEPS: usize = 2;
 
 /// F = k·e, de/dt = v − w, x·tanh(w/v₀) + τ·w = e.
 ///
-/// The spring k has the stretch e, and the dashpot behind it goes at the rate w with the force k·x·tanh(w/v₀) + k·τ·w. So a steady
-/// velocity v is held by k·x·tanh(v/v₀) + k·τ·v. With x = 0 it is a branch of [`Relaxation`](super::Relaxation) with the time τ; for a small
-/// force too, with x/v₀ + τ. With τ = 0 and a small v₀ it is a Jenkins element of [`StickSlip`](super::StickSlip) with the slip limit x.
+/// The spring k has the stretch e. The dashpot behind it moves at the rate w with the force k·x·tanh(w/v₀) + k·τ·w. At a steady
+/// velocity v the force is thus k·x·tanh(v/v₀) + k·τ·v. With x = 0 it is a branch of [`Relaxation`](super::Relaxation) with the
+/// time τ; for small forces it is one with the time x/v₀ + τ. With τ = 0 and a small v₀ it is a Jenkins element of
+/// [`StickSlip`](super::StickSlip) with the slip limit x.
 ///
-/// It is passive for k ≥ 0: k·e²/2 is stored, and what the dashpot takes, k·e·w, is never below 0.
+/// It is passive for k ≥ 0: the stored energy is k·e²/2, and the power of the dashpot, k·e·w, is never below 0.
 ///
 /// # Step
-/// The displacement is a straight line within a tick. The step is implicit, of two stages (SDIRK2 of Alexander 1977 with γ = 1 − 1/√2):
-/// of the second order, and what is stiff is forgotten within a tick, so that no parameter is too fast for one. Each stage is one equation x·tanh u + C·u = b,
-/// whose left side is concave above 0: the lines that bound its root from below say where Halley's steps start.
+/// The displacement is linear within a tick. The step is implicit, with two stages (SDIRK2 of Alexander 1977 with γ = 1 − 1/√2). It
+/// is of second order, and stiff components decay within a tick, so that no parameter is too fast for a tick. Each stage is one
+/// equation x·tanh u + C·u = b, whose left side is concave above 0. The lines that bound its root from below give the start of
+/// Halley's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yielding<R> {
     stiffness: R,
@@ -42,7 +44,7 @@ pub struct Yielding<R> {
     drag: R,
     /// γ·Δt·v₀, mm.
     slip: R,
-    /// x/tanh u at the root u for b = x, mm: a little more than x + C. It says where a search starts.
+    /// x/tanh u at the root u for b = x, mm, which is a little more than x + C. It gives the start of a search.
     reach: R,
 }
 
@@ -72,7 +74,7 @@ impl<R: Real> Yielding<R> {
             slip: R::from_f64(PART * tick * rate),
             reach: R::ZERO,
         };
-        // Before it is worked out, the least that it can be.
+        // The lower bound, until the value is computed.
         new.reach = new.yield_stretch + new.drag + new.slip;
         new.check()?;
         new.reach = new.reached();
@@ -91,14 +93,15 @@ impl<R: Real> Yielding<R> {
     fn reach_of(&self, root: R) -> R {
         let least = self.yield_stretch + self.drag + self.slip;
         let reach = self.yield_stretch / tanh(root);
-        // Where the root is as good as 0, it is C.
+        // Where the root is practically 0, the reach is the lower bound.
         if reach > least { reach } else { least }
     }
 
-    /// Not above the root for b = x of the branch with twice the γ·Δt, and at most ½·ln 2 and what the logarithm misses below it.
+    /// A value not above the root for b = x of the branch with twice the γ·Δt. It is below that root by at most ½·ln 2 plus the
+    /// error of the logarithm.
     ///
-    /// With u the root for C and δ = ½·ln 2, that for at most 2·C is at least u/2, and at least u − δ: C = x·(1 − tanh u)/u =: g(u) falls,
-    /// g(u/2) ≥ 2·g(u), and g(u − δ) ≥ 2·g(u) where u ≤ δ·(2 + e²ᵘ), which is so for every u.
+    /// Let u be the root for C, and δ = ½·ln 2. The root for at most 2·C is at least u/2, and at least u − δ. Proof: C = x·(1 −
+    /// tanh u)/u =: g(u) falls, g(u/2) ≥ 2·g(u), and g(u − δ) ≥ 2·g(u) where u ≤ δ·(2 + e²ᵘ), which holds for every u.
     fn root_at_half_rate(&self) -> R {
         let part = (self.yield_stretch / self.reach).clipped(R::from_f64(1.0 - 6e-8));
         let root = artanh(part);
@@ -107,7 +110,7 @@ impl<R: Real> Yielding<R> {
         if less > half { less } else { half }
     }
 
-    /// The root for `force` = b ≥ 0 after a number of Halley's steps from `start` ≥ 0, which is not above it.
+    /// The root for `force` = b ≥ 0 after a number of Halley steps from `start` ≥ 0, which is not above the root.
     #[inline(always)]
     fn risen<const STEPS: usize>(&self, start: R, force: R) -> R {
         let mut root = start;
@@ -116,15 +119,15 @@ impl<R: Real> Yielding<R> {
             let missing = force - self.yield_stretch * tanh - (self.drag + self.slip) * root;
             let curved = self.yield_stretch * (R::ONE - tanh * tanh);
             let slope = curved + self.drag + self.slip;
-            // Divided by more than 0: what is missing is at most x·(1 − tanh u).
+            // The divisor is above 0, because the remaining error is at most x·(1 − tanh u).
             let next = root + missing * slope / (slope * slope - missing * tanh * curved);
-            // What falls below the start is rounding, of a C that is no digit of x.
+            // A value below the start is a rounding error, for a C smaller than a digit of x.
             root = if next > start { next } else { start };
         }
         root
     }
 
-    /// u of x·tanh u + C·u = `force`, C = (τ + γ·Δt)·v₀, for a `force` of at least 0. Not inlined: it is taken twice.
+    /// u of x·tanh u + C·u = `force`, C = (τ + γ·Δt)·v₀, for a `force` of at least 0. Not inlined, because it is called twice.
     #[inline(never)]
     fn root(&self, force: R) -> R {
         let x = self.yield_stretch;
@@ -133,10 +136,10 @@ impl<R: Real> Yielding<R> {
         } else {
             (x, force - x)
         };
-        // Up to x, u is convex in b and tanh u at least that part of what it is at x.
+        // Up to x, u is convex in b, and tanh u is at least the proportional part of its value at x.
         let part = (bent / self.reach).clipped(R::from_f64(1.0 - 6e-8));
         let artanh = artanh(part);
-        // Beyond it is above its tangent at x, and above the line that it tends to.
+        // Beyond it, u is above its tangent at x, and above its asymptote.
         let drag = self.drag + self.slip;
         let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
         let line = beyond / drag;
@@ -157,7 +160,7 @@ impl<R: Real> Yielding<R> {
         let size = force.abs();
         let root = self.root(size);
         let slipped = self.slip * root;
-        // Of two equal forms the one in which less cancels: it slips little, or all the way.
+        // Of two equal forms the one with less cancellation: the dashpot slips little, or by the whole displacement.
         let stretch = if slipped + slipped < size {
             size - slipped
         } else {
@@ -167,15 +170,16 @@ impl<R: Real> Yielding<R> {
     }
 }
 
-/// artanh of a `part` of 0 to less than 1, and not above it: its logarithm is by straight lines, from below.
+/// artanh of a `part` of 0 to less than 1. The result is not above the exact value, because its logarithm is linear between powers
+/// of two, from below.
 #[inline(always)]
 fn artanh<R: Real>(part: R) -> R {
     let octaves = ((R::ONE + part) / (R::ONE - part)).half_octaves();
     R::from_i32(octaves) * R::from_f64(0.5 * core::f64::consts::LN_2 / 8192.0)
 }
 
-/// tanh of an `u` of at least 0. Below ½ by a continued fraction, within 1e-10 of itself: the difference of exponentials has few digits
-/// there.
+/// tanh of a `u` of at least 0. Below ½ it is a continued fraction, with a relative error within 1e-10, because the difference of
+/// exponentials has few digits there.
 #[inline(always)]
 fn tanh<R: Real>(u: R) -> R {
     let (above, below) = if u < R::from_f64(0.5) {
@@ -248,15 +252,15 @@ impl<R: Real> Equations<R> for Yielding<R> {
         in_range("drag", self.drag, 0.0, 1.001 * TIME * RATE[1])?;
         let slip = [TICK[0] * RATE[0], TICK[1] * RATE[1]].map(|slip| PART * slip);
         in_range("slip", self.slip, 0.999 * slip[0], 1.001 * slip[1])?;
-        // It is x + C·u, of an u that makes tanh u one in f64 too at 20.
+        // It is x + C·u, with a u for which tanh u is 1, 20 in f64.
         let most = self.yield_stretch + R::from_f64(24.0) * (self.drag + self.slip);
-        // Rounding, next to 1, of tanh u is some more.
+        // Near 1 the rounding of tanh u adds a little.
         let most = R::from_f64(1.001) * most;
         let range = [self.yield_stretch, most].map(R::to_f64);
         in_range("reach", self.reach, range[0], range[1]).map(|_| ())
     }
 
-    /// Where a search starts is found from where it started.
+    /// The start of a search follows from the start before.
     fn at_half_rate(&self) -> Self {
         let mut new = Self {
             slip: self.slip + self.slip,
@@ -267,7 +271,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
         new
     }
 
-    // On a target not inlined: a tick without it need not save the registers that it takes.
+    // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         let stretch = Stretch::after(state, motion, |stretch, way| {
@@ -310,7 +314,8 @@ impl Packed for Yielding<f32> {
 mod tests {
     use super::*;
 
-    /// Largest error of C·u beside b, of x = 1 and every C and b of a grid, knee and ends included; the root by halves.
+    /// Largest error of C·u, as a part of b, for x = 1 and every C and b of a grid, knee and ends included. The reference root is
+    /// by bisection.
     fn error<R: Real>() -> f64 {
         let mut worst = 0.0_f64;
         let grid = |low: f64, high: f64, count: i32| {

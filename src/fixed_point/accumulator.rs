@@ -2,11 +2,11 @@
 
 use super::{Part, Scales};
 
-/// Takes one sample of displacement and force a tick, and gives a [`RawCycle`] with the first sample of the next.
+/// Takes one sample of displacement and force per tick, and returns a [`RawCycle`] with the first sample of the next cycle.
 ///
-/// ΔW = ∮F dy is a sum of trapezoids over the polygon of the cycle's samples, closed from the last to the first. So
-/// nothing has to be divided where a cycle ends between two ticks, at n ticks to the cycle the area is still within
-/// (2π/n)², and whatever is constant in the force, its rounding included, cancels.
+/// ΔW = ∮F dy is a sum of trapezoids over the polygon of the cycle's samples, closed from the last to the first. No division is
+/// thus needed where a cycle ends between two ticks. At n ticks per cycle the area is still within (2π/n)², and every constant part
+/// of the force, its rounding included, cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CycleAccumulator {
     raw: RawCycle,
@@ -15,18 +15,18 @@ pub struct CycleAccumulator {
     begun: bool,
 }
 
-/// Displacement and force, 2³⁰ to full scale, so that their sums and differences fit.
+/// Displacement and force, 2³⁰ per full scale, so that their sums and differences fit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     displacement: i32,
     force: i32,
 }
 
-/// What one cycle came to, as it is counted.
+/// Results of one cycle in integer units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RawCycle {
-    /// ∮F dy, 2²⁹ to the product of the full scales. A tick adds at most 2³⁰ of these units, so that 2³² ticks to the
-    /// cycle cannot overflow it.
+    /// ∮F dy, 2²⁹ per product of the full scales. A tick adds at most 2³⁰ of these units, so that 2³² ticks per cycle cannot
+    /// overflow it.
     pub energy: i64,
     /// Largest force.
     pub force_max: Part,
@@ -38,14 +38,14 @@ pub struct RawCycle {
     pub displacement_min: Part,
 }
 
-/// What one cycle came to. Every field is finite.
+/// Results of one cycle. Every field is finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cycle {
     /// X0, half of the displacement's range, mm.
     pub amplitude: f32,
-    /// ΔW = ∮F dy, J. Positive when the specimen takes energy up.
+    /// ΔW = ∮F dy, J. Positive when the specimen absorbs energy.
     pub energy: f32,
     /// Dynamic stiffness K, eq 3, kN/mm. 0 when the cycle stands still.
     pub stiffness: f32,
@@ -56,14 +56,14 @@ pub struct Cycle {
 }
 
 impl CycleAccumulator {
-    /// Before the first sample.
+    /// An accumulator without a sample.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// One tick. `cycle_end`: a cycle ended since the tick before, so that this is the first sample of the next.
+    /// Takes one tick. `cycle_end`: a cycle ended since the tick before, so that this is the first sample of the next.
     ///
-    /// What came before the first such tick is given too, as the cycle that the first sample began.
+    /// The samples before the first such tick are returned too, as the cycle that the first sample began.
     #[inline(always)]
     pub fn update(&mut self, displacement: Part, force: Part, cycle_end: bool) -> Option<RawCycle> {
         let now = Sample {
@@ -113,7 +113,7 @@ impl CycleAccumulator {
 }
 
 impl Sample {
-    /// Mean force times the way to `to`, 2²⁹ to full scale: a product of 32 bits by 16.
+    /// Mean force times the displacement to `to`, 2²⁹ per full scale: a product of 32 bits by 16.
     #[inline(always)]
     fn work_to(self, to: Self) -> i32 {
         let force = (self.force + to.force) >> 16;
@@ -123,11 +123,12 @@ impl Sample {
 }
 
 impl RawCycle {
-    /// In units. Some 2400 instructions on a core without a floating-point unit: not for the tick's interrupt.
+    /// Converts to physical units. It takes some 2400 instructions on a core without a floating-point unit: not for the tick's
+    /// interrupt.
     pub fn over(&self, scales: &Scales) -> Cycle {
         let (y, f) = (scales.displacement() as f32, scales.force() as f32);
         let unit = 1.0 / (1u32 << 31) as f32;
-        // Differences of two parts are up to twice full scale.
+        // A difference of two parts is up to twice full scale.
         let range = |high: Part, low: Part| {
             (i64::from(high.to_bits()) - i64::from(low.to_bits())) as f32 * unit
         };
@@ -146,7 +147,7 @@ impl RawCycle {
     }
 }
 
-/// 0 where there is nothing to divide by.
+/// `a`/`b`, or 0 where the quotient does not exist.
 fn ratio(a: f32, b: f32) -> f32 {
     if b > 0.0 { a / b } else { 0.0 }
 }

@@ -1,25 +1,25 @@
-//! c·|v|^α over a table of one power of 8, which serves them all.
+//! c·|v|^α with a table over one power of 8, which serves all of them.
 
 use super::scales::rounded;
 use super::{Part, times};
 
-/// Of |v| = ⅛…1, in steps of 1/64; the last is for v = −1.
+/// Segments of |v| = ⅛…1, in steps of 1/64; the last is for v = −1.
 const SEGMENTS: usize = 57;
-/// The first segment's place in a table that began at 0.
+/// Index of the first segment in a table that would begin at 0.
 const FIRST: u32 = 8;
-/// Bits of |v| that tell the place within a segment.
+/// Bits of |v| that give the position within a segment.
 const WITHIN: u32 = 25;
 /// ⅛ of full scale.
 const EIGHTH: u32 = 1 << 28;
 /// Powers of 8 below ⅛ of full scale, to the smallest |v|, 2⁻³¹.
 const LEVELS: usize = 10;
 
-/// A quadratic over the way x = 0…1 through a segment.
+/// A quadratic over the position x = 0…1 in a segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Segment {
-    /// At its beginning, 2³¹ to full scale.
+    /// Value at its beginning, 2³¹ per full scale.
     value: i32,
-    /// 2²⁰ to full scale, as the next.
+    /// 2²⁰ per full scale, as the next field.
     slope: i16,
     curvature: i16,
 }
@@ -27,24 +27,24 @@ struct Segment {
 /// c·|v|^α·sgn v in parts of full scale, for a full scale c·V^α of up to 1.
 ///
 /// |v|^α = 8^(−kα)·(8ᵏ·|v|)^α: |v| is shifted up until it is ⅛ or more, where a table of quadratics is within 4e-6 of
-/// V^α, and the result taken times 8^(−kα). So the force keeps its relative accuracy next to a reversal, where the slope of
-/// |v|^α is infinite, as far as the force's own resolution goes.
+/// V^α, and the result is multiplied by 8^(−kα). The force thus keeps its relative accuracy next to a reversal, where the slope of
+/// |v|^α is infinite, down to the resolution of the force.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Damping {
     segments: [Segment; SEGMENTS],
-    /// 8^(−kα) for k = 1…, 2¹⁶ to 1.
+    /// 8^(−kα) for k = 1…, 2¹⁶ per 1.
     factors: [u32; LEVELS],
 }
 
 impl Damping {
-    /// * `scale`: c·V^α over full scale, 0…1
+    /// * `scale`: c·V^α divided by full scale, 0…1
     /// * `alpha`: 0…1
     pub(super) fn new(scale: f64, alpha: f64) -> Self {
         let mut segments = [Segment::default(); SEGMENTS];
         let step = 1.0 / 64.0;
         let mut from = FIRST as f64 * step;
         for segment in &mut segments {
-            // The quadratic through Chebyshev's three nodes on 0…1.
+            // The quadratic through the three Chebyshev nodes on 0…1.
             const NODE: f64 = 0.5 * 0.866_025_403_784_438_6;
             let at = |x: f64| scale * libm::pow(from + step * x, alpha);
             let (low, middle, high) = (at(0.5 - NODE), at(0.5), at(0.5 + NODE));
@@ -91,7 +91,7 @@ impl Damping {
         segment.value + ((slope * x) >> (16 + 20 - 31))
     }
 
-    /// For less than ⅛: 0 at 0.
+    /// For less than ⅛; 0 at 0.
     #[cold]
     fn lower(&self, magnitude: u32) -> i32 {
         let mut magnitude = magnitude;

@@ -13,41 +13,41 @@ pub const RAMP_CYCLES_MAX: u32 = 10_000;
 /// One sine from rest to rest: whole cycles at full amplitude, and a ramp of whole cycles before and after them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
-    /// mm, 0 to below the full scale of displacement
+    /// Amplitude, mm, from 0 to below the full scale of displacement
     pub amplitude: f64,
-    /// Hz, [`FREQUENCY_MIN`] to a quarter of the tick rate
+    /// Frequency, Hz, [`FREQUENCY_MIN`] to a quarter of the tick rate
     pub frequency: f64,
-    /// At full amplitude, at least 1
+    /// Cycles at full amplitude, at least 1
     pub cycles: u32,
-    /// Of each ramp, 1…[`RAMP_CYCLES_MAX`]
+    /// Cycles of each ramp, 1…[`RAMP_CYCLES_MAX`]
     pub ramp_cycles: u32,
 }
 
-/// What the generator asks for at one tick.
+/// Demand of the generator at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excitation {
     /// Position.
     pub displacement: Part,
-    /// Velocity, the position's derivative, ramps included.
+    /// Velocity, the derivative of the position, also in ramps.
     pub velocity: Part,
     /// Cycles completed since the start, ramps included.
     pub cycle: u32,
-    /// In a ramp.
+    /// Whether the tick is in a ramp.
     pub ramp: bool,
-    /// A cycle ended since the tick before: this one is the first of the next cycle.
+    /// Whether a cycle ended since the tick before, so that this tick is the first of the next cycle.
     pub cycle_end: bool,
 }
 
-/// A factor below 1: 16 bits of mantissa, so that a small amplitude is as exact as a large one.
+/// A factor below 1 with 16 bits of mantissa, so that a small amplitude is as accurate as a large one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Factor {
-    /// 2¹⁶ to 1, from ½.
+    /// Mantissa from ½, 2¹⁶ per 1.
     mantissa: u32,
     shift: u32,
 }
 
 impl Factor {
-    /// `field` is what is refused above 1 − 2⁻¹⁶, which `value` in units of `scale` must not exceed.
+    /// `value` in units of `scale`; the error names `field` where it exceeds 1 − 2⁻¹⁶.
     fn new(field: &'static str, value: f64, scale: f64) -> Result<Self, ConfigError> {
         in_range(field, value, 0.0, scale * (65_535.0 / 65_536.0))?;
         let (mantissa, exponent) = libm::frexp(value / scale);
@@ -66,7 +66,7 @@ impl Factor {
         })
     }
 
-    /// Of `value`, 2³⁰ to 1.
+    /// `value` times this factor, 2³⁰ per 1.
     #[inline(always)]
     fn part(self, value: i32) -> Part {
         Part::from_bits((times(value, self.mantissa) << 1) >> self.shift)
@@ -81,10 +81,10 @@ enum Stage {
     Done,
 }
 
-/// Walks a [`Sine`], tick by tick.
+/// Runs through a [`Sine`], tick by tick.
 ///
-/// The phase is an integer, 2⁶⁴ to the cycle, and within n units of the exact one after n ticks: 10¹⁰ ticks make
-/// 5e-10 of a cycle.
+/// The phase is an integer, 2⁶⁴ per cycle. After n ticks it is within n units of the exact phase: after 10¹⁰ ticks within 5e-10 of
+/// a cycle.
 #[derive(Clone, Debug)]
 pub struct SineGenerator {
     increment: u64,
@@ -92,7 +92,7 @@ pub struct SineGenerator {
     speed: Factor,
     cycles: u32,
     ramp: Ramp,
-    /// With [`ROUNDING`] in it.
+    /// Phase, with [`ROUNDING`] added.
     phase: u64,
     stage: Stage,
     /// Cycles completed in this stage.
@@ -101,17 +101,17 @@ pub struct SineGenerator {
     cycle_end: bool,
 }
 
-/// Half a unit of the phase's upper 32 bits, so that they are the nearest, and a tick that falls on the end of a cycle but
-/// for the rounding of a decimal frequency belongs to the next cycle.
+/// Half a unit of the phase's upper 32 bits, so that they are rounded to the nearest. A tick that misses the end of a cycle only by
+/// the rounding of a decimal frequency thus belongs to the next cycle.
 const ROUNDING: u64 = 1 << 31;
 
 impl SineGenerator {
-    /// At rest, at the start of `sine`.
+    /// A generator at rest, at the start of `sine`.
     ///
     /// * `tick_rate`: Hz, 1…[`TICK_RATE_MAX`]
     ///
     /// # Errors
-    /// The field that is not finite or out of range, `velocity` where 2π·frequency·amplitude exceeds its full scale.
+    /// The field that is not finite or out of range; `velocity` if 2π·frequency·amplitude exceeds its full scale.
     pub fn new(sine: Sine, tick_rate: f64, scales: &Scales) -> Result<Self, ConfigError> {
         in_range("tick_rate", tick_rate, 1.0, TICK_RATE_MAX)?;
         in_range("frequency", sine.frequency, FREQUENCY_MIN, tick_rate / 4.0)?;
@@ -177,11 +177,11 @@ impl SineGenerator {
     }
 }
 
-/// The amplitude over a ramp: the quintic 10s³ − 15s⁴ + 6s⁵ of the part s travelled, as in [`crate::sine`].
+/// The amplitude in a ramp: the quintic 10s³ − 15s⁴ + 6s⁵ of its completed part s, as in [`crate::sine`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ramp {
     cycles: u32,
-    /// 1/cycles rounded down, so that no part reaches 1. This and all that follows has 2³⁰ to 1.
+    /// 1/cycles rounded down, so that no part reaches 1. This field and the following have 2³⁰ per 1.
     inverse: i32,
     /// 30/(2π·cycles)/16.
     steepness: i32,
@@ -200,7 +200,7 @@ impl Ramp {
         })
     }
 
-    /// a·sin and its derivative over ω, of a part a of the amplitude, after `travelled` cycles and `phase` of the ramp.
+    /// a·sin and its derivative divided by ω, with a the part of the amplitude after `travelled` cycles and `phase` of the ramp.
     #[inline(never)]
     fn scaled(&self, travelled: u32, phase: u32, sin: i32, cos: i32, stage: Stage) -> (i32, i32) {
         let part = travelled as i32 * self.inverse + product(self.inverse, (phase >> 2) as i32);
@@ -209,7 +209,7 @@ impl Ramp {
         // (10 − 15s + 6s²)/16
         let polynomial = 10 * (ONE >> 4) - 15 * (part >> 4) + 6 * (square >> 4);
         let step = product(product(square, part), polynomial) << 4;
-        // da/dθ = 30·s²·(1 − s)²/cycles, of which s²·(1 − s)² is at most 1/16.
+        // da/dθ = 30·s²·(1 − s)²/cycles, in which s²·(1 − s)² is at most 1/16.
         let slope = product(product(square, product(rest, rest)) << 4, self.steepness);
         let (step, slope) = if stage == Stage::ToRest {
             (ONE - step, -slope)
@@ -220,7 +220,8 @@ impl Ramp {
     }
 }
 
-/// `a`·`b` for magnitudes of up to 1, 2³⁰ to 1, off by less than 3 units: the halves' products but for the two low ones'.
+/// `a`·`b` for magnitudes of up to 1, 2³⁰ per 1, with an error below 3 units: the products of the halves, without that of the two
+/// low ones.
 #[inline(always)]
 fn product(a: i32, b: i32) -> i32 {
     let (a_high, a_low) = (a >> 15, a & 0x7fff);

@@ -1,4 +1,4 @@
-//! Eq 13 of the paper in integers.
+//! Eq 13 of the paper, the mixed damping law, in integers.
 
 use super::damping::Damping;
 use super::scales::{HEADROOM, rounded};
@@ -8,30 +8,31 @@ use crate::law;
 use crate::limits;
 use crate::real::in_range;
 
-/// F = k1·y + k3·y³ + c·|v|^α·sgn v, over parts of full scale.
+/// F = k1·y + k3·y³ + c·|v|^α·sgn v, in parts of full scale.
 ///
-/// Within 3e-5 of full scale of the law's own force for the same parts, everywhere; on the mean over a cycle much less.
+/// The error is within 3e-5 of full scale everywhere, relative to the law's own force for the same parts; its mean over a cycle is
+/// much smaller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    /// k1·Y, and half a unit of what follows from it, 2³¹ to full scale.
+    /// k1·Y, plus half a unit of its results, 2³¹ per full scale.
     linear: i32,
-    /// k3·Y³, 2³¹ to full scale.
+    /// k3·Y³, 2³¹ per full scale.
     cubic: i32,
     damping: Damping,
 }
 
 impl Law {
-    /// The law `law` over `scales`. Takes some hundred powers in f64: not for the hot path.
+    /// Converts `law` to `scales`. Computes some hundred powers in f64: not for the hot path.
     ///
     /// # Errors
-    /// [`ConfigError::OutOfRange`] for `force` where the full scale of force is not above 1.001 times the largest force of
-    /// the law over the other two, |k1|·Y + |k3|·Y³ + c·V^α: see [`Scales::covering`].
+    /// [`ConfigError::OutOfRange`] for `force` if the full scale of force is not above 1.001 times the law's largest force on the
+    /// other two scales, |k1|·Y + |k3|·Y³ + c·V^α: see [`Scales::covering`].
     pub fn new(law: &law::Law<f64>, scales: &Scales) -> Result<Self, ConfigError> {
         let largest = scales.largest_force(law);
         in_range("force", scales.force(), HEADROOM * largest, limits::FORCE)?;
         let (y, f) = (scales.displacement(), scales.force());
         let cubic = law.k3() * y * y * y / f;
-        // y² is rounded down to 2⁻¹⁶, by half of it on the mean; the stiffness's 2⁻¹⁶ to the nearest.
+        // y² is rounded down to 2⁻¹⁶, by half of that on average; the stiffness is rounded to the nearest 2⁻¹⁶.
         let half = 1.0 / (1u32 << 17) as f64;
         let linear = law.k1() * y / f + half * cubic + half;
         Ok(Self {
@@ -47,12 +48,12 @@ impl Law {
         Part::from_bits(self.elastic_force(y) + self.damping.force(v))
     }
 
-    /// (k1 + k3·y²)·y: y in two halves, the rest in 16 bits.
+    /// (k1 + k3·y²)·y, with y in two halves and the rest in 16 bits.
     #[inline(always)]
     fn elastic_force(&self, y: Part) -> i32 {
         let high = y.to_bits() >> 16;
         let low = y.to_bits() & 0xffff;
-        // 2³⁰ to 1, with ½ for the square of the low half, without which it could be negative; then 2¹⁶.
+        // 2³⁰ per 1, plus ½ for the square of the low half, without which it could be negative; then 2¹⁶ per 1.
         let square = high * high + ((high * low) >> 15) + 1;
         let square = (square >> 14) as u32;
         let stiffness = (self.linear + times(self.cubic, square)) >> 15;

@@ -1,4 +1,4 @@
-//! What the integers are parts of.
+//! The full scales that the integers are parts of.
 
 use super::Part;
 use crate::error::ConfigError;
@@ -9,14 +9,14 @@ use crate::real::in_range;
 /// Smallest full scale, in its own unit.
 pub const SCALE_MIN: f64 = 1e-9;
 
-/// How far the full scale of force must exceed the largest force of a law over itself: so that no rounding of
-/// coefficients and products reaches −1 or 1.
+/// Factor by which the full scale of force must exceed a law's largest force, so that no rounding of coefficients and products
+/// reaches −1 or 1.
 pub(super) const HEADROOM: f64 = 1.0 + 1.0 / 1024.0;
 
 /// Full scales of displacement, velocity and force.
 ///
-/// The finest step is 2⁻³¹ of each. Errors of the law are parts of the full scale of force, so that a scale of displacement
-/// beyond what the specimen will see costs accuracy; one of velocity hardly does.
+/// The finest step is 2⁻³¹ of each. Errors of the law are parts of the full scale of force. A scale of displacement beyond the
+/// specimen's range therefore costs accuracy; one of velocity hardly does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     displacement: f64,
@@ -44,8 +44,7 @@ impl Scales {
         })
     }
 
-    /// With the smallest full scale of force that `law` can have over the other two, in mm and mm/s as in
-    /// [`Scales::new`].
+    /// With the smallest full scale of force for `law` on the other two scales, in mm and mm/s as in [`Scales::new`].
     ///
     /// # Errors
     /// The field that is not finite or out of range.

@@ -1,30 +1,30 @@
-//! Follows a slow change of k1, k3 and c from cycle to cycle, by recursive least squares; α stays.
+//! Adaptation: follows slow changes of k1, k3 and c from cycle to cycle by recursive least squares; α stays.
 //!
-//! With e = (k1·y, k3·y³, c·|v|^α·sgn v) of the law as it was given, r the measured force less that law's, and θ by how much
-//! the law in force differs from it, parts of k1, k3 and c:
+//! Let e = (k1·y, k3·y³, c·|v|^α·sgn v) be the parts of the law as given, r the measured force minus that law's, and θ the relative
+//! difference of k1, k3 and c between the law in force and the law as given:
 //!
 //! - S ← λ·S + Σe·eᵀ, z ← λ·z + Σe·r over the looks of a cycle
-//! - θ* = (S + μ·tr S·I)⁻¹·z, least squares that leave as given what hardly has a force; where a part of it would lie beyond its
-//!   bound it is held there, and the others are solved for anew
-//! - θ ← θ + (θ* − θ), of which no part moves by more than [`RATE`]: a straight way, on which the error falls all along
+//! - θ* = (S + μ·tr S·I)⁻¹·z, least squares that leave a coefficient with hardly any force as given. A part that would exceed its
+//!   bound is set to the bound, and the others are solved for again
+//! - θ ← θ + (θ* − θ), with no part changing by more than [`RATE`]: a straight path, on which the error falls steadily
 //!
-//! For the first cycles with a law, as many as a run-in takes, θ has no bound but [`MOST`]: it finds where the specimen is.
-//! From there on it has the bound.
+//! For the first cycles with a law, as many as a run-in takes, the only bound of θ is [`MOST`], so that it finds the specimen's
+//! initial condition. From then on the configured bound holds.
 //!
-//! A cycle counts only where the monitor watches, suspects nothing, sees no passing fault and has named no lasting one: what
-//! comes at once is a failure and is not followed, and what comes slowly is followed as far as the bound. The monitor judges
-//! by the law as it was given, so that following hides nothing from it.
+//! A cycle counts only if the health monitor is watching, suspects nothing, sees no passing fault and has reported no lasting one.
+//! A sudden change is a failure and is not adapted to; a slow change is, up to the bound. The monitor compares with the law as
+//! given, so that adaptation hides nothing from it.
 
 use crate::fast_law::Adaptation;
 use crate::real::Real;
 
-/// λ: a cycle counts a third after eleven more.
+/// λ: after eleven more cycles the weight of a cycle is a third.
 const FORGETTING: f32 = 0.9;
 /// μ.
 const DAMPING: f32 = 1e-4;
-/// Most by which a part changes in a cycle.
+/// Largest change of a part per cycle.
 const RATE: f32 = 1e-3;
-/// Most by which it ever does.
+/// Largest total change of a part.
 const MOST: f32 = 0.5;
 
 /// S, its upper triangle row by row, and z.
@@ -49,8 +49,7 @@ impl Sums {
         self.squares.iter_mut().chain(&mut self.products)
     }
 
-    /// θ*, by S + μ·tr S·I = L·D·Lᵀ, where a part that is `held` stays at that; none where nothing moved, or a sum is beyond a
-    /// float.
+    /// θ*, by S + μ·tr S·I = L·D·Lᵀ, with each `held` part at its given value. `None` without motion, or if a sum exceeds a float.
     fn solution(&self, held: [Option<f32>; 3]) -> Option<[f32; 3]> {
         let [mut aa, mut ab, mut ac, mut bb, mut bc, mut cc] = self.squares;
         let [mut za, mut zb, mut zc] = self.products;
@@ -88,7 +87,7 @@ impl Sums {
     }
 }
 
-/// What is left to do of a cycle, a piece a look.
+/// Remaining work of a cycle, done one piece per look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Work {
     None,
@@ -96,29 +95,29 @@ enum Work {
     Solve,
 }
 
-/// What it has followed, and what it follows by.
+/// State of the adaptation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Adapter {
-    /// Of the cycle under way, of the one that has ended, and of all before, the older the less.
+    /// Sums of the current cycle, of the cycle that has ended, and of all before with decreasing weight.
     now: Sums,
     ended: Sums,
     past: Sums,
     work: Work,
-    /// Parts that are held at their bound.
+    /// Parts that are at their bound.
     held: [Option<f32>; 3],
-    /// θ of the cycle that was last reported, θ in force, and θ from the end of this cycle on, a look late.
+    /// θ of the last reported cycle, θ in force, and θ from the end of this cycle on, one look late.
     reported: [f32; 3],
     followed: [f32; 3],
     next: [f32; 3],
-    /// Where it found the specimen, and after how many cycles so far.
+    /// The initial condition found, and the number of cycles in which it was found so far.
     centre: [f32; 3],
     cycles: u32,
-    /// A cycle has ended, and θ is not yet in force.
+    /// A cycle has ended, and its θ is not yet in force.
     due: bool,
 }
 
 impl Adapter {
-    /// The law as it was given.
+    /// No adaptation: the law as given.
     pub(super) fn new() -> Self {
         Self {
             now: Sums::default(),
@@ -135,36 +134,36 @@ impl Adapter {
         }
     }
 
-    /// The specimen may be elsewhere, as in another block: finds anew where it is, from where θ is.
-    pub(super) fn find_anew(&mut self) {
+    /// The specimen's condition may have changed, as in another block: finds it again, starting from the present θ.
+    pub(super) fn restart_search(&mut self) {
         self.past = Sums::default();
         self.work = Work::None;
         self.cycles = 0;
     }
 
-    /// A cycle ends, and is reported.
+    /// Marks the end of a cycle, which is reported.
     pub(super) fn report(&mut self) {
         self.reported = self.followed;
     }
 
-    /// θ of the cycle that was last reported.
+    /// θ of the last reported cycle.
     pub(super) fn reported(&self) -> Adaptation {
         let [k1, k3, c] = self.reported;
         Adaptation { k1, k3, c }
     }
 
-    /// What the law in force has beyond the law as it was given where that one's parts are `parts`, kN.
+    /// Force in kN that the law in force has in addition to the law as given, whose parts are `parts`.
     pub(super) fn share(&self, [a, b, c]: [f32; 3]) -> f32 {
         let [of_k1, of_k3, of_c] = self.followed;
         of_k1 * a + of_k3 * b + of_c * c
     }
 
-    /// One look: the parts of the law as it was given, and what is measured beyond it, kN.
+    /// Takes one look: the parts of the law as given, and the measured force minus that law's, kN.
     pub(super) fn add(&mut self, parts: [f32; 3], residual: f32) {
         self.now.add(parts, residual);
     }
 
-    /// A cycle has ended, a `steady` one of a block or another: [`Adapter::follow`] is due.
+    /// Marks the end of a cycle, whether a `steady` one of a block or another: [`Adapter::follow`] is due.
     pub(super) fn cycle(&mut self, steady: bool) {
         self.ended = core::mem::take(&mut self.now);
         self.work = if steady { Work::Fold } else { Work::None };
@@ -176,7 +175,7 @@ impl Adapter {
         self.due
     }
 
-    /// What the law differs by from here on.
+    /// The new relative difference of the law.
     pub(super) fn follow(&mut self) -> Adaptation {
         self.due = false;
         self.followed = self.next;
@@ -184,17 +183,17 @@ impl Adapter {
         Adaptation { k1, k3, c }
     }
 
-    /// Whether there is work.
+    /// Whether there is work left.
     pub(super) fn has_work(&self) -> bool {
         self.work != Work::None
     }
 
-    /// The cycle that has ended is not to be followed.
+    /// Leaves the cycle that has ended out of the adaptation.
     pub(super) fn skip(&mut self) {
         self.work = Work::None;
     }
 
-    /// A piece of work, for a law that may differ by `bound` from where it found the specimen in `finding` cycles.
+    /// Does a piece of work, for a law that may differ by `bound` from the condition found in `finding` cycles.
     pub(super) fn work(&mut self, bound: f32, finding: u32) {
         self.work = match self.work {
             Work::Fold => {
@@ -216,7 +215,7 @@ impl Adapter {
             return Work::None;
         };
         let is_finding = self.cycles < finding;
-        // The part that is furthest beyond, and where it would be held.
+        // The part that exceeds its bound most, and the bound.
         let mut furthest = (0.0, 0.0);
         let mut place = None;
         let parts = best.iter().zip(&self.centre).zip(&self.held);
@@ -260,7 +259,7 @@ mod tests {
     use super::*;
     use core::f32::consts::TAU;
 
-    /// k1, k3 and c of one, at an amplitude of one and α = 0.
+    /// k1, k3 and c of 1, at an amplitude of 1 and α = 0.
     fn parts(look: u16) -> [f32; 3] {
         let (sin, cos) = (libm::sinf, libm::cosf);
         let phase = TAU * f32::from(look) / 32.0 + 0.05;
@@ -268,7 +267,7 @@ mod tests {
         [y, y * y * y, cos(phase).signum()]
     }
 
-    /// One cycle of a specimen that differs by `truth` from the law, whose coefficients are `scale`.
+    /// One cycle of a specimen that differs by `truth` from the law with the coefficients `scale`.
     fn cycle(adaptation: &mut Adapter, scale: [f32; 3], truth: [f32; 3]) {
         for look in 0..32 {
             let mut parts = parts(look);
@@ -297,7 +296,7 @@ mod tests {
         adaptation
     }
 
-    /// Mean square of what a law with k1, k3 and c of `scale` that follows by `followed` leaves of `truth`.
+    /// Mean square error of a law with k1, k3 and c of `scale`, adapted by `followed`, for a specimen `truth`.
     fn left(scale: [f32; 3], truth: [f32; 3], followed: [f32; 3]) -> f32 {
         let squares = (0..32).map(|look| {
             let parts = parts(look).into_iter().zip(scale);
@@ -311,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn it_comes_to_the_truth_in_a_straight_way_at_its_rate() {
+    fn it_converges_to_the_truth_on_a_straight_path_at_its_rate() {
         let truth = [-0.05, 0.08, 0.02];
         for (cycles, part) in [(10, 0.125f32), (30, 0.375), (100, 1.0)] {
             let adaptation = follow([1.0; 3], truth, 0.2, cycles);
@@ -324,15 +323,15 @@ mod tests {
         }
     }
 
-    /// One coefficient has a thousandth of the others' force: it stays, and the others are followed.
+    /// One coefficient has a thousandth of the others' force: it stays as given, and the others adapt.
     #[test]
-    fn what_hardly_has_a_force_is_left_be() {
+    fn a_coefficient_with_hardly_any_force_stays() {
         let [k1, k3, c] = follow([1.0, 1e-3, 1.0], [0.05, 0.5, 0.05], 0.6, 500).followed;
         assert!(k3.abs() < 0.01, "{k3}");
         assert!((k1 - 0.05).abs() < 1e-3 && (c - 0.05).abs() < 1e-3);
     }
 
-    /// k1 and k3 have nearly the same force: where one may go no further the other makes the best of it.
+    /// k1 and k3 have nearly the same force: where one reaches its bound, the other compensates for it.
     #[test]
     fn the_error_never_rises_on_the_way_to_a_bound() {
         let scale = [1.0, 0.1, 0.3];
@@ -353,7 +352,7 @@ mod tests {
         }
     }
 
-    /// Where one stands at its bound, no other two leave less beside it.
+    /// With one at its bound, no other values of the remaining two have a smaller error.
     #[test]
     fn the_others_make_the_best_of_one_that_is_held() {
         for (held, truth) in [
@@ -396,7 +395,7 @@ mod tests {
         assert!(close(go(-0.4, 700), -0.3));
         assert!(close(go(0.4, 700), -0.1));
         // No coefficient is ever halved.
-        adaptation.find_anew();
+        adaptation.restart_search();
         let mut go = |truth: f32| {
             for _ in 0..700 {
                 cycle(&mut adaptation, [1.0; 3], [truth; 3]);
@@ -422,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_does_not_stay() {
+    fn nan_does_not_stay() {
         let mut adaptation = Adapter::new();
         let (nan, infinity) = (f32::NAN, f32::INFINITY);
         for (part, residual) in [
@@ -444,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_what_the_law_in_force_has_beyond_the_given() {
+    fn the_share_is_the_law_in_force_minus_the_given_law() {
         let mut adaptation = Adapter::new();
         adaptation.followed = [0.1, -0.2, 0.3];
         assert!((adaptation.share([10.0, 1.0, 2.0]) - 1.4).abs() < 1e-6);

@@ -1,20 +1,19 @@
-//! What is normal for one statistic: a level and a trend that follow it from cycle to cycle, and how far it scatters about
-//! them.
+//! The normal state of one statistic: a level and a trend that follow it from cycle to cycle, and its scatter about them.
 //!
 //! - p = level + trend, e = z − p
 //! - level ← p + α·e, trend ← trend + β·e
 //!
-//! Over the first n cycles α = 2(2n − 1)/(n(n + 1)) and β = 6/(n(n + 1)), which is the least-squares line through all of
-//! them (Bar-Shalom, Li, Kirubarajan, Estimation, 2001, ch. 6); once α has fallen to [`LEVEL_GAIN`] both stay, and the line
-//! forgets. So what settles slowly, as wires that bed in or a specimen that warms, is followed with an error of its second
-//! difference over β, and what comes within a cycle is not.
+//! Over the first n cycles α = 2(2n − 1)/(n(n + 1)) and β = 6/(n(n + 1)), which gives the least-squares line through all of them
+//! (Bar-Shalom, Li, Kirubarajan, Estimation, 2001, ch. 6). Once α has fallen to [`LEVEL_GAIN`] both gains stay, and the line
+//! forgets. Slow settling, such as wires that bed in or a specimen that warms, is thus followed with an error of its second
+//! difference divided by β. A change within a cycle is not followed.
 
-/// Of the level, from the fifteenth cycle on, and of the trend.
+/// Gain of the level, from the fifteenth cycle on, and gain of the trend.
 const LEVEL_GAIN: f32 = 0.25;
 const TREND_GAIN: f32 = 0.03;
-/// Cycles before which the line is too young for its errors to count.
+/// Cycles after which the line is old enough for its errors to count.
 const YOUNG: u32 = 4;
-/// Part of the variance that one cycle renews, once learned.
+/// Part of the variance that one cycle replaces after learning.
 const VARIANCE_GAIN: f32 = 1.0 / 64.0;
 
 /// The line and the scatter about it.
@@ -27,7 +26,7 @@ pub(super) struct Baseline {
 }
 
 impl Baseline {
-    /// What the cycle after the next should give: it is followed a cycle late.
+    /// Expected statistic of the cycle after the next: each cycle is processed one cycle late.
     pub(super) fn expected(&self) -> f32 {
         self.level + 2.0 * self.trend
     }
@@ -36,18 +35,18 @@ impl Baseline {
         self.level + self.trend
     }
 
-    /// Goes on along the line without looking.
+    /// Continues along the line without a new value.
     pub(super) fn coast(&mut self) {
         self.level += self.trend;
     }
 
-    /// Is at `z` from here on, and level.
+    /// Sets the level to `z`, and the trend to 0.
     pub(super) fn place(&mut self, z: f32) {
         self.level = z;
         self.trend = 0.0;
     }
 
-    /// Follows the statistic `z` of one more cycle.
+    /// Takes the statistic `z` of one more cycle.
     pub(super) fn follow(&mut self, z: f32) {
         let predicted = self.predicted();
         let error = if self.cycles == 0 { 0.0 } else { z - predicted };
@@ -61,7 +60,7 @@ impl Baseline {
         let trend_gain = larger(6.0 / product, TREND_GAIN);
         if self.cycles > 1 {
             self.level = predicted + level_gain * error;
-            // Two points are the first that have a trend.
+            // A trend needs at least two points.
             self.trend += trend_gain * error;
         }
         if self.cycles > YOUNG {
@@ -70,7 +69,7 @@ impl Baseline {
         }
     }
 
-    /// How far it scatters at most, by what so few errors can say: at 95 %, σ is below s·(1 + 1.645/√2ν) of ν errors.
+    /// Upper limit of the scatter for the few errors seen: with 95 % confidence σ is below s·(1 + 1.645/√2ν) for ν errors.
     pub(super) fn deviation(&self) -> f32 {
         let errors = self.cycles.saturating_sub(YOUNG) as f32;
         let most = 1.0 / VARIANCE_GAIN;
@@ -79,7 +78,7 @@ impl Baseline {
         crate::real::square_root(self.variance) * (1.0 + unsure)
     }
 
-    /// Where the line is now.
+    /// The present level.
     pub(super) fn level(&self) -> f32 {
         self.level
     }
@@ -116,7 +115,7 @@ mod tests {
         }
         assert!((line.predicted() - 2.0).abs() < 1e-4);
         assert!(line.deviation() < 5e-5);
-        // 10 % that settle with 20 cycles: the error stays below the second difference over the trend's gain, 0.8 %.
+        // 10 % that settle with 20 cycles: the error stays below the second difference divided by the trend's gain, 0.8 %.
         let mut settling = Baseline::default();
         let mut worst = 0.0f32;
         for n in 0..200u16 {
@@ -130,20 +129,21 @@ mod tests {
     }
 
     #[test]
-    fn the_scatter_is_that_of_what_it_follows() {
+    fn the_scatter_is_that_of_the_statistic() {
         let mut baseline = Baseline::default();
         for n in 0..400u16 {
             baseline.follow(if n % 2 == 0 { 0.01 } else { -0.01 });
         }
-        // An alternation is the worst to predict: e = 2·z/(2 − α − β/2) of each z by the filter's transfer at −1.
+        // An alternation is the hardest to predict: e = 2·z/(2 − α − β/2) for each z, from the filter's transfer function at −1.
         let expected = 0.01 * 4.0 / (4.0 - 2.0 * LEVEL_GAIN - TREND_GAIN);
-        // After 400 cycles each one counts 1/64.
+        // After 400 cycles the weight of each is 1/64.
         let unsure = 1.645 / libm::sqrtf(2.0 * 64.0);
         let deviation = baseline.deviation() / (1.0 + unsure);
         assert!((deviation / expected - 1.0).abs() < 0.01);
     }
 
-    /// Of 12 errors: σ is below s·√(12/χ²) for the lower 5 % of χ² of 12 degrees, 5.226, which the formula comes near.
+    /// For 12 errors: σ is below s·√(12/χ²) for the lower 5 % of χ² of 12 degrees of freedom, 5.226, which the formula
+    /// approximates.
     #[test]
     fn a_scatter_of_few_cycles_may_be_larger_than_it_looks() {
         let mut baseline = Baseline::default();

@@ -1,4 +1,4 @@
-//! What is wrong, by name, and the evidence for it.
+//! Causes of a fault, by name, and the evidence for them.
 
 /// A measured quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub enum Channel {
     Force,
 }
 
-/// What an event says is the cause.
+/// Cause that an event reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -22,45 +22,45 @@ pub enum HealthCause {
     FrictionWear,
     /// A gap opens: force is missing near zero displacement.
     Loosening,
-    /// The mean force moves at once.
+    /// The mean force changes at once.
     PreloadShift,
-    /// Something moves that none of the others explains.
+    /// A change that no other cause explains.
     Unexplained,
-    /// Settled after the start by more than what would otherwise be a fault: normal.
+    /// Settled after the start by more than the size of a fault: normal.
     RunIn,
-    /// Moved with the temperature by more than what would otherwise be a fault: normal.
+    /// Changed with the temperature by more than the size of a fault: normal.
     Temperature,
-    /// The channel shows one value while what it measures moves.
+    /// The channel repeats one value while its quantity moves.
     SensorStuck(Channel),
-    /// The channel shows no voltage while what it measures moves.
+    /// The channel shows 0 V while its quantity moves.
     SensorDroppedOut(Channel),
-    /// The channel stays at one extreme value until what it measures comes back, or at an end of the converter's range.
+    /// The channel stays at an extreme value until its quantity returns, or at an end of the converter's range.
     SensorClipped(Channel),
-    /// Single samples stand out on both sides.
+    /// Single samples are outliers in both directions.
     SensorSpiking(Channel),
-    /// What the channel shows at rest moves, bit by bit.
+    /// The channel's zero moves, bit by bit.
     SensorDrifting(Channel),
-    /// The actuator does not reach what is demanded, and the shape of its motion is another.
+    /// The actuator does not reach the demanded motion, and the shape of its motion differs.
     ActuatorSaturated,
-    /// The actuator's motion has the shape that is demanded, and is late.
+    /// The actuator's motion has the demanded shape, but is late.
     ActuatorLagging,
     /// The actuator stands still.
     ActuatorDead,
     /// Energy rises, stiffness stays: the specimen galls or seizes.
     FrictionRise,
-    /// Stiffness rises, and energy with it or not.
+    /// Stiffness rises, with energy or without.
     Stiffening,
     /// The channel shows more or less than before for the same quantity.
     SensorGain(Channel),
-    /// The channel has more noise or hum on it than was learned.
+    /// The channel has more noise or hum than the monitor learned.
     SensorNoisy(Channel),
     /// The force does not follow the motion at all: there is no specimen.
     SpecimenAbsent,
-    /// The channel shows the other sign.
+    /// The channel has the opposite sign.
     SensorReversed(Channel),
-    /// From the start on the specimen is far from the law.
+    /// The specimen differs much from the law from the start.
     LawMismatch,
-    /// The temperature that is measured cannot be: not finite, out of range, or faster than a specimen warms.
+    /// The measured temperature is implausible: not finite, out of range, or changing faster than a specimen warms.
     TemperatureImplausible,
 }
 
@@ -100,7 +100,7 @@ impl HealthCause {
         Self::TemperatureImplausible,
     ];
 
-    /// Its number on the link. It is below 32: the monitor keeps a bit for each.
+    /// Its number on the link. It is below 32, because the monitor keeps one bit for each.
     pub const fn number(self) -> u8 {
         match self {
             Self::WireBreakage => 0,
@@ -142,8 +142,8 @@ impl HealthCause {
         Self::ALL.into_iter().find(|each| each.number() == number)
     }
 
-    /// Seen while it lasts, of a sensor or of the actuator. The other faults are found from cycle to cycle and
-    /// stay until they are cleared.
+    /// Whether a fault of a sensor or of the actuator is visible only while it lasts. The other faults are found from cycle to
+    /// cycle and stay until they are cleared.
     pub(super) const fn is_passing(self) -> bool {
         matches!(
             self,
@@ -159,7 +159,7 @@ impl HealthCause {
         )
     }
 
-    /// Whether it hides what `channel` measures for longer than a sample.
+    /// Whether it hides the quantity of `channel` for longer than a sample.
     pub(super) fn hides(self, channel: Channel) -> bool {
         matches!(
             self,
@@ -168,36 +168,36 @@ impl HealthCause {
         )
     }
 
-    /// Whether something is wrong; no of what is normal after a start or with the temperature.
+    /// Whether it is a fault; `false` for changes that are normal after a start or with the temperature.
     pub const fn is_fault(self) -> bool {
         !matches!(self, Self::RunIn | Self::Temperature)
     }
 }
 
-/// What an event's value is of. The first [`Statistic::OF_CYCLES`] are of whole cycles, parts of what the law says.
+/// Quantity of an event's value. The first [`Statistic::OF_CYCLES`] belong to whole cycles, and are relative to the law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Statistic {
-    /// Force in phase with displacement, over the law's.
+    /// Force in phase with displacement, divided by the law's.
     Stiffness,
-    /// ∮F dy, over the law's.
+    /// ∮F dy, divided by the law's.
     Energy,
-    /// Mean force, over the law's amplitude of force in phase with displacement.
+    /// Mean force, divided by the amplitude of the law's force in phase with displacement.
     MeanForce,
-    /// RMS of the residual over that of the law's force.
+    /// RMS of the residual divided by that of the law's force.
     Residual,
-    /// Third harmonic of the residual in phase with displacement, over the law's amplitude of force in phase with it.
+    /// Third harmonic of the residual in phase with displacement, divided by the amplitude of the law's force in phase with it.
     ThirdHarmonic,
-    /// Mean of the command over the amplitude.
+    /// Mean of the command divided by the amplitude.
     MeanCommand,
     /// A channel's sample, in its unit.
     Sample,
-    /// Distance of the response to the demanded motion from where it was.
+    /// Distance of the response to the demanded motion from the learned one.
     Response,
-    /// RMS of what is no motion and no force of a specimen, over the amplitude.
+    /// RMS of the signal that neither a motion nor a specimen explains, divided by the amplitude.
     Noise,
-    /// Part of the force's variance that goes with the motion, 0…1.
+    /// Part of the force's variance that the motion explains, 0…1.
     Explained,
 }
 
@@ -215,12 +215,12 @@ impl Statistic {
         Self::Noise,
         Self::Explained,
     ];
-    /// How many are of whole cycles.
+    /// Number of statistics of whole cycles.
     pub const OF_CYCLES: usize = 6;
-    /// How many of those are watched; the rest only tell causes apart.
+    /// Number of those that are watched; the others only distinguish causes.
     pub const WATCHED: usize = 4;
 
-    /// Its place in [`Statistic::ALL`].
+    /// Its index in [`Statistic::ALL`].
     pub(super) fn place(self) -> u8 {
         let mut all = (0..).zip(Self::ALL);
         all.find(|(_, other)| *other == self)
@@ -249,40 +249,40 @@ impl Statistic {
     }
 }
 
-/// Something that moved, with its evidence.
+/// A change with its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
-    /// What it is.
+    /// Its cause.
     pub cause: HealthCause,
-    /// What it may be as well, where what the rig measures cannot tell the two apart.
+    /// An alternative cause, where the rig's measurements cannot distinguish the two.
     pub or: Option<HealthCause>,
-    /// What moved.
+    /// The statistic that changed.
     pub statistic: Statistic,
-    /// By how much it moved; a sample as it was.
+    /// Amount of the change; for a sample its value.
     pub value: f32,
-    /// What it may be.
+    /// Limit of the value.
     pub limit: f32,
     /// Cycles completed since the start.
     pub cycle: u32,
 }
 
-/// By how much the statistics of whole cycles have moved, in the order of [`Statistic::ALL`].
+/// Changes of the statistics of whole cycles, in the order of [`Statistic::ALL`].
 pub(super) type Shift = [f32; Statistic::OF_CYCLES];
 
-/// How what moved came about.
+/// Time course of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Course {
-    /// Within a cycle or two, and it stays.
+    /// Within a cycle or two, and permanent.
     Step,
     /// Bit by bit.
     Slow,
 }
 
-/// Third harmonic over first, beyond the law's own `law_third`, of the force that a gap takes. What breaks takes a part of the
-/// law's force, third harmonic included. A gap of g takes g·(k1 + 3·k3·y²)·sgn y, with κ = k3·A² as parts of k1 beyond it by
-/// (4/3 − 8κ/5)/(4 + 8κ) + κ/(4 + 3κ): ⅓ without k3, 0.106 at the least, 2/15 with k3 alone. The law's own is −κ/(4 + 3κ).
+/// Third harmonic divided by the first, in excess of the law's own `law_third`, of the force that a gap removes. Breakage removes a
+/// part of the law's force, third harmonic included. A gap of g removes g·(k1 + 3·k3·y²)·sgn y. With κ = k3·A²/k1 its ratio is
+/// larger by (4/3 − 8κ/5)/(4 + 8κ) + κ/(4 + 3κ): ⅓ without k3, at least 0.106, 2/15 with k3 alone. The law's own is −κ/(4 + 3κ).
 fn gap_harmonic(law_third: f32) -> f32 {
     let hardening = -4.0 * law_third / (1.0 + 3.0 * law_third);
     if hardening > 0.0 && hardening < 1e3 {
@@ -294,30 +294,32 @@ fn gap_harmonic(law_third: f32) -> f32 {
     }
 }
 
-/// Energy over stiffness, likewise: what takes force near zero takes little or no friction.
+/// Energy divided by stiffness for a gap: a fault that removes force near zero removes little or no friction.
 const GAP_ENERGY: f32 = 0.6;
-/// Stiffness over energy below which only friction is gone.
+/// Stiffness divided by energy below which only friction is lost.
 const FRICTION_ALONE: f32 = 0.35;
-/// Energy over residual from which friction rises and nothing else: friction that rises by a part leaves that part of its own RMS, which is
-/// less than the force's.
+/// Energy divided by residual above which only friction rises: an increase of friction changes the residual by the same part of its
+/// own RMS, which is less than the force's.
 const FRICTION_OF_RESIDUAL: f32 = 0.5;
-/// Mean of the command over mean of the force, both as parts of their amplitudes, from which the specimen really stands
-/// elsewhere: the rig holds the mean that the sensor shows.
+/// Mean of the command divided by mean of the force, both as parts of their amplitudes, above which the specimen really moved: the
+/// rig keeps the mean that the sensor shows.
 const MOVED_MEAN: f32 = 0.3;
 
-/// Stiffness and energy below which, as parts of what they were, the force has another sign: by noise and warmth no specimen gets there.
+/// Relative change of stiffness and energy below which the force has the opposite sign: noise and warming cannot cause it.
 const REVERSED: f32 = -1.2;
-/// By how much less stiffness and energy may differ, part of the larger, where all of the force changes alike.
+/// Largest difference between the changes of stiffness and energy, as a part of the larger, for which the whole force changes in
+/// proportion.
 const ALIKE: f32 = 0.4;
 
-/// A cause, what it may be as well, and what is the evidence.
+/// A cause, an alternative cause, and the statistic that is the evidence.
 pub(super) type Verdict = (HealthCause, Option<HealthCause>, Statistic);
 
-/// The cause whose pattern `shift` has, and what of it is the evidence. `law_third` is the third harmonic over the first of
-/// the law's force in phase with displacement.
+/// The cause whose pattern `shift` has, and the statistic that is the evidence. `law_third` is the third harmonic divided by the
+/// first of the law's force in phase with displacement.
 ///
-/// Where stiffness and energy change alike the force channel may have another gain as well: nothing that is measured tells that from a
-/// specimen that breaks or hardens. Where they do not, the displacement channel may: the specimen moves further than it shows, or less.
+/// If stiffness and energy change in proportion, the gain of the force channel may have changed instead: no measurement
+/// distinguishes that from a specimen that breaks or hardens. If they do not, the gain of the displacement channel may have: the
+/// specimen moves further than shown, or less.
 pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> Verdict {
     let &[stiffness, energy, mean, residual, third, command] = shift;
     let largest = |a: f32, b: f32| if a.abs() > b.abs() { a.abs() } else { b.abs() };
@@ -372,7 +374,7 @@ pub(super) fn cause(shift: &Shift, law_third: f32, course: Course) -> Verdict {
     (HealthCause::Unexplained, None, statistic)
 }
 
-/// The force has another sign beside the displacement: which of the two channels is reversed, nothing tells.
+/// The force has the opposite sign relative to the displacement. The data cannot tell which of the two channels is reversed.
 pub(super) const fn reversed() -> (HealthCause, HealthCause) {
     (
         HealthCause::SensorReversed(Channel::Force),
@@ -384,7 +386,7 @@ pub(super) const fn reversed() -> (HealthCause, HealthCause) {
 mod tests {
     use super::*;
 
-    /// An image of one version and a harness of another understand each other as long as these stay.
+    /// An image and a harness of different versions understand each other as long as these numbers stay.
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         let causes = [
@@ -447,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_takes_more_of_the_third_harmonic_than_what_breaks() {
+    fn a_gap_removes_more_of_the_third_harmonic_than_a_break() {
         for (law_third, gap) in [(0.1, 1.0 / 3.0), (0.0, 1.0 / 3.0), (-1.0 / 3.0, 2.0 / 15.0)] {
             assert!((gap_harmonic(law_third) - gap).abs() < 1e-6);
         }
@@ -456,22 +458,22 @@ mod tests {
         assert!((least - 0.106).abs() < 0.001, "{least}");
     }
 
-    /// The first and third harmonic of what each fault takes from F = k1·y + k3·y³ and its friction, worked out by hand.
+    /// The first and third harmonic that each fault removes from F = k1·y + k3·y³ and its friction, calculated by hand.
     #[test]
     fn closed_forms_have_their_names() {
         use core::f32::consts::PI;
-        // From no cubic stiffness to hardly any other.
+        // From no cubic stiffness to almost only cubic stiffness.
         for hardening in [0.0f32, 0.3, 1.0, 10.0] {
             let first = 1.0 + 0.75 * hardening;
             let law_third = -0.25 * hardening / first;
             let name = |shift: Shift, course| cause(&shift, law_third, course).0;
             for size in [0.05f32, 0.1, 0.3] {
-                // All of it falls alike.
+                // The whole force falls in proportion.
                 let broken = [-size, -size, 0.0, size, -size * law_third, 0.0];
                 assert_eq!(name(broken, Course::Step), HealthCause::WireBreakage);
                 let worn = [0.0, -size, 0.0, 0.4 * size, 0.0, 0.0];
                 assert_eq!(name(worn, Course::Slow), HealthCause::FrictionWear);
-                // −g·(k1 + 3·k3·y²)·sgn y, of which sgn y has 4/π and 4/3π and sin²φ·sgn y 8/3π and −8/15π.
+                // −g·(k1 + 3·k3·y²)·sgn y, in which sgn y has 4/π and 4/3π, and sin²φ·sgn y 8/3π and −8/15π.
                 let gap_first = 4.0 / PI + hardening * 8.0 / PI;
                 let gap_third = 4.0 / (3.0 * PI) - hardening * 8.0 / (5.0 * PI);
                 let third = -size * gap_third / gap_first;
@@ -484,7 +486,7 @@ mod tests {
                     assert_eq!(name(mean, Course::Step), HealthCause::PreloadShift);
                     let drifting = HealthCause::SensorDrifting(Channel::Force);
                     assert_eq!(name(mean, Course::Slow), drifting);
-                    // The specimen stands elsewhere by size·A, and its mean force is that times its stiffness.
+                    // The specimen is displaced by size·A, and its mean force is that times its stiffness.
                     let elsewhere = [size * size, 0.0, sign * size, size, 0.0, sign * size];
                     let drifting = HealthCause::SensorDrifting(Channel::Displacement);
                     assert_eq!(name(elsewhere, Course::Step), drifting);
@@ -492,38 +494,38 @@ mod tests {
             }
         }
         let gain = Some(HealthCause::SensorGain(Channel::Force));
-        let told = |shift: Shift| {
+        let named = |shift: Shift| {
             let (cause, or, _) = cause(&shift, 0.0, Course::Step);
             (cause, or)
         };
         assert_eq!(
-            told([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
+            named([0.1, 0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::Stiffening, gain)
         );
         let far = Some(HealthCause::SensorGain(Channel::Displacement));
         assert_eq!(
-            told([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
+            named([0.2, 0.02, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::Stiffening, far)
         );
         let unexplained = (HealthCause::Unexplained, None);
-        assert_eq!(told([0.0, -1.8, 0.0, 1.5, 0.0, 0.0]), unexplained);
-        assert_eq!(told([0.001, 0.003, 0.0, 0.1, 0.0, 0.0]), unexplained);
+        assert_eq!(named([0.0, -1.8, 0.0, 1.5, 0.0, 0.0]), unexplained);
+        assert_eq!(named([0.001, 0.003, 0.0, 0.1, 0.0, 0.0]), unexplained);
         assert_eq!(
-            told([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
+            named([-0.1, -0.1, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::WireBreakage, gain)
         );
         assert_eq!(
-            told([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
+            named([-0.02, 0.2, 0.0, 0.1, 0.0, 0.0]),
             (HealthCause::FrictionRise, None)
         );
         let evidence = |shift: Shift| cause(&shift, 0.0, Course::Step).2;
         let by_residual = [0.001, 0.003, 0.0, 0.1, 0.0, 0.0];
         assert_eq!(evidence(by_residual), Statistic::Residual);
-        // Stiffness rises by less than a part of what is left.
+        // Stiffness rises by less than a part of the residual.
         let by_stiffness = [0.05, -0.04, 0.0, 0.04, 0.0, 0.0];
         assert_eq!(evidence(by_stiffness), Statistic::Stiffness);
         let reversed = HealthCause::SensorReversed(Channel::Force);
-        let (cause, or) = told([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
+        let (cause, or) = named([-2.0, -2.0, 0.0, 2.0, 0.0, 0.0]);
         assert_eq!(
             (cause, or),
             (
@@ -532,7 +534,7 @@ mod tests {
             )
         );
         assert_eq!(
-            told([0.001, 0.0, 0.0, 0.2, 0.0, 0.0]),
+            named([0.001, 0.0, 0.0, 0.2, 0.0, 0.0]),
             (HealthCause::Unexplained, None)
         );
     }

@@ -1,88 +1,89 @@
-//! A channel's samples, one by one: does it stand still, is it cut off, does a sample stand out.
+//! Checks a channel's samples one by one: whether the channel is stuck, whether it is clipped, and whether a sample is an outlier.
 //!
-//! - A channel that repeats one value is held. While what it measures comes in from where that began, it is stuck, or dropped
-//!   out where the value is that of no voltage. One that was held while what it measures was further out, and lets go when
-//!   that comes back, is clipped.
-//! - A sample stands out when it jumps one way and the next jumps back, more than half of it: the smaller of two differences in a row of
-//!   opposite sign. Noise does that too, and by how much is learned. Physics does not: what it does at once stays.
+//! - A channel that repeats one value is held. It is stuck if its quantity meanwhile moves inwards from its value at the beginning,
+//!   or has dropped out if the value is that of 0 V. A channel that was held while its quantity was further out, and that changes
+//!   when the quantity comes back, is clipped.
+//! - A sample is an outlier if it jumps in one direction and the next sample jumps back by more than half of it. The size is the
+//!   smaller of two successive differences of opposite sign. Noise causes such jumps too, and their size is learned. Physics does
+//!   not: a sudden change of the specimen lasts.
 
 use super::cause::{Channel, HealthCause};
 use crate::converter::{MIDSCALE, Sample, Scale};
 
-/// Squared jumps may be this many times the largest that was learned: twice a jump itself. Gaussian noise of σ jumps there and
-/// back by t once in about e^(t²/3σ²) ticks, so that after 1e4 ticks of learning it takes 1e16 to exceed 2·t.
+/// Squared jumps may be this many times the largest that was learned, so that a jump may be twice as large. Gaussian noise of σ
+/// jumps there and back by t once in about e^(t²/3σ²) ticks, so that after 1e4 ticks of learning it takes 1e16 ticks to exceed 2·t.
 const SPIKE_FACTOR: i32 = 4;
-/// Minus the square of a jump of so many of the converter's steps, which is never a spike: 16.
+/// Minus the square of a jump of 16 converter steps, which is never a spike.
 const LEAST_SPIKE: i32 = -256;
-/// Steps of the converter within which a channel shows no voltage.
+/// Converter steps about 0 V within which a channel counts as showing 0 V.
 const NO_VOLTAGE: i32 = 2;
-/// Repeats of the value of no voltage, after a jump to it, from which a channel has dropped out.
+/// Repeats of the value of 0 V, after a jump to it, after which a channel has dropped out.
 const DROPPED_TICKS: u32 = 4;
-/// Part of its amplitude by which what is measured must move beside a channel that is held.
+/// Part of its amplitude by which the quantity must move while the channel is held.
 const MOVED: f32 = 0.1;
-/// And by which it must come in: a channel that is cut off by less lets go before.
+/// Part by which it must move inwards: a channel that is clipped by less changes before.
 const CAME_IN: f32 = 0.3;
 
-/// The least that can be learned.
+/// The smallest level that can be learned.
 const NONE_LEARNED: i32 = -1;
 
-/// What one channel did so far, in steps of its converter. Of a difference over half of its range the sign is another, and so is
-/// that of the way back; only one of exactly half has the same there and back.
+/// History of one channel, in steps of its converter. A difference over half of its range wraps to the opposite sign, and so does
+/// that of the way back. Only a difference of exactly half has the same sign there and back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelWatch {
     channel: Channel,
-    /// Its unit a step.
+    /// Its unit per step.
     unit: f32,
     /// The last difference.
     step: i16,
-    /// Minus the square of the largest jump there and back that is no spike.
+    /// Minus the square of the largest jump there and back that is not a spike.
     lowest: i32,
-    /// Of the largest so far.
+    /// Largest such jump so far.
     learned: i32,
     /// Ticks for which it has been held.
     held: u32,
-    /// What it measures, beside it, when that began.
+    /// Its quantity from the reference when that began.
     reference: f32,
     motion: f32,
     /// The difference before that began.
     jump: i16,
-    /// That has moved by enough since.
+    /// The quantity has moved enough since.
     moved: bool,
 }
 
-/// What one more sample was to a channel.
+/// The change of a channel by one more sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     /// The difference before the last.
     before: i16,
-    /// Of both.
+    /// Product of both differences.
     product: i32,
     learned: i32,
 }
 
 impl Change {
-    /// Whether [`ChannelWatch::look`] is to be asked about it: a difference against the one before whose product with it is as
-    /// large as what is learned. A product of 0 is a channel that is held, or lets go.
+    /// Whether [`ChannelWatch::look`] must examine it: a difference opposite to the one before, with a product as large as the
+    /// learned limit. A product of 0 belongs to a channel that is held, or changes again.
     #[inline(always)]
     pub(crate) fn asks(&self) -> bool {
         self.product <= self.learned || self.product == 0
     }
 }
 
-/// What a channel's samples are held against.
+/// References for a channel's samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside {
-    /// What it measures, as far as the demand or the law know: mm or kN.
+    /// The quantity according to the demand or the law: mm or kN.
     pub(super) reference: f32,
     /// The amplitude of that.
     pub(super) amplitude: f32,
-    /// Displacement and its amplitude, mm. Where nothing moves a force may stand still, whatever the law says of a reversal.
+    /// Displacement and its amplitude, mm. Without motion a force may be constant, even where the law reports a reversal.
     pub(super) motion: f32,
     pub(super) motion_amplitude: f32,
 }
 
 impl ChannelWatch {
-    /// Of a channel with `scale`. No spike until learned.
+    /// A watch for a channel with `scale`. There are no spikes until it has learned.
     pub(super) fn new(channel: Channel, scale: &Scale) -> Self {
         Self {
             channel,
@@ -98,7 +99,7 @@ impl ChannelWatch {
         }
     }
 
-    /// The rig starts: learns anew.
+    /// The rig starts: learns again.
     pub(super) fn restart(&mut self) {
         self.step = 0;
         self.learned = NONE_LEARNED;
@@ -107,12 +108,12 @@ impl ChannelWatch {
         self.moved = false;
     }
 
-    /// For how many ticks on end it has shown the same.
+    /// Number of ticks for which it has shown the same value.
     pub(super) fn held(&self) -> u32 {
         self.held
     }
 
-    /// Learns from here on, or takes what it has learned so far.
+    /// Starts to learn, or applies the result.
     pub(super) fn learn(&mut self, begin: bool) {
         if begin {
             self.learned = NONE_LEARNED;
@@ -122,7 +123,7 @@ impl ChannelWatch {
         }
     }
 
-    /// One more sample, after one of the code `last`.
+    /// Takes one more sample, after one with the code `last`.
     #[inline(always)]
     pub(super) fn update(&mut self, last: u16, sample: &Sample) -> Change {
         let before = self.step;
@@ -134,7 +135,7 @@ impl ChannelWatch {
         }
     }
 
-    /// What is wrong with the last `sample`, whose `change` asks.
+    /// The fault of the last `sample`, whose `change` must be examined.
     #[inline]
     pub(super) fn look(
         &mut self,
@@ -157,12 +158,14 @@ impl ChannelWatch {
     }
 
     fn stand_out(&mut self, sample: &Sample, before: i16) -> Option<HealthCause> {
-        // One that jumps to no voltage, by far more than it came, may have dropped out. If not it jumps from there next.
+        // A sample that jumps to 0 V, much further than the jump before, may have dropped out. Otherwise the next sample jumps away
+        // from there.
         let far = self.step.unsigned_abs() / 2 > before.unsigned_abs();
         if far && from_no_voltage(sample).abs() <= NO_VOLTAGE {
             return None;
         }
-        // What moves and then steps the other way, and stays there, has not come back: another gain has a channel do that.
+        // A value that moves and then steps in the opposite direction, and stays there, has not come back: a changed gain causes
+        // this.
         let (there, back) = (i32::from(before), i32::from(self.step));
         if 2 * (there + back).abs() > there.abs().max(back.abs()) {
             return None;
@@ -170,7 +173,7 @@ impl ChannelWatch {
         let smaller = there.abs().min(back.abs());
         let square = -smaller * smaller;
         if square < self.lowest {
-            // Where it stays there, it is back and has not jumped.
+            // If it stays there, it is back and has not jumped.
             self.step = 0;
             return Some(HealthCause::SensorSpiking(self.channel));
         }
@@ -180,8 +183,8 @@ impl ChannelWatch {
         None
     }
 
-    /// It was held, and shows another value now. One that jumped to where it was held and jumps back has dropped out for as long: a contact
-    /// that is bad, and no sample is where it belongs.
+    /// It was held, and shows another value now. A channel that jumped to the held value and jumps back had dropped out meanwhile:
+    /// a bad contact, and none of those samples is valid.
     fn let_go(&mut self) -> Option<HealthCause> {
         let clipped = self.moved;
         self.held = 0;
@@ -223,7 +226,7 @@ impl ChannelWatch {
     }
 }
 
-/// What a channel shows, in steps of its converter.
+/// The channel's value relative to 0 V, in steps of its converter.
 fn from_no_voltage(sample: &Sample) -> i32 {
     i32::from(sample.code) - i32::from(MIDSCALE)
 }
@@ -239,7 +242,7 @@ mod tests {
         ChannelWatch::new(Channel::Force, &Scale::new(2.0, 0.0).unwrap())
     }
 
-    /// What is found in `codes`, one after the other, beside a force that comes in from −0.5 kN by `step` kN a sample.
+    /// Faults found in the successive `codes`, with a force that moves inwards from −0.5 kN by `step` kN per sample.
     fn found(watch: &mut ChannelWatch, codes: &[u16], step: f32) -> std::vec::Vec<HealthCause> {
         let found = (0u8..).zip(codes.windows(2)).filter_map(|(number, pair)| {
             let sample = Sample {
@@ -260,7 +263,7 @@ mod tests {
         found.collect()
     }
 
-    /// How many spikes beside a force that stands still, and nothing else.
+    /// Number of spikes with a constant force, and no other fault.
     fn spikes(watch: &mut ChannelWatch, codes: &[u16]) -> usize {
         let found = found(watch, codes, 0.0);
         let spike = HealthCause::SensorSpiking(Channel::Force);
@@ -283,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_there_and_back_may_be_twice_what_was_learned() {
+    fn a_jump_there_and_back_may_be_twice_the_learned_one() {
         let mut watch = watch();
         watch.learn(true);
         spikes(
@@ -295,7 +298,7 @@ mod tests {
         assert_eq!(spikes(&mut watch, &[40_300, 40_381, 40_300, 40_310]), 1);
     }
 
-    /// While what it measures moves by more than what was learned.
+    /// While its quantity moves by more than the learned level.
     #[test]
     fn a_jump_to_no_voltage_is_no_spike_unless_it_comes_back() {
         let mut watch = watch();
@@ -313,9 +316,9 @@ mod tests {
         );
     }
 
-    /// Beside a force that stands still, which tells nothing.
+    /// With a constant force, which gives no information.
     #[test]
-    fn what_stays_at_no_voltage_after_a_jump_has_dropped_out() {
+    fn a_channel_that_stays_at_no_voltage_after_a_jump_has_dropped_out() {
         let mut watch = watch();
         watch.learn(true);
         watch.learn(false);
@@ -331,7 +334,7 @@ mod tests {
         assert_eq!(found(&mut watch, &[32_768; 10], 0.0), []);
     }
 
-    /// Over half of the range the difference turns round.
+    /// Over half of the range the difference wraps.
     #[test]
     fn a_jump_through_most_of_the_range_stands_out() {
         let mut watch = watch();
@@ -346,7 +349,7 @@ mod tests {
         }
     }
 
-    /// A channel whose gain falls at once, while what it measures moves the other way by 60 steps a sample.
+    /// A channel whose gain falls suddenly, while its quantity moves in the opposite direction by 60 steps per sample.
     #[test]
     fn a_step_against_the_motion_is_no_spike() {
         let mut watch = watch();
@@ -354,14 +357,14 @@ mod tests {
         watch.learn(false);
         let stepped = [40_000, 40_060, 40_120, 39_800, 39_860, 39_920];
         assert_eq!(spikes(&mut watch, &stepped), 0);
-        // There and back it is one, whatever moves.
+        // There and back it is a spike, with any motion.
         assert_eq!(
             spikes(&mut watch, &[39_920, 39_980, 39_500, 40_100, 40_160]),
             1
         );
     }
 
-    /// At rest a spike comes back to no voltage, and nothing is lost.
+    /// At rest a spike returns to 0 V, and nothing is lost.
     #[test]
     fn a_spike_from_no_voltage_is_no_drop_out() {
         let mut watch = watch();
@@ -374,9 +377,9 @@ mod tests {
         assert_eq!(spikes(&mut watch, &[32_768; 10]), 0);
     }
 
-    /// Held above no voltage, while the force comes in from there; a channel that inverts shows less for more.
+    /// Held above 0 V, while the force moves inwards; an inverting channel shows less for more.
     #[test]
-    fn what_is_held_while_the_force_comes_in_is_stuck() {
+    fn a_channel_held_while_the_force_comes_in_is_stuck() {
         let stuck = HealthCause::SensorStuck(Channel::Force);
         for (full_scale, code, cause) in [
             (2.0, 20_000, Some(stuck)),
@@ -393,7 +396,7 @@ mod tests {
 
     /// Held while the force went out and came back.
     #[test]
-    fn what_is_held_while_the_force_is_further_out_is_clipped_once_it_lets_go() {
+    fn a_channel_held_while_the_force_is_further_out_is_clipped_once_it_changes() {
         let mut watch = watch();
         assert_eq!(found(&mut watch, &[20_000; 4], -0.5), []);
         let clipped = HealthCause::SensorClipped(Channel::Force);

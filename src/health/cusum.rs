@@ -1,8 +1,7 @@
 //! Two-sided cumulative sums of prediction errors (Page, Biometrika 41, 1954).
 //!
-//! S⁺ ← max(0, S⁺ + e − κ), S⁻ ← max(0, S⁻ − e − κ), an alarm where either exceeds H. For errors of standard deviation σ,
-//! k = κ/σ and b = H/σ + 1.166 the run length between false alarms of one side is (Siegmund, Sequential Analysis, 1985,
-//! ch. 2)
+//! S⁺ ← max(0, S⁺ + e − κ), S⁻ ← max(0, S⁻ − e − κ), with an alarm if either exceeds H. For errors of standard deviation σ, with k
+//! = κ/σ and b = H/σ + 1.166, the run length between false alarms of one side is (Siegmund, Sequential Analysis, 1985, ch. 2)
 //!
 //! ```text
 //! ARL = (e^(2kb) − 2kb − 1)/(2k²)
@@ -23,7 +22,7 @@ pub(super) struct Cusum {
 }
 
 impl Cusum {
-    /// One more `error` with an allowance of `slack`, both in the statistic's unit.
+    /// Adds one `error` with an allowance of `slack`, both in the statistic's unit.
     pub(super) fn update(&mut self, error: f32, slack: f32) {
         self.up = positive(self.up + error - slack);
         self.down = positive(self.down - error - slack);
@@ -39,16 +38,16 @@ impl Cusum {
     }
 }
 
-/// 0 below 0 and for NaN.
+/// `x`, or 0 for a negative number and for NaN.
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// The threshold H for errors of standard deviation `sigma`, where one side's run length is to be `run_length` cycles
-/// with an allowance of `slack`; 0 where the allowance alone is enough for that.
+/// The threshold H for errors of standard deviation `sigma` that gives one side a run length of `run_length` cycles with an
+/// allowance of `slack`; 0 if the allowance alone is enough.
 ///
-/// 2kb = ln(2k²·ARL + 1 + 2kb), four times over from 0. The logarithm is that of straight lines between powers of two,
-/// at most 0.06 too small, which is added.
+/// 2kb = ln(2k²·ARL + 1 + 2kb), iterated four times from 0. The logarithm is linear between powers of two, which is at most 0.06
+/// too small; 0.06 is added.
 pub(super) fn threshold(sigma: f32, slack: f32, run_length: f32) -> f32 {
     let k = slack / sigma;
     let mut exponent = 0.0;
@@ -76,20 +75,20 @@ mod tests {
                 for sigma in [0.003f32, 1.0] {
                     let h = threshold(sigma, k * sigma, wanted) / sigma;
                     let given = run_length(k.into(), h.into());
-                    // At least what was asked for, and no more than the logarithm's 0.06 and its addition make of it.
+                    // At least the required length, and no more than the logarithm's 0.06 and its addition cause.
                     let ratio = given / f64::from(wanted);
                     assert!((0.999..1.3).contains(&ratio), "k {k}, {wanted}: {given}");
                 }
             }
         }
-        // An allowance of ten standard deviations needs nothing more.
+        // An allowance of ten standard deviations is enough alone.
         assert_eq!(threshold(1.0, 10.0, 1e7), 0.0);
     }
 
-    /// Alarms of Gaussian errors come as rarely as the formula says.
+    /// False alarms by Gaussian errors are as rare as the formula says.
     #[test]
     fn false_alarms_are_as_rare_as_stated() {
-        // A linear congruential generator of 64 bits (Knuth), and Box and Muller's normal deviates.
+        // A 64-bit linear congruential generator (Knuth), and normal deviates of Box and Muller.
         let mut state = 1u64;
         let mut uniform = || {
             state = state
@@ -113,14 +112,14 @@ mod tests {
                     cusum = Cusum::default();
                 }
             }
-            // Two sides halve it. A thousand alarms tell it to 3 %; the formula is good to 5 %, the logarithm adds 12 %.
+            // Two sides halve it. A thousand alarms give it to 3 %; the formula is accurate to 5 %, and the logarithm adds 12 %.
             let length = 2.0 * f64::from(steps) / f64::from(alarms) / f64::from(wanted);
             assert!((0.9..1.3).contains(&length), "k {k}: {length}");
         }
     }
 
     #[test]
-    fn what_is_no_number_does_not_stay() {
+    fn nan_does_not_stay() {
         let mut cusum = Cusum::default();
         cusum.update(f32::NAN, 1.0);
         cusum.update(3.0, 1.0);

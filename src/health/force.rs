@@ -1,30 +1,32 @@
-//! Whether the force goes with the motion at all.
+//! Checks that the force follows the motion at all.
 //!
-//! Over a cycle, and once more each quarter of it, or in any motion over as long as it takes to move enough: the part of the force's
-//! variance that a·y + b·v + const explains by least squares, y the measured displacement and v the demanded velocity. Of a specimen's force it is
-//! most, whatever law it has: of pure friction under a sine 8/π² = 0.81. Of a wire that picks up noise, or of a channel that is frozen
-//! with its last bit at play, it is 2 in the number of samples.
+//! The statistic is the part of the force's variance that a·y + b·v + const explains by least squares, with y the measured
+//! displacement and v the demanded velocity. The window is a cycle, advanced every quarter, or in any other motion the time in
+//! which it moves enough. For a specimen's force the part is large, whatever its law: for pure friction under a sine it is 8/π² =
+//! 0.81. For a wire that picks up noise, or a frozen channel whose last bit toggles, it is 2 divided by the number of samples.
 //!
-//! Beside that a half cycle may be enough: a force that varied in every half of the last cycle, and hardly does any more.
+//! In addition half a cycle may be enough: if a force varied in every half of the last cycle, and hardly varies now.
 
-/// Explained part below which the force is none of the motion. Noise as large as twice the force leaves 0.2 of its variance.
+/// Explained part below which the force does not belong to the motion. Noise twice as large as the force leaves 0.2 of its variance
+/// explained.
 pub(super) const LEAST_EXPLAINED: f32 = 0.2;
-/// Explained part from which what a window shows is a specimen's force.
+/// Explained part above which a window shows a specimen's force.
 const EXPLAINED: f32 = 0.5;
-/// Variance over a half cycle's, of the least in the cycle before, below which the force has stopped: a quarter of its amplitude.
+/// Variance of a half cycle, relative to the least in the cycle before, below which the force has stopped: a quarter of its
+/// amplitude.
 const STOPPED: f32 = 1.0 / 16.0;
-/// Part by which the motion may be smaller than in that half for it.
+/// Least motion relative to that half for this test.
 const AS_LARGE: f32 = 0.7;
-/// Variance over the mean square below which a force is constant: f32 leaves 1e-7 of the square.
+/// Variance relative to the mean square below which a force is constant: f32 resolves 1e-7 of the square.
 const CONSTANT: f32 = 1e-6;
-/// Windows after which the least variances are of whole cycles.
+/// Windows after which the least variances cover whole cycles.
 const SOUND: u8 = 16;
-/// Windows on end that must show too little, where the force has gone with the motion before: what comes at once, as another mean, is in
-/// all four windows that it begins in.
+/// Number of successive windows that must be below the limit, if the force followed the motion before. A sudden change, for example
+/// of the mean, is in all four windows that contain it.
 const LOW: u8 = 5;
-/// The same of any motion, whose windows have no part in common.
+/// The same for any motion, whose windows do not overlap.
 const LOW_OF_ANY: u8 = 2;
-/// Fewest samples in a window: an eighth of them is explained by chance.
+/// Fewest samples in a window: an eighth of the variance is explained by chance.
 const LEAST_SAMPLES: f32 = 16.0;
 
 /// Sums over a quarter.
@@ -77,7 +79,7 @@ impl Sums {
         [of(self.yy, self.y), of(self.ff, self.f)]
     }
 
-    /// Part of the variance of f that goes with the motion, 0 of a constant.
+    /// Part of the variance of f that the motion explains, 0 for a constant.
     #[inline(never)]
     fn explained(&self) -> f32 {
         let moment = |product: f32, a: f32, b: f32| product - a * b / self.samples;
@@ -99,31 +101,32 @@ impl Sums {
     }
 }
 
-/// Quarters begin a 32nd of a cycle after its end, where there is enough to do.
+/// Quarters begin a 32nd of a cycle after the cycle's end, where there is enough work already.
 fn quarter(phase: u32) -> u32 {
     phase.wrapping_add(7 << 27) >> 30
 }
 
-/// What the force did beside the motion in the last four quarters.
+/// Force and motion in the last four quarters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ForceWatch {
     now: Sums,
     before: [Sums; 3],
     quarter: u32,
-    /// Least variances of y and f over the half cycles of this cycle, of the last one, and of the one before that.
+    /// Least variances of y and f over the half cycles of this cycle, of the last one, and of the one before.
     least: [[f32; 2]; 3],
-    /// Windows that went with the motion since the start, up to [`SOUND`]; and on end so far that did not, or too little.
+    /// Windows that followed the motion since the start, up to [`SOUND`]; and successive windows so far that did not, or varied too
+    /// little.
     sound: u8,
     low: u8,
 }
 
 impl ForceWatch {
-    /// Whether the force has gone with the motion since the start.
+    /// Whether the force has followed the motion since the start.
     pub(super) fn has_followed(&self) -> bool {
         self.sound > 0
     }
 
-    /// Whether the force has varied in the last quarter and in the one under way as it did before.
+    /// Whether the force varies in the last quarter and in the current one as it did before.
     pub(super) fn varies(&self) -> bool {
         let [.., last] = &self.before;
         let [_, varied] = last.plus(&self.now).variances();
@@ -131,7 +134,8 @@ impl ForceWatch {
         self.sound == SOUND && varied > STOPPED * usual
     }
 
-    /// A window of which `explained` goes with the motion; whether the force is lost, where `needed` are to show it once it has been seen.
+    /// Evaluates a window of which the motion explains `explained`. Returns whether the force is lost, which takes `needed` windows
+    /// once the force has followed the motion.
     fn judge(&mut self, explained: f32, needed: u8) -> bool {
         if explained > EXPLAINED {
             self.sound = self.sound.saturating_add(1).min(SOUND);
@@ -145,19 +149,19 @@ impl ForceWatch {
         self.low >= needed
     }
 
-    /// Whether a sample at `phase`, 2³² to the cycle, is the first of a quarter: [`ForceWatch::turn`] is due before it is added.
+    /// Whether a sample at `phase`, 2³² per cycle, is the first of a quarter: [`ForceWatch::turn`] is due before it is added.
     #[inline]
     pub(super) fn turns(&self, phase: u32) -> bool {
         quarter(phase) != self.quarter
     }
 
-    /// One sample.
+    /// Adds one sample.
     #[inline]
     pub(super) fn add(&mut self, y: f32, v: f32, f: f32) {
         self.now.add(y, v, f);
     }
 
-    /// One sample of any motion: a window ends where y has moved enough.
+    /// Adds one sample of any motion: a window ends when y has moved enough.
     #[inline]
     pub(super) fn update_any(&mut self, y: f32, v: f32, f: f32, least: f32) -> Option<f32> {
         self.now.add(y, v, f);
@@ -169,8 +173,8 @@ impl ForceWatch {
         self.judge(explained, LOW_OF_ANY).then_some(explained)
     }
 
-    /// A quarter has ended before the sample at `phase`. Where y moved by more than `least` mm from its mean: the part of the force that went
-    /// with the motion of the last four, if that is too little, or the force does not vary any more.
+    /// A quarter has ended before the sample at `phase`. If y moved by more than `least` mm from its mean, returns the part of the
+    /// force that the motion explained in the last four quarters, provided that it is too small or the force no longer varies.
     #[inline(never)]
     pub(super) fn turn(&mut self, phase: u32, least: f32) -> Option<f32> {
         self.quarter = quarter(phase);
@@ -201,7 +205,7 @@ impl ForceWatch {
             && moved > least_square
             && moved > AS_LARGE * usually_moved
             && varied < STOPPED * usually_varied
-            // What goes with a motion of another amplitude goes on.
+            // A force that follows a motion of another amplitude is still there.
             && half.explained() < EXPLAINED;
         let [all_moved, _] = all.variances();
         if all_moved <= least_square {
@@ -218,7 +222,7 @@ mod tests {
     use super::*;
     use core::f32::consts::TAU;
 
-    /// Cycles, from its start, after which a fault of the force is seen; None within four.
+    /// Cycles from its start after which a fault of the force is detected; `None` if not within four.
     fn seen_after(
         healthy: impl Fn(f32, f32) -> f32,
         faulty: impl Fn(u32) -> f32,
@@ -245,7 +249,7 @@ mod tests {
         None
     }
 
-    /// Not quite noise, but none of the motion.
+    /// Not pure noise, but unrelated to the motion.
     fn noise(look: u32) -> f32 {
         let x = look
             .wrapping_mul(2_654_435_761)
@@ -256,7 +260,7 @@ mod tests {
 
     const SPECIMENS: [fn(f32, f32) -> f32; 4] = [
         |y, v| y + 0.5 * y * y * y + 0.3 * v.signum(),
-        // Friction alone, a spring alone, and a gap of half the way.
+        // Friction alone, a spring alone, and a gap of half the amplitude.
         |_, v| v.signum(),
         |y, _| 3.0 + y,
         |y, _| y - y.clamp(-0.5, 0.5),
@@ -279,7 +283,7 @@ mod tests {
                 }
             }
         }
-        // What varied in every half is seen sooner.
+        // A force that varied in every half cycle is found missing sooner.
         for moment in 0..16u8 {
             let begins = 8.0 + f32::from(moment) / 16.0;
             let after = seen_after(SPECIMENS[0], |look| 0.05 * noise(look), begins).unwrap();
@@ -301,7 +305,7 @@ mod tests {
         }
     }
 
-    /// A cycle in which the amplitude falls to 0.45 of it, as in a ramp to another block, beside a force with k3 and friction.
+    /// A cycle in which the amplitude falls to 0.45 of its value, as in a ramp to another block, with a force with k3 and friction.
     #[test]
     fn a_ramp_to_another_amplitude_is_no_loss() {
         for begins in 0..8u8 {

@@ -1,19 +1,19 @@
-//! Whether the displacement moves at all, in any motion that is demanded.
+//! Checks that the displacement moves at all, in any demanded motion.
 //!
-//! Over windows in which the demand moved enough, the variance of the measured displacement beside the demand's. A servo that lags has most
-//! of it; a channel that is frozen, with its last bits at play, and an actuator that is dead have next to nothing.
+//! The statistic is the variance of the measured displacement divided by that of the demand, over windows in which the demand moved
+//! enough. With a lagging servo it is near 1. With a frozen channel whose last bits toggle, or a dead actuator, it is almost 0.
 
-/// Variance of the displacement over the demand's below which it stands still: a tenth of the amplitude, which is no response to the
-/// rig's correction either.
+/// Variance of the displacement divided by the demand's below which the displacement stands still: a tenth of the amplitude, which
+/// is no response to the rig's correction either.
 pub(super) const STILL: f32 = 0.01;
-/// Windows on end that must show it.
+/// Number of successive windows that must be below it.
 const LOW: u8 = 2;
 /// Fewest samples in a window.
 const LEAST_SAMPLES: f32 = 16.0;
-/// Looks after which a window that has hardly moved is discarded: f32 sums no more without loss.
+/// Looks after which a window with hardly any motion is discarded, because f32 would lose digits in longer sums.
 const MOST_SAMPLES: f32 = 4096.0;
 
-/// Sums over a window, of what is beyond its first sample.
+/// Sums over a window, relative to its first sample.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     from: [f32; 2],
@@ -43,7 +43,7 @@ impl Sums {
     }
 }
 
-/// What the displacement did beside the demand.
+/// Displacement and demand in the current window.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MovingWatch {
     now: Sums,
@@ -51,8 +51,8 @@ pub(super) struct MovingWatch {
 }
 
 impl MovingWatch {
-    /// A sample that demands `d` mm and shows `y` mm. The variance that y had over that of d, where it stood still in the last windows, in each
-    /// of which d moved by more than `least` mm.
+    /// Adds a sample that demands `d` mm and shows `y` mm. Returns the variance of y divided by that of d, if y stood still in the
+    /// last windows and d moved by more than `least` mm in each.
     #[inline]
     pub(super) fn update(&mut self, d: f32, y: f32, least: f32) -> Option<f32> {
         self.now.add([d, y]);
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use core::f32::consts::TAU;
 
-    /// Looks until what stands still from look 1000 on is seen, beside a demand about `offset`.
+    /// Looks until a displacement that stands still from look 1000 on is detected, with a demand about `offset`.
     fn seen(offset: f32, shown: impl Fn(u16, f32) -> f32) -> Option<u16> {
         let mut watch = MovingWatch::default();
         (0..4000).find(|look| {
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_still_is_seen_within_a_cycle_and_what_lags_never() {
+    fn a_standstill_is_detected_within_a_cycle_and_a_lag_never() {
         for offset in [0.0, 0.3, -5.0] {
             let frozen = |look, d| {
                 if look < 1000 {

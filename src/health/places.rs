@@ -1,16 +1,16 @@
-//! Where in a cycle a tick is looked at closely: 32 places, other ones in every second cycle.
+//! The ticks of a cycle for a close look: 32 places, with other ones in every second cycle.
 
-/// Bits of the phase that tell apart the parts of a cycle at whose ends a tick is looked at closely: 32 of them.
+/// Bits of the phase that number the parts of a cycle: 32 parts, with a close look at the end of each.
 const LOOKS: u32 = 5;
 
-/// By how much later than the parts of a phase the parts of a cycle end, in 2³² of it: a quarter of a part and three quarters
-/// in turn, so that two cycles are looked at in 64 places. Not 0: the tick that ends a cycle has enough to do.
+/// Delay of the ends of the parts, 2³² per cycle: a quarter of a part and three quarters in turn, so that two cycles are looked at
+/// in 64 places. Not 0, because the tick that ends a cycle has enough work already.
 pub(super) fn late(cycle: u32) -> u32 {
     const QUARTER: u32 = 1 << (30 - LOOKS);
     (1 + 2 * (cycle & 1)) * QUARTER
 }
 
-/// Where the part of a `cycle` at `phase` ends; after its last, where the first of the next cycle does.
+/// End of the part at `phase` of a `cycle`; after the last part, the end of the first part of the next cycle.
 pub(super) fn part_end(phase: u32, cycle: u32) -> u32 {
     let late_now = late(cycle);
     let Some(past) = phase.checked_sub(late_now) else {
@@ -25,7 +25,7 @@ pub(super) fn part_end(phase: u32, cycle: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Of 128 parts the ends are at 1, 5, 9… in one cycle and at 3, 7, 11… in the next.
+    /// In units of 1/128 cycle the ends are at 1, 5, 9… in one cycle and at 3, 7, 11… in the next.
     #[test]
     fn two_cycles_are_looked_at_in_64_places() {
         let mut due = late(0);

@@ -1,36 +1,36 @@
-//! The actuator's response to the demanded motion, over half a cycle and anew every eighth.
+//! The actuator's response to the demanded motion, over half a cycle, updated every eighth.
 //!
-//! With d and v the demanded displacement and velocity and y the measured displacement, less the mean of y − d over the last
-//! whole cycle, by least squares over half a cycle:
+//! Let d and v be the demanded displacement and velocity, and y the measured displacement, minus the mean of y − d over the last
+//! whole cycle. By least squares over half a cycle:
 //!
-//! - y ≈ a·d + b·v, the response Y = a + j·ω·b with ω² = Σv²/Σd², 1 + 0j of a perfect actuator; b s of a delay is the same at
-//!   all frequencies
-//! - what of Σy² that does not explain
+//! - y ≈ a·d + b·v, with the response Y = a + j·ω·b, ω² = Σv²/Σd², which is 1 + 0j for a perfect actuator. The b of a delay is the
+//!   same at all frequencies
+//! - the part of Σy² that this does not explain
 //!
-//! Half a cycle after Y has left its place by [`LIMIT`] there is half a cycle of nothing but the fault. That tells what it is: one
-//! that hardly moves is dead, one that moves in the shape demanded lags, and one that moves in another is saturated. Another
-//! shape may show an eighth sooner.
+//! Half a cycle after Y has moved by [`LIMIT`] from its normal value, the window contains only the fault. The fault is then
+//! classified: an actuator that hardly moves is dead, one that moves in the demanded shape lags, and one that moves in another
+//! shape is saturated. Another shape may be detected an eighth earlier.
 
 use super::cause::{Channel, HealthCause};
 use crate::real::square_root;
 
-/// Distance of Y from where it was.
+/// Largest normal distance of Y from its learned value.
 pub(super) const LIMIT: f32 = 0.03;
-/// Variance over the demanded one, below which an actuator stands still.
+/// Variance divided by the demanded one below which an actuator stands still.
 const DEAD: f32 = 0.02;
-/// Unexplained part of y², from which the shape is another. A triangle, the motion at one speed, has 0.0145, and noise of 1 % of the
-/// amplitude 0.0002.
+/// Unexplained part of y² above which the shape differs. A triangle, a motion at constant speed, has 0.0145, and noise of 1 % of
+/// the amplitude 0.0002.
 const OTHER_SHAPE: f32 = 0.003;
-/// Square of the correlation from which what is shown is the opposite: within 30° of it.
+/// Square of the correlation above which the displacement is reversed: within 30° of the opposite.
 const REVERSED: f32 = 0.75;
-/// Part by which the response that is normal follows, each eighth.
+/// Part by which the normal response is updated each eighth.
 const FOLLOW: f32 = 1.0 / 32.0;
 /// Eighths of half a cycle.
 const EIGHTHS: usize = 4;
 /// Eighths at the beginning that are left out, while the rig's correction learns: three cycles.
 const SETTLING: u8 = 24;
 
-/// Of half a cycle.
+/// Fewest samples of half a cycle.
 const LEAST_SAMPLES: f32 = 8.0;
 
 /// Sums over an eighth.
@@ -64,13 +64,13 @@ impl Sums {
         }
     }
 
-    /// Variance of y and of d, times the number of samples.
+    /// Variances of y and of d, times the number of samples.
     fn spreads(&self) -> (f32, f32) {
         let spread = |square: f32, sum: f32| square - sum * sum / self.samples;
         (spread(self.yy, self.y), spread(self.dd, self.d))
     }
 
-    /// a, b in s, and what they do not explain of y less its `mean`.
+    /// a, b in s, and the part of y minus its `mean` that they do not explain.
     #[inline(never)]
     fn response(&self, mean: f32) -> (f32, f32, f32) {
         let (yd, yv) = (self.yd - mean * self.d, self.yv - mean * self.v);
@@ -89,39 +89,40 @@ impl Sums {
     }
 }
 
-/// What the actuator did in the last half cycle, and what is normal.
+/// Response of the last half cycle, and the normal response.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ResponseWatch {
     now: Sums,
     before: [Sums; EIGHTHS - 1],
     eighth: u32,
-    /// Σ(y − d) and samples of the cycle under way, −∞ where one was bad, and its mean over the last whole one.
+    /// Σ(y − d) and number of samples of the current cycle, −∞ after a bad sample, and its mean over the last whole cycle.
     sum: (f32, f32),
     mean: f32,
     /// Whole eighths seen, up to [`SETTLING`].
     eighths: u8,
     normal: Option<(f32, f32)>,
-    /// Eighths until a trigger is judged at the latest; 0 without one.
+    /// Eighths until a trigger is classified at the latest; 0 without a trigger.
     waiting: u8,
 }
 
-/// What is wrong with the response: the cause, what it may be as well, and how far the response is from where it was.
+/// A wrong response: the cause, an alternative cause, and the distance of the response from the learned one.
 pub(super) type Off = (HealthCause, Option<HealthCause>, f32);
 
-/// Eighths begin half of one after a cycle's end, where there is enough to do.
+/// Eighths begin half an eighth after a cycle's end, where there is enough work already.
 fn eighth(phase: u32) -> u32 {
     phase.wrapping_add(1 << 28) >> 29
 }
 
 impl ResponseWatch {
-    /// Begins anew, as in a ramp.
+    /// Starts again, as in a ramp.
     pub(super) fn restart(&mut self) {
         if self.now.samples > 0.0 {
             *self = Self::default();
         }
     }
 
-    /// The last sample was bad: the response is judged again once its eighth is none of half a cycle, and its cycle has no mean.
+    /// The last sample was bad: the response is evaluated again when its eighth has left the half cycle, and its cycle gives no
+    /// mean.
     pub(super) fn skip_last(&mut self) {
         self.eighths = self.eighths.min(SETTLING - EIGHTHS as u8);
         self.sum.1 = f32::NEG_INFINITY;
@@ -133,7 +134,8 @@ impl ResponseWatch {
         eighth(phase) != self.eighth
     }
 
-    /// One sample at `phase`; at the end of an eighth what is wrong, and how far the response is from where it was.
+    /// Takes one sample at `phase`. At the end of an eighth returns the fault, and the distance of the response from the learned
+    /// one.
     #[inline]
     pub(super) fn update(&mut self, y: f32, d: f32, v: f32, phase: u32) -> Option<Off> {
         let found = if self.turns(phase) {
@@ -156,7 +158,7 @@ impl ResponseWatch {
         found
     }
 
-    /// Whether what is shown is the opposite of what is demanded, as far as this eighth and the one before tell.
+    /// Whether the displacement is the opposite of the demand, according to this eighth and the one before.
     pub(super) fn is_reversed(&self) -> bool {
         let [.., before] = &self.before;
         let half = self.now.plus(before);
@@ -164,7 +166,7 @@ impl ResponseWatch {
         half.yd < 0.0 && opposite && !half.is_dead()
     }
 
-    /// Whether the actuator stands still, as far as this eighth and the one before tell.
+    /// Whether the actuator stands still, according to this eighth and the one before.
     pub(super) fn is_dead(&self) -> bool {
         let [.., before] = &self.before;
         self.now.plus(before).is_dead()
@@ -176,7 +178,7 @@ impl ResponseWatch {
         let error = self.sum.0 + self.now.y - self.now.d;
         let samples = self.sum.1 + self.now.samples;
         self.sum = if self.eighth == 0 {
-            // A fault moves the mean of the cycle that it begins in.
+            // A fault moves the mean of the cycle in which it begins.
             if self.waiting == 0 && samples > 0.0 {
                 self.mean = error / samples;
             }
@@ -217,7 +219,7 @@ impl ResponseWatch {
             }
             _ => return None,
         };
-        // What is smaller or larger, and no later, may be shown so by a channel of another gain.
+        // A smaller or larger motion that is not late may also come from a channel with another gain.
         let lags = db * db * half.vv > da * da * half.dd;
         let or = (cause == HealthCause::ActuatorLagging && !lags)
             .then_some(HealthCause::SensorGain(Channel::Displacement));
@@ -230,12 +232,13 @@ mod tests {
     use super::*;
     use core::f32::consts::{FRAC_PI_2, TAU};
 
-    /// What a sine of amplitude 1 is found to be where `motion` makes y of its phase in cycles, and in which cycle.
+    /// The fault found for a sine of amplitude 1, where `motion` gives y for its phase in cycles, and the cycle in which it is
+    /// found.
     fn found(cycles: u32, motion: impl Fn(f32) -> f32) -> Option<(HealthCause, f32)> {
         let mut watch = ResponseWatch::default();
         for look in 0..32 * cycles {
             let (cycle, part) = (look / 32, look % 32);
-            // As the monitor looks: a quarter and three quarters of a part late in turn.
+            // Like the looks of the monitor: late by a quarter and three quarters of a part in turn.
             let phase = (4 * part + 1 + 2 * (cycle % 2)) << 25;
             let turns = cycle as f32 + phase as f32 / (1u64 << 32) as f32;
             let (d, v) = (libm::sinf(TAU * turns), libm::cosf(TAU * turns));
@@ -253,9 +256,9 @@ mod tests {
         libm::sinf(TAU * turns)
     }
 
-    /// y = 0.8·d + 0.01·v about a mean of 0.3, of a motion of 0.1.
+    /// y = 0.8·d + 0.01·v about a mean of 0.3, for a motion of 0.1.
     #[test]
-    fn a_response_is_what_it_is_made_of_about_any_mean() {
+    fn a_response_is_found_about_any_mean() {
         let (a, b, mean) = (0.8f32, 0.01f32, 0.3f32);
         let mut sums = Sums::default();
         for look in 0..48u8 {
@@ -284,9 +287,10 @@ mod tests {
         assert!(unexplained.abs() < 1e-3, "{unexplained}");
     }
 
-    /// Of 0.05 mm; what is a quarter of a cycle late is none, and neither is what stands still or is as demanded.
+    /// Of 0.05 mm. A displacement that is a quarter of a cycle late is not reversed, nor is one that stands still or follows the
+    /// demand.
     #[test]
-    fn the_opposite_is_told() {
+    fn the_opposite_is_detected() {
         let is_reversed = |motion: fn(f32) -> f32| {
             let mut watch = ResponseWatch::default();
             for look in 0..24u32 {
@@ -304,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_change_is_normal() {
+    fn a_constant_response_is_normal() {
         for (gain, lag, mean) in [(1.0, 0.0, 0.0), (0.8, 0.1, 0.0), (1.1, -0.05, 0.1)] {
             assert_eq!(found(20, |turns| mean + gain * sine(turns - lag)), None);
         }
@@ -318,7 +322,7 @@ mod tests {
         assert_eq!(found(20, |turns| correcting(turns) * sine(turns)), None);
     }
 
-    /// Whenever it begins.
+    /// For every time at which it begins.
     #[test]
     fn every_fault_has_its_name_within_a_cycle() {
         for moment in 0..16u8 {
@@ -349,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_stands_still_is_dead() {
+    fn only_a_standstill_is_dead() {
         for (gain, dead) in [(1.0, false), (0.9, false), (0.0, true)] {
             let mut watch = ResponseWatch::default();
             for look in 0..32u32 {
@@ -360,7 +364,7 @@ mod tests {
         }
     }
 
-    /// Wherever it comes; a lag that begins with it is found all the same.
+    /// For every position; a lag that begins with it is found all the same.
     #[test]
     fn a_bad_sample_that_is_skipped_is_no_fault() {
         for bad in 32 * 8..32 * 10u32 {
@@ -386,7 +390,7 @@ mod tests {
 
     /// As in a ramp, after which another response may be normal.
     #[test]
-    fn what_is_normal_is_learned_anew_after_a_restart() {
+    fn the_normal_response_is_learned_again_after_a_restart() {
         let mut watch = ResponseWatch::default();
         for look in 0..32 * 16u32 {
             let turns = look as f32 / 32.0;

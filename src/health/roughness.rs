@@ -1,60 +1,61 @@
-//! Noise and hum on a channel: what of its error no motion and no specimen makes.
+//! Noise and hum on a channel: the part of its error that neither a motion nor a specimen causes.
 //!
-//! From one close look to the next, a 32nd of a cycle, the error of a channel changes smoothly: the displacement's against the demand, the
-//! force's against the law. So its third difference is small, 0.0075 of a sine, but for noise, and for hum, which at most frequencies goes
-//! through a good part of its period from look to look. Friction has the force jump where the velocity changes its sign: what spans that does not count.
-//! A gap that opens bends the force at four places of a cycle; noise is everywhere. So the looks are counted whose third difference is
-//! three times the mean of those that were learned: of Gaussian noise a 60th.
+//! The error of a channel is that of the displacement against the demand, or of the force against the law. From one close look to
+//! the next, a 32nd of a cycle, it changes smoothly, so its third difference is small: 0.0075 for a sine. Noise is different, and
+//! so is hum, which at most frequencies goes through a large part of its period between two looks. Friction makes the force jump
+//! where the velocity changes its sign; differences across that do not count. A gap that opens bends the force at four places of a
+//! cycle; noise is everywhere. The monitor therefore counts the looks whose third difference exceeds three times the learned mean:
+//! for Gaussian noise one in 60.
 
-/// Third difference over the mean of those that were learned, from which a look is rough.
+/// Third difference divided by the learned mean above which a look is rough.
 pub(super) const FACTOR: f32 = 3.0;
-/// Rough looks among the last 32 from which the channel is noisy. Of Gaussian noise as it was learned one look in 60 is rough; a gap
-/// bends the force at four places of a cycle, of three looks each, which are 15 among 32.
+/// Number of rough looks among the last 32 at which the channel is noisy. With Gaussian noise at the learned level one look in 60
+/// is rough. A gap bends the force at four places of a cycle, three looks each, which are 15 among 32.
 const ROUGH: u32 = 20;
-/// So many that a channel may be noisy soon.
+/// Number of rough looks at which a channel may soon be noisy.
 pub(super) const SOME: u32 = 8;
-/// Fewest ticks to the cycle: with fewer the looks are too far from evenly spaced, by up to a tick in the 32nd of them.
+/// Fewest ticks per cycle: with fewer, the looks are spaced too unevenly, by up to a tick in a 32nd of the cycle.
 pub(super) const LEAST_TICKS: u32 = 400;
-/// Least third difference that is learned, part of the amplitude.
+/// Lower limit of the learned third difference, as a part of the amplitude.
 const LEAST: f32 = 0.002;
 
 /// A channel's error, look by look.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Roughness {
-    /// The last three errors, and how many looks there are since the velocity's sign changed, this one included, up to 4.
+    /// The last three errors, and the number of looks since the velocity's sign changed, this one included, up to 4.
     errors: [f32; 3],
     looks: u8,
     positive: bool,
-    /// Sum of the third differences that are learned, how many, and their mean, or the least that is learned.
+    /// Sum and number of the third differences while learning, and the learned mean, or its lower limit.
     sum: f32,
     learned: f32,
     usual: f32,
-    /// A bit for each of the last looks that counted.
+    /// One bit for each of the last looks that counted.
     rough: u32,
-    /// How many of them are set.
+    /// Number of bits that are set.
     count: u32,
 }
 
 impl Roughness {
-    /// Learns anew.
+    /// Starts to learn again.
     pub(super) fn relearn(&mut self) {
         *self = Self::default();
     }
 
-    /// Another motion begins, or a sample was bad: no difference across that.
+    /// Another motion begins, or a sample was bad: no difference spans it.
     pub(super) fn interrupt(&mut self) {
         self.looks = 0;
         self.rough = 0;
         self.count = 0;
     }
 
-    /// How many of the last looks were rough.
+    /// Number of the last looks that were rough.
     pub(super) fn count(&self) -> u32 {
         self.count
     }
 
-    /// One look at an `error` of a channel with this `amplitude`, while `velocity`. Where it does not learn, the mean third difference that
-    /// was learned over the amplitude where the channel is noisy.
+    /// Takes one look at the `error` of a channel with this `amplitude`, at this `velocity`. Outside learning, if the channel is
+    /// noisy, returns the learned mean third difference divided by the amplitude.
     #[inline]
     pub(super) fn update(
         &mut self,
@@ -85,7 +86,7 @@ impl Roughness {
             self.take_learned(amplitude);
         }
         let is_rough = difference > FACTOR * self.usual;
-        // The oldest look goes out as the new one comes in.
+        // The oldest look drops out as the new one comes in.
         self.count = self.count + u32::from(is_rough) - (self.rough >> 31);
         self.rough = self.rough << 1 | u32::from(is_rough);
         (self.count >= ROUGH).then(|| self.usual / amplitude)
@@ -115,7 +116,7 @@ mod tests {
         (0..12u32).map(|shift| bits(shift << 24)).sum()
     }
 
-    /// Looks after which a channel is noisy whose error becomes `after`, after 20 cycles of `before`.
+    /// Looks after which a channel is noisy whose error becomes `after`, following 20 cycles of `before`.
     fn noisy_after(
         before: impl Fn(f32, f32) -> f32,
         after: impl Fn(f32, f32) -> f32,
@@ -139,7 +140,7 @@ mod tests {
         None
     }
 
-    /// 50 Hz beside motion of 2, 3, 5 and 10 Hz.
+    /// 50 Hz on motion of 2, 3, 5 and 10 Hz.
     #[test]
     fn hum_and_noise_are_found_within_a_cycle_and_a_half() {
         for level in [0.002, 0.004] {
@@ -161,9 +162,9 @@ mod tests {
         }
     }
 
-    /// What breaks, a gap, and friction that rises.
+    /// Breakage, a gap, and rising friction.
     #[test]
-    fn what_a_specimen_leaves_is_smooth() {
+    fn the_residual_of_a_specimen_is_smooth() {
         for level in [0.002, 0.004, 0.01] {
             let quiet = |_: f32, noise: f32| level * noise;
             let y = |turns: f32| libm::sinf(TAU * turns);

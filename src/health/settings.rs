@@ -1,41 +1,42 @@
-//! What a monitor is set to.
+//! Settings of a health monitor.
 
 use super::cause::Statistic;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;
 
-/// What a monitor is set to.
+/// Settings of a health monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct HealthSettings {
-    /// Smallest lasting change of stiffness, energy, mean force (of its amplitude) or residual (of the law's force) that is to
-    /// be found, 0.01…0.5.
+    /// Smallest lasting change to be detected in stiffness, energy, mean force (as a part of its amplitude) or residual (as a part
+    /// of the law's force), 0.01…0.5.
     pub size: f64,
-    /// Cycles between false alarms of Gaussian noise, 1e2…1e9.
+    /// Cycles between false alarms by Gaussian noise, 1e2…1e9.
     pub false_alarm_cycles: f64,
-    /// Cycles over which it learns, 8…1000.
+    /// Cycles over which the monitor learns, 8…1000.
     pub learning_cycles: u32,
     /// Cycles after a start within which a slow change is the run-in, 0…1e6.
     pub run_in_cycles: u32,
-    /// Most by which temperature changes a specimen's force, part of it per °C, 0…0.1, beyond what the law says of it.
+    /// Largest effect of the temperature on a specimen's force, in addition to that in the law, as a part of the force per °C,
+    /// 0…0.1.
     pub temperature_slope: f64,
-    /// Most by which stiffness or energy may change in the run-in, part of them, 0.01…1, beside what the temperature does. More is a fault:
-    /// a mesh beds in by some 10 %, and what goes on losing force is breaking.
+    /// Largest relative change of stiffness or energy in the run-in, 0.01…1, in addition to that by the temperature. A larger
+    /// change is a fault: a mesh beds in by some 10 %, and one that keeps losing force is breaking.
     pub run_in_size: f64,
-    /// Most by which the law follows a slow change of k1, k3 and c, part of each, 0…0.5; 0 where it stays as it was given. It
-    /// counts from where the law has found the specimen: for as many cycles as the run-in takes, after a start, another law,
-    /// another block or [`crate::rig::RigController::clear_events`], it goes there by up to 0.1 % a cycle and half of each coefficient.
-    /// A slow change of stiffness or energy by up to this is no fault. A law with a gap, a compliance or a delay stays,
-    /// and so may any law with fewer than 27 ticks to the cycle.
+    /// Largest adaptation of k1, k3 and c to slow changes, as a part of each, 0…0.5; 0 switches adaptation off. It counts from the
+    /// specimen's initial condition. The adaptation first finds that condition, after a start, another law, another block or
+    /// [`crate::rig::RigController::clear_events`]: for as many cycles as the run-in takes, each coefficient changes by up to 0.1 %
+    /// per cycle and by up to half of its value. A slow change of stiffness or energy by up to this setting is no fault. A law with
+    /// a gap, a compliance or a delay is not adapted, and any law may stay unadapted with fewer than 27 ticks per cycle.
     pub follow: f64,
 }
 
 impl Default for HealthSettings {
-    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C and 15 % in its run-in, and a law
-    /// that stays.
+    /// 5 %, one false alarm in a million cycles, a mesh that loses up to 0.4 % of its force per °C and 15 % in its run-in, and no
+    /// adaptation.
     fn default() -> Self {
         Self {
             size: 0.05,
@@ -49,11 +50,11 @@ impl Default for HealthSettings {
     }
 }
 
-/// What [`HealthSettings`] come to.
+/// [`HealthSettings`] in the units of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HealthConfig {
     pub(super) size: f32,
-    /// Of one side of one statistic.
+    /// Run length for one side of one statistic.
     pub(super) run_length: f32,
     pub(super) learning_cycles: u32,
     pub(super) run_in_cycles: u32,
@@ -63,14 +64,14 @@ pub(crate) struct HealthConfig {
 }
 
 impl HealthConfig {
-    /// Whether the law follows slow changes.
+    /// Whether adaptation is on.
     pub(crate) fn follows(&self) -> bool {
         self.follow > 0.0
     }
 }
 
 impl HealthSettings {
-    /// Validated.
+    /// Validates and converts the settings.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
@@ -80,7 +81,7 @@ impl HealthSettings {
         let cycles = in_range("false_alarm_cycles", self.false_alarm_cycles, 1e2, 1e9)?;
         Ok(HealthConfig {
             size: in_range("size", self.size, 0.01, 0.5)? as f32,
-            // Both sides of each statistic that is watched.
+            // Both sides of each watched statistic.
             run_length: (cycles * 2.0 * Statistic::WATCHED as f64) as f32,
             learning_cycles: self.learning_cycles,
             run_in_cycles: self.run_in_cycles,
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn false_alarms_are_shared_out_among_both_sides_of_what_is_watched() {
+    fn false_alarms_are_shared_among_both_sides_of_all_watched_statistics() {
         let settings = HealthSettings {
             false_alarm_cycles: 1e4,
             ..HealthSettings::default()

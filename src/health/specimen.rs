@@ -1,20 +1,20 @@
-//! The specimen from cycle to cycle: what is normal, what has moved, and why.
+//! The specimen from cycle to cycle: its normal state, its changes, and their causes.
 //!
 //! ```text
-//!                               ┌──────── what drifts ────────┐
+//!                               ┌─────────── drift ───────────┐
 //!                               │                             ▼
 //! settling ──▶ learning ──▶ watching ──▶ suspecting ──▶ (an event, until cleared)
 //!    ▲ another block            ▲             │
-//!    └───────────────           └─────────────┘ what moved has moved back
+//!    └───────────────           └─────────────┘ the change has gone
 //! ```
 //!
-//! While watching, what a cycle gives beyond its [`Baseline`] goes into the [`Cusum`]s. The baselines follow a cycle late, and
-//! stand still as long as any sum is above 0, so that they do not take a fault for normal, nor the cycle in which it began. Two
-//! cycles after the alarm, when no cycle is left that was only in part another, what has moved is judged by its pattern; a mean
-//! that was on its way before is a drift at once. Beside that, whatever the baselines have followed must not lead away from
-//! where they were when the run-in was over.
+//! While watching, the deviation of each cycle from its [`Baseline`] goes into the [`Cusum`]s. The baselines follow one cycle late,
+//! and stand still as long as any sum is above 0. They thus do not take a fault for normal, nor the cycle in which it began. Two
+//! cycles after the alarm, when no cycle is left that the fault covers only in part, the changes are classified by their pattern; a
+//! mean that was already moving before is reported as a drift at once. In addition, the changes that the baselines have followed
+//! must not lead away from their level at the end of the run-in.
 //!
-//! The work of one cycle's end is done a statistic a look, where the response leaves room for it.
+//! The work at a cycle's end is done one statistic per look, where the response leaves room for it.
 
 use super::HealthConfig;
 use super::baseline::Baseline;
@@ -24,66 +24,66 @@ use super::sums::CycleSums;
 
 /// Cycles at the beginning of a block that are left out, while the rig's correction learns.
 const SETTLING: u32 = 2;
-/// Cycles from an alarm to its judgement.
+/// Cycles from an alarm to its classification.
 const JUDGED_AFTER: u32 = 2;
-/// σ is at least this part of the size to be found: less than that is no matter of noise.
+/// Lower limit of σ, as a part of the size to be found: below it noise is irrelevant.
 const LEAST_SIGMA: f32 = 1.0 / 20.0;
-/// σ by which the line itself is off, at a gain of its level of α = 1/4: √(α/(2 − α)).
+/// Uncertainty of the line itself in σ, at a gain of its level of α = 1/4: √(α/(2 − α)).
 const UNSURE: f32 = 0.38;
-/// Part of the size to be found that may have come about slowly.
+/// Part of the size to be found that a slow change may have.
 const SLOW: f32 = 0.8;
-/// Part of a shift by which it grows in one cycle where it comes bit by bit.
+/// Part of a shift by which a gradual one grows in one cycle.
 const GROWING: f32 = 0.12;
-/// Part of a shift from which it was there a cycle before where it comes bit by bit.
+/// Part of a gradual shift that was present a cycle before.
 const DRIFTING: f32 = 0.6;
-/// Cycles after a drift, or a mean that it explains, in which it explains what the mean does.
+/// Cycles after a drift, or after a change of the mean that it explains, in which the drift explains further changes of the mean.
 const EXPLAINED: u8 = 16;
-/// The first statistics, which a mean does not move.
+/// The first statistics, on which a mean has no effect.
 const UNMOVED: usize = 2;
-/// Sizes by which a statistic must have moved for it to be told while it is still learned, when the line through its first cycles is young.
+/// Change in sizes at which a statistic is reported while it is still learned, when the line through its first cycles is young.
 const EARLY: f32 = 3.0;
-/// Cycles that a line needs at least for that: the first ones are still those of amplitude's correction.
+/// Fewest cycles of a line for such a report: the first ones still belong to the amplitude correction.
 const EARLY_CYCLES: u32 = 5;
-/// Part of the law's stiffness or energy that the specimen must have at the start, and one over what it may have.
+/// Least stiffness or energy of the specimen at the start, relative to the law's; its inverse is the largest.
 const LEAST_OF_LAW: f32 = 0.6;
-/// Of the temperature's level.
+/// Gain of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 
-/// One cycle, as far as it does not come from [`CycleSums`].
+/// Results of one cycle that do not come from [`CycleSums`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleNumbers {
-    /// Energy of the measured force and of the law's as it is in force, J.
+    /// Energy of the measured force and of the law in force, J.
     pub(super) energy: f32,
     pub(super) law_energy: f32,
-    /// Mean of the measured force less that of the law's as it is in force, kN.
+    /// Mean of the measured force minus that of the law in force, kN.
     pub(super) mean: f32,
     /// Mean of the command, mm.
     pub(super) command: f32,
-    /// °C.
+    /// Temperature, °C.
     pub(super) temperature: f32,
     /// Cycles completed since the start.
     pub(super) cycle: u32,
 }
 
-/// An alarm that waits for its judgement.
+/// An alarm that waits for its classification.
 #[derive(Clone, Copy, Debug)]
 struct Suspicion {
     cycles: u32,
     limit: f32,
-    /// Of the mean force, a cycle ago.
+    /// The mean force, a cycle ago.
     mean: f32,
 }
 
-/// What one statistic did.
+/// State of one statistic.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watch {
     baseline: Baseline,
     cusum: Cusum,
     /// H.
     threshold: f32,
-    /// Where the baseline was when the run-in was over.
+    /// Level of the baseline at the end of the run-in.
     reference: f32,
-    /// Where it was when it had been learned.
+    /// Level at the end of learning.
     learned: f32,
 }
 
@@ -92,49 +92,49 @@ struct Watch {
 pub(super) struct SpecimenWatch {
     sums: CycleSums,
     numbers: CycleNumbers,
-    /// Next piece of work; [`IDLE`] where there is none.
+    /// Next piece of work; [`IDLE`] if there is none.
     piece: usize,
-    /// Of this cycle, and of the one before.
+    /// Values of this cycle, and of the one before.
     values: Shift,
     before: Shift,
-    /// Third harmonic over the first of the law's force in phase with displacement, of the one before and of this cycle.
+    /// Third harmonic divided by the first of the law's force in phase with displacement, of the cycle before and of this one.
     law_thirds: [f32; 2],
     watches: [Watch; Statistic::OF_CYCLES],
     /// Cycles of this motion.
     cycles: u32,
-    /// Of those, to be left out since the motion went on after another one.
+    /// Of those, the cycles to leave out since the motion resumed after another one.
     left_out: u32,
     /// Cycles since the start that were not left out.
     since_start: u32,
     suspicion: Option<Suspicion>,
-    /// A statistic has moved far while it is learned, in this cycle and in the one before, neither of which its line has followed.
+    /// A statistic has changed a lot while it is learned, in this cycle and in the one before; its line has followed neither.
     early: bool,
-    /// What was normal before a passing fault came to be normal, or went.
+    /// The normal state before a passing fault became normal, or before it ended.
     known: Option<Shift>,
-    /// Cycles for which a drift still explains what the mean does.
+    /// Cycles for which a drift still explains changes of the mean.
     explained: u8,
-    /// A sum is above 0.
+    /// Whether a sum is above 0.
     frozen: bool,
     temperature: f32,
     reference_temperature: f32,
-    /// When it had been learned, °C.
+    /// Temperature at the end of learning, °C.
     learned_temperature: f32,
 }
 
-/// How many times the law a specimen is, at least 1, whose stiffness or energy is by `level` beyond the law's: a part of it is as much more of
-/// the law.
+/// Ratio of the specimen to the law, at least 1, for a specimen whose stiffness or energy differs from the law's by `level`. A part
+/// of the specimen is this many times as large a part of the law.
 fn of_law(level: f32) -> f32 {
     if level > 0.0 { 1.0 + level } else { 1.0 }
 }
 
-/// Pieces: the statistics, a sum each, the conclusion, a baseline each.
+/// Pieces of work: the statistics, one sum each, the conclusion, one baseline each.
 const FIRST_SUM: usize = 1;
 const CONCLUSION: usize = FIRST_SUM + Statistic::WATCHED;
 const FIRST_BASELINE: usize = CONCLUSION + 1;
 const IDLE: usize = FIRST_BASELINE + Statistic::OF_CYCLES;
 
 impl SpecimenWatch {
-    /// Before the first cycle.
+    /// A watch before its first cycle.
     pub(super) fn new() -> Self {
         Self {
             sums: CycleSums::default(),
@@ -158,7 +158,7 @@ impl SpecimenWatch {
         }
     }
 
-    /// Another block, or what is now shall be normal: learns anew. Whether the run-in is over stays.
+    /// Another block, or the present condition becomes the normal one: learns again. Whether the run-in is over stays.
     pub(super) fn relearn(&mut self) {
         *self = Self {
             since_start: self.since_start,
@@ -166,7 +166,8 @@ impl SpecimenWatch {
         };
     }
 
-    /// Learns again after a passing fault has become normal, or has gone. A break in between is reported once that is learned.
+    /// Learns again after a passing fault has become normal, or has ended. A break in between is reported at the end of that
+    /// learning.
     pub(super) fn relearn_beside(&mut self, config: &HealthConfig) {
         if self.is_watching(config) {
             self.known = Some(self.watches.map(|watch| watch.baseline.expected()));
@@ -176,30 +177,30 @@ impl SpecimenWatch {
         self.known = known;
     }
 
-    /// The same motion goes on after another one or a ramp.
+    /// The same motion resumes after another one or after a ramp.
     pub(super) fn resume(&mut self) {
         self.left_out = SETTLING;
         self.suspicion = None;
         self.clear_sums();
     }
 
-    /// Whether this cycle is the first that is learned.
+    /// Whether this cycle is the first one of the learning.
     pub(super) fn begins_to_learn(&self) -> bool {
         self.cycles == SETTLING
     }
 
-    /// Whether the cycle that has ended, all of whose work is done, is as it should be.
+    /// Whether the cycle that has ended, all of whose work is done, is normal.
     pub(super) fn is_sound(&self, config: &HealthConfig) -> bool {
         self.is_watching(config) && !self.frozen && self.suspicion.is_none()
     }
 
-    /// Whether it has learned what is normal.
+    /// Whether it has learned the normal state.
     pub(super) fn is_watching(&self, config: &HealthConfig) -> bool {
         self.cycles >= SETTLING + config.learning_cycles
     }
 
-    /// A steady cycle has ended. It is left out where the work of the one before is not done, as there may be fewer ticks to a
-    /// cycle than that takes.
+    /// Takes a steady cycle that has ended. The cycle is left out if the work of the one before is not done, because a cycle may
+    /// have fewer ticks than that takes.
     pub(super) fn cycle(&mut self, sums: CycleSums, numbers: CycleNumbers) {
         if self.has_work() {
             return;
@@ -219,13 +220,13 @@ impl SpecimenWatch {
         self.piece = 0;
     }
 
-    /// Whether there is work.
+    /// Whether there is work left.
     #[inline(always)]
     pub(super) fn has_work(&self) -> bool {
         self.piece < IDLE
     }
 
-    /// A piece of work, and what came of it.
+    /// Does a piece of work, and returns its event.
     pub(super) fn work(&mut self, config: &HealthConfig) -> Option<Event> {
         let piece = self.piece;
         self.piece += 1;
@@ -246,7 +247,7 @@ impl SpecimenWatch {
 
     fn take_values(&mut self) {
         let numbers = &self.numbers;
-        // The learning is over with the cycle before.
+        // The learning ended with the cycle before.
         self.frozen = false;
         self.early = false;
         match self.sums.in_phase() {
@@ -263,7 +264,7 @@ impl SpecimenWatch {
                     numbers.command / in_phase.amplitude,
                 ];
             }
-            // Nothing moved, or there is no law: no cycle to learn from, nor to follow.
+            // Without motion or without a law, there is no cycle to learn from or to follow.
             _ => {
                 self.piece = IDLE;
                 self.frozen = true;
@@ -274,7 +275,7 @@ impl SpecimenWatch {
         }
     }
 
-    /// In the first cycle since the start: whether the specimen is anything like the law.
+    /// In the first cycle since the start: compares the specimen roughly with the law.
     fn compare_with_law(&self) -> Option<Event> {
         if self.since_start != 1 {
             return None;
@@ -299,7 +300,7 @@ impl SpecimenWatch {
         Some(self.evidence((cause, Some(or), statistic), &self.values, limit))
     }
 
-    /// As it has learned: whether the specimen is what it was before.
+    /// At the end of learning: compares the specimen with its state before.
     fn compare_with_known(&mut self, config: &HealthConfig) -> Option<Event> {
         if self.cycles < SETTLING + config.learning_cycles {
             return None;
@@ -315,10 +316,10 @@ impl SpecimenWatch {
         is_far.then(|| self.event(&shift, Course::Step, limit))
     }
 
-    /// While it learns: a shift so large that no run-in makes it.
+    /// While learning: reports a shift that is too large for a run-in.
     #[cold]
     #[inline(never)]
-    fn tell_early(&mut self, config: &HealthConfig) -> Event {
+    fn report_early(&mut self, config: &HealthConfig) -> Event {
         let limit = EARLY * config.size + self.warmth(config, self.temperature);
         let shift = self.beyond(self.mean_values());
         let event = self.event(&shift, Course::Step, limit);
@@ -326,7 +327,7 @@ impl SpecimenWatch {
         event
     }
 
-    /// What temperature may have moved in a statistic of a specimen like the law since it was `then` °C.
+    /// Possible effect of the temperature's change since `then` °C on a statistic of a specimen like the law.
     fn warmth(&self, config: &HealthConfig, then: f32) -> f32 {
         config.temperature_slope * (self.numbers.temperature - then).abs()
     }
@@ -354,7 +355,7 @@ impl SpecimenWatch {
             watch.learned = watch.baseline.level();
         } else if self.cycles >= SETTLING + EARLY_CYCLES + 2 {
             let limit = warmth + EARLY * config.size;
-            // Not where its slope leads: of so few cycles that is the noise's.
+            // The level, not its extrapolation: after so few cycles the slope is that of the noise.
             let expected = watch.baseline.level();
             let before = self.before.get(index).copied().unwrap_or_default();
             let (now, before) = (value - expected, before - expected);
@@ -365,7 +366,7 @@ impl SpecimenWatch {
     fn conclude(&mut self, config: &HealthConfig) -> Option<Event> {
         if self.cycles <= SETTLING + config.learning_cycles {
             if self.early {
-                return Some(self.tell_early(config));
+                return Some(self.report_early(config));
             }
             return self
                 .compare_with_law()
@@ -401,8 +402,8 @@ impl SpecimenWatch {
         }
     }
 
-    /// A zero that drifts moves the mean, and goes on moving it: where it is now is normal, and a shift soon after is the
-    /// drift's.
+    /// A drifting zero moves the mean and keeps moving it. The present mean becomes normal, and a shift soon after belongs to the
+    /// drift.
     fn explain(&mut self, event: Event) -> Option<Event> {
         let explained = event.cause == HealthCause::PreloadShift && self.explained > 0;
         if explained || matches!(event.cause, HealthCause::SensorDrifting(_)) {
@@ -411,9 +412,9 @@ impl SpecimenWatch {
         (!explained).then_some(event)
     }
 
-    /// A mean force that was most of its way a cycle before its alarm, at which all has moved by `shift`. What comes at once, and
-    /// is as large as what is to be found, was no more than half way: were it further there would have been an alarm, where
-    /// noise and warmth leave its limit near half of that.
+    /// A mean force that had most of its change a cycle before its alarm, at which the statistics have changed by `shift`. A sudden
+    /// change of the size to be found had at most half of its value by then; with more there would have been an alarm, where noise
+    /// and warmth leave the limit near half of that size.
     fn drift(&mut self, config: &HealthConfig, shift: &Shift, limit: f32) -> Option<Event> {
         let [_, _, watch, ..] = &self.watches;
         let ([_, _, mean, ..], [_, _, before, ..]) = (*shift, self.before);
@@ -433,8 +434,8 @@ impl SpecimenWatch {
         Some(event)
     }
 
-    /// What `values` have beyond the baselines.
-    // Not inlined, as others below: several call it, none on every tick, and flash is short.
+    /// Deviation of `values` from the baselines.
+    // Not inlined, like others below: several functions call it, none on every tick, and flash is scarce.
     #[inline(never)]
     fn beyond(&self, values: Shift) -> Shift {
         let mut shift = values;
@@ -450,7 +451,7 @@ impl SpecimenWatch {
         }
     }
 
-    /// The mean of this cycle's values and of those of the one before.
+    /// Mean of this cycle's values and of those of the one before.
     #[inline(never)]
     fn mean_values(&self) -> Shift {
         let mut mean = self.values;
@@ -460,7 +461,7 @@ impl SpecimenWatch {
         mean
     }
 
-    /// As [`SpecimenWatch::mean_values`].
+    /// The mean as in [`SpecimenWatch::mean_values`].
     fn law_third(&self) -> f32 {
         let [before, now] = self.law_thirds;
         0.5 * (before + now)
@@ -479,7 +480,7 @@ impl SpecimenWatch {
             return None;
         }
         self.suspicion = None;
-        // Half of the noise.
+        // Averaging two cycles halves the variance of the noise.
         let shift = self.beyond(self.mean_values());
         self.clear_sums();
         let least = 0.5 * config.size + self.warmth(config, self.temperature);
@@ -513,7 +514,7 @@ impl SpecimenWatch {
         }
     }
 
-    /// Where the baselines have gone since the run-in, or since they were learned where that came later.
+    /// The baselines' change since the run-in, or since they were learned if that came later.
     fn look_back(&mut self, config: &HealthConfig) -> Option<Event> {
         let limit = SLOW * config.size;
         let settled = self.since_start > config.run_in_cycles;
@@ -528,7 +529,7 @@ impl SpecimenWatch {
                 Some(Statistic::MeanForce | Statistic::MeanCommand)
             );
             if !lasting {
-                // Where the line is: a cycle or two have more noise than what comes about slowly is large.
+                // The level of the line, because the noise of one or two cycles exceeds a slow change.
                 *moved = watch.baseline.level();
             }
             *moved -= if settled && !lasting {
@@ -573,7 +574,7 @@ impl SpecimenWatch {
         } else {
             let warmth = self.warmth(config, self.reference_temperature);
             let warmth = self.of_specimen(most, warmth);
-            // What the law may follow is no fault.
+            // A change that the adaptation may take up is no fault.
             let followed = if config.follow > limit {
                 config.follow
             } else {
@@ -590,26 +591,27 @@ impl SpecimenWatch {
         }
     }
 
-    /// What `warmth` of a specimen like the law is of this one, in `statistic`.
+    /// Converts `warmth` of a specimen like the law to this specimen, for `statistic`.
     fn of_specimen(&self, statistic: Statistic, warmth: f32) -> f32 {
         let watch = self.watches.get(usize::from(statistic.place()));
         warmth * watch.map_or(1.0, |watch| of_law(watch.baseline.level()))
     }
 
-    /// What went further than is `allowed`, slowly. The evidence is that, which another statistic may name.
+    /// Event for a slow change beyond `allowed` of the statistic `most`, which is the evidence. The cause may follow from another
+    /// statistic.
     fn slow(&self, shift: &Shift, most: Statistic, allowed: f32) -> Event {
         let (cause, or, _) = cause(shift, self.law_third(), Course::Slow);
         self.evidence((cause, or, most), shift, allowed)
     }
 
     fn follow(&mut self, index: usize) {
-        // A cycle late: the first cycle that a fault was in may have been in part as ever.
+        // One cycle late: the first cycle of a fault may have been partly normal.
         let value = self.before.get(index).copied().unwrap_or_default();
         if self.cycles == SETTLING + 1 {
             return;
         }
         if let Some(watch) = self.watches.get_mut(index) {
-            // A drift was found in this cycle. It moves neither stiffness nor energy, in which something else may be wrong.
+            // A drift was found in this cycle. It changes neither stiffness nor energy, in which another fault may show.
             if self.explained == EXPLAINED && index >= UNMOVED {
                 let value = self.values.get(index).copied().unwrap_or_default();
                 watch.baseline.place(value);

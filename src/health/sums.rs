@@ -1,7 +1,7 @@
-//! Sums over a cycle from which its statistics come: 32 samples are enough, as they are of whole cycles.
+//! Sums over a cycle for its statistics. 32 samples are enough, because the sums are over whole cycles.
 
-/// Sums over one cycle's samples of displacement y, velocity v, force f of the law as it was given, residual r of the measured
-/// force, and what the law in force has beyond f, its share s.
+/// Sums over one cycle's samples of displacement y, velocity v, force f of the law as given, residual r of the measured force, and
+/// share s: the force of the law in force minus f.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleSums {
     samples: f32,
@@ -20,26 +20,26 @@ pub(super) struct CycleSums {
 /// One sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// mm.
+    /// Displacement, mm.
     pub(super) displacement: f32,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub(super) velocity: f32,
-    /// kN.
+    /// Measured force, kN.
     pub(super) measured: f32,
-    /// Of the law as it was given, kN.
+    /// Force of the law as given, kN.
     pub(super) given: f32,
-    /// What the law in force has beyond that, kN.
+    /// Force of the law in force minus that, kN.
     pub(super) share: f32,
 }
 
-/// What of a cycle's residual is in phase with displacement, parts of the law's force in phase with it.
+/// Parts of a cycle's residual in phase with displacement, relative to the law's force in phase with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InPhase {
     /// First harmonic of the residual.
     pub(super) stiffness: f32,
-    /// Third.
+    /// Third harmonic of the residual.
     pub(super) third: f32,
-    /// Third of the law's force.
+    /// Third harmonic of the law's force.
     pub(super) law_third: f32,
     /// Amplitude of the displacement's first harmonic, mm.
     pub(super) amplitude: f32,
@@ -48,7 +48,7 @@ pub(super) struct InPhase {
 }
 
 impl CycleSums {
-    /// One more sample.
+    /// Adds one sample.
     #[inline]
     pub(super) fn add(&mut self, sample: &Sample) {
         let (y, v, f, s) = (
@@ -74,13 +74,13 @@ impl CycleSums {
         self.vs += v * s;
     }
 
-    /// RMS of the residual over that of the law's force; 0 where that is no number.
+    /// RMS of the residual divided by that of the law's force; 0 if the quotient does not exist.
     pub(super) fn residual(&self) -> f32 {
         let ratio = crate::real::square_root(self.rr / self.ff);
         if ratio.is_finite() { ratio } else { 0.0 }
     }
 
-    /// Of the energy of the law in force, the part that the law as it was given has: Σv·f over Σv·(f + s).
+    /// Energy of the law as given, as a part of that of the law in force: Σv·f divided by Σv·(f + s).
     pub(super) fn given_energy(&self) -> f32 {
         if self.vs == 0.0 {
             1.0
@@ -94,8 +94,8 @@ impl CycleSums {
         self.s / self.samples
     }
 
-    /// With s = y/A and A² = 2·Σy²/n: Σr·s over Σf·s, and Σr·sin 3φ over the same with sin 3φ = 3·s − 4·s³. None where
-    /// nothing moved or the law has no force.
+    /// With s = y/A and A² = 2·Σy²/n: Σr·s divided by Σf·s, and Σr·sin 3φ divided by the same, with sin 3φ = 3·s − 4·s³. `None`
+    /// without motion, or if the law has no force.
     pub(super) fn in_phase(&self) -> Option<InPhase> {
         let square = 2.0 * self.yy / self.samples;
         if !(square > f32::MIN_POSITIVE && self.yf > f32::MIN_POSITIVE) {
@@ -117,7 +117,7 @@ impl CycleSums {
 mod tests {
     use super::*;
 
-    /// F = 2·y + 0.5·v of the law as given and 0.1·(y + 0.4) + 0.05·v beyond it, over a circle about y = 0.2.
+    /// F = 2·y + 0.5·v of the law as given, plus 0.1·(y + 0.4) + 0.05·v, over a circle about y = 0.2.
     #[test]
     fn they_are_of_the_law_as_it_was_given() {
         let mut sums = CycleSums::default();

@@ -1,4 +1,4 @@
-//! [`super::Answer::Outcome`]: what one tick of the rig came to, and at the end of a cycle what that came to.
+//! [`super::Answer::Outcome`]: the result of one tick of the rig, and at the end of a cycle the results of the cycle.
 
 use super::{answer, kind};
 use crate::cycle::Cycle;
@@ -7,7 +7,7 @@ use crate::frame::{FrameBuffer, Reader, Writer};
 use crate::health::{Event, HealthCause, Statistic};
 use crate::rig::{CycleReport, State, Telemetry, TripCause};
 
-/// What one tick of the rig came to.
+/// Result of one tick of the rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -16,7 +16,7 @@ pub struct Outcome {
     pub code: u16,
     /// Level of the enable line.
     pub enabled: bool,
-    /// What the rig reported.
+    /// Telemetry of the rig.
     pub telemetry: Telemetry,
 }
 
@@ -44,7 +44,7 @@ pub fn write_outcome(
         | flag(telemetry.event.is_some(), EVENT);
     let state = state_code(telemetry.state);
     buffer.write(answer(kind::OUTCOME, sequence, 1), |writer| {
-        // Four bytes at a time: it is done every tick.
+        // Four bytes at a time, because this is done on every tick.
         writer.words([
             u32::from(code) | u32::from(flags) << 16 | u32::from(state) << 24,
             telemetry.tick as u32,
@@ -118,7 +118,7 @@ pub(super) fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
     write_cycle(writer, &report.model);
 }
 
-/// In the place of a second cause where there is none.
+/// Number in place of a second cause, where there is none.
 const NO_CAUSE: u8 = u8::MAX;
 
 #[inline(never)]
@@ -188,7 +188,7 @@ pub(super) fn read_report(reader: &mut Reader<'_>, ramp: bool) -> Option<CycleRe
     })
 }
 
-/// The faults by the number that they have on the link.
+/// The trip causes in the order of their numbers on the link.
 const FAULTS: [TripCause; 18] = [
     TripCause::AdcBus,
     TripCause::DacBus,
@@ -209,7 +209,7 @@ const FAULTS: [TripCause; 18] = [
     TripCause::External,
     TripCause::CorrectionLimit,
 ];
-/// Number of the first one.
+/// Number of the first cause.
 const FIRST_FAULT: u8 = 16;
 
 pub(super) fn state_code(state: State) -> u8 {

@@ -1,4 +1,4 @@
-//! [`super::Answer::Refused`]: why the image did not do what it was asked.
+//! [`super::Answer::Refused`]: why the image refused a request.
 
 use super::{answer, kind};
 use crate::error::ConfigError;
@@ -8,18 +8,18 @@ use crate::rig::{ClearRefused, StartRefused, State};
 
 use super::outcome::{state_code, state_of};
 
-/// Why the image did not do what it was asked. A field's value and its range are not told: the harness has them.
+/// Why the image refused a request. The value of a field and its range are not sent, because the harness has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Refusal<'a> {
-    /// It cannot be done in this order: a tick without a rig, or a law for a rig while there is none.
+    /// The request is not possible in this order: a tick without a rig, or a law for a rig that does not exist yet.
     Order,
     /// A converter did not answer its driver.
     Converter,
-    /// This field of a configuration.
+    /// This field of a configuration is not valid.
     Field(&'a str),
-    /// [`ConfigError::Removed`], with what there is no more.
+    /// [`ConfigError::Removed`], with the name of the removed feature.
     Removed(&'a str),
     /// [`PackError::Magic`].
     PackMagic,
@@ -41,15 +41,15 @@ pub enum Refusal<'a> {
     PackRevision,
     /// [`PackError::Active`].
     PackActive,
-    /// It was asked for a number other than 0 before it was asked for that: the board has restarted since.
+    /// The first request had a number other than 0: the board has restarted since.
     Restarted,
     /// The rig does not start.
     Start(StartRefused),
-    /// The rig does not forget its fault.
+    /// The rig does not clear its fault.
     Clear(ClearRefused),
 }
 
-/// The refusals that are told by their number alone.
+/// The refusals that consist of their number alone.
 const PLAIN: [Refusal<'static>; 13] = [
     Refusal::Order,
     Refusal::Converter,
@@ -75,7 +75,7 @@ const START: u8 = REMOVED - 1;
 /// Number of [`Refusal::Clear`] on the link.
 const CLEAR: u8 = START - 1;
 
-/// Why a rig does not start, as the state that it is in: moving is [`State::Idle`] but not at rest.
+/// The reason why a rig does not start, as its state: a command on its way to 0 is [`State::Idle`] that is not at rest.
 fn state_of_start(refused: StartRefused) -> State {
     match refused {
         StartRefused::Moving => State::Idle,
@@ -93,7 +93,7 @@ fn start_of_state(state: State) -> Option<StartRefused> {
     }
 }
 
-/// Why a rig does not forget its fault, in the same way: without a fault it is [`State::Done`].
+/// The reason why a rig does not clear its fault, in the same way: without a fault it is [`State::Done`].
 fn state_of_clear(refused: ClearRefused) -> State {
     match refused {
         ClearRefused::Moving => State::Idle,
@@ -209,7 +209,7 @@ pub(super) fn read_refusal<'a>(reader: &mut Reader<'a>) -> Option<Refusal<'a>> {
 mod tests {
     use super::*;
 
-    /// An image of one version and a harness of another understand each other as long as these stay.
+    /// An image and a harness of different versions understand each other as long as these numbers stay.
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         use crate::rig::TripCause::{EnableLine, LinkLost};
@@ -247,7 +247,7 @@ mod tests {
             let frame = crate::frame::Frames(written.bytes()).next().unwrap();
             assert_eq!(frame.payload, bytes);
         }
-        // A rig that is done starts, and one that runs has nothing to clear.
+        // A rig that is done does start, and a running one has nothing to clear.
         for bytes in [[253, 2], [252, 1], [253, 255]] {
             assert_eq!(read_refusal(&mut Reader(&bytes)), None);
         }

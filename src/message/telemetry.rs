@@ -1,4 +1,4 @@
-//! What a board on its own timer sends by itself: rows of measurements, and what each cycle and the monitor said.
+//! Frames that a board on its own timer sends by itself: rows of measurements, and notes of cycles, events and changes of state.
 
 use heapless::spsc::Consumer;
 
@@ -16,18 +16,18 @@ const ROW: usize = 16;
 /// Most rows of a frame without control inputs.
 pub const ROWS: usize = (PAYLOAD - HEAD) / ROW;
 
-/// Which telemetry a board is to send. The default is none.
+/// Telemetry requested from a board. The default is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TelemetryConfig {
-    /// Every how many ticks there is a row; 0 for none.
+    /// Number of ticks from row to row; 0 for no rows.
     pub every: u32,
-    /// How many ticks a row may wait for others to go with.
+    /// Number of ticks for which a row may wait for others.
     pub within: u32,
-    /// How many control inputs go with a row, the first ones, 0 to [`CONTROLS`].
+    /// Number of control inputs sent with a row, from the first on, 0 to [`CONTROLS`].
     pub controls: u8,
-    /// Comes back in each frame: those of another one were asked for before.
+    /// Number of the request. Each frame repeats it, so that frames of an earlier request can be recognized.
     pub session: u8,
 }
 
@@ -50,53 +50,53 @@ impl Fields for TelemetryConfig {
     }
 }
 
-/// A tick of which telemetry is sent.
+/// Telemetry of one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Row {
-    /// From 0 at the first tick at which the rig runs, also of those that were lost; wraps.
+    /// Number of the row, from 0 at the first tick at which the rig runs, with lost rows counted; wraps.
     pub number: u32,
-    /// Measured, mm.
+    /// Measured displacement, mm.
     pub displacement: f32,
-    /// Measured, kN.
+    /// Measured force, kN.
     pub force: f32,
-    /// Of the law, kN.
+    /// Force of the law, kN.
     pub law_force: f32,
-    /// What the actuator drives, mm.
+    /// Command to the actuator, mm.
     pub command: f32,
     /// Control inputs, in the units of the law's effects.
     pub controls: [f32; CONTROLS],
-    /// Of the specimen, °C.
+    /// Temperature of the specimen, °C.
     pub temperature: f32,
-    /// What the rig is doing.
+    /// State of the rig.
     pub state: State,
-    /// Of [`TelemetryConfig::session`].
+    /// Number of the request, [`TelemetryConfig::session`].
     pub session: u8,
 }
 
-/// What a cycle's end, the monitor or a change of the rig's state says.
+/// A note at a cycle's end, at an event of the health monitor, or at a change of the rig's state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Note {
-    /// From 0, also of those that were lost; wraps.
+    /// Number of the note, from 0, with lost notes counted; wraps.
     pub number: u32,
-    /// Ticks since the first one of the rows; wraps.
+    /// Ticks since that of the first row; wraps.
     pub tick: u32,
-    /// What the rig is doing.
+    /// State of the rig.
     pub state: State,
-    /// The test is over with this tick: rows of later ones are of a rig at rest.
+    /// Whether the test ended with this tick: later rows show a rig at rest.
     pub ends: bool,
     /// The cycle that ended.
     pub report: Option<CycleReport>,
-    /// What was found wrong.
+    /// Event of the health monitor.
     pub event: Option<Event>,
-    /// Of [`TelemetryConfig::session`].
+    /// Number of the request, [`TelemetryConfig::session`].
     pub session: u8,
 }
 
-/// Whether `row` may go into one frame with rows of which `last` is the last one: a frame says once what they share.
+/// Whether `row` may go into one frame with rows that end with `last`: a frame holds their common fields once.
 fn goes_with(last: &Row, row: &Row) -> bool {
     row.number == last.number.wrapping_add(1)
         && row.state == last.state
@@ -104,8 +104,8 @@ fn goes_with(last: &Row, row: &Row) -> bool {
         && row.temperature.to_bits() == last.temperature.to_bits()
 }
 
-/// Takes those of `rows` that fit into one frame and writes it, each with the first `controls` of its inputs. Says no where there is
-/// none.
+/// Removes from `rows` as many as fit into one frame and writes it, each with the first `controls` of its inputs. Returns whether
+/// there were any.
 pub fn write_rows(
     sequence: u32,
     controls: u8,
@@ -180,17 +180,17 @@ const RAMP: u8 = 2;
 const EVENT: u8 = 4;
 const ENDS: u8 = 8;
 
-/// What a board sends by itself. Its frames are counted by a number of their own: one that is missing was lost on the way.
+/// Telemetry that a board sends by itself. Its frames have their own numbers, so that a missing number means a lost frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Telemetered<'a> {
-    /// Rows, one after the other.
+    /// Successive rows.
     Rows(Rows<'a>),
     /// A cycle's end, or an event.
     Note(Note),
 }
 
 impl<'a> Telemetered<'a> {
-    /// What is in `frame`; `None` where that is no telemetry.
+    /// The telemetry in `frame`; `None` if the frame has none.
     pub fn read(frame: &Frame<'a>) -> Option<Self> {
         let mut reader = Reader(frame.payload);
         match frame.header.kind {
@@ -242,10 +242,10 @@ impl<'a> Telemetered<'a> {
     }
 }
 
-/// Rows as they lie in a frame.
+/// Rows in the layout of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rows<'a> {
-    /// The one that comes next, but for what each has of its own.
+    /// The next row, without the fields that each row has separately.
     next: Row,
     used: usize,
     rest: &'a [u8],

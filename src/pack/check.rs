@@ -1,4 +1,5 @@
-//! The check of a pack, and the law that it writes, in slices: a tick that does one of them beside its own work stays in time.
+//! The check of a pack, and the law that it writes, in slices, so that a tick that does one slice in addition to its own work stays
+//! in time.
 
 use super::info;
 use super::{Expectation, HEADER, OLDEST, PackError, SILENT_RATE, Stamp};
@@ -9,54 +10,55 @@ use crate::law::Law;
 use crate::operating_range::OperatingRange;
 use crate::passivity::{Active, Passivity};
 
-/// Bytes of the checksum, numbers of the damping, words of an effect and cells of the table in a slice: at most 380 instructions of a Cortex-M4F
-/// each, as `cargo hil bench` counts them. The ranges of six sliders, which are checked in one, take 600.
+/// Size of a slice: bytes of the checksum, numbers of the damping, words of an effect and cells of the table. Each takes at most
+/// 380 instructions of a Cortex-M4F, as `cargo hil bench` counts them. The ranges of six sliders, which are checked in one slice,
+/// take 600.
 const BYTES: usize = 24;
 const NUMBERS: usize = 8;
 const WORDS: usize = 8;
 const CELLS: usize = 24;
 
-/// What is to be done next.
+/// The next step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Header,
     Checksum,
     Info,
     Law,
-    /// The table of the law before.
+    /// Removes the table of the law before.
     OldTable,
-    /// From this number of its seed on.
+    /// Reads the seed, from this index on.
     Damping(usize),
     Effects,
-    /// The next effect, where one is left.
+    /// Begins the next effect, if there is one.
     Effect,
-    /// Its words from this one on.
+    /// Reads its words, from this index on.
     Words(usize),
-    /// Into the law.
+    /// Puts it into the law.
     Put,
-    /// Whether it is in its ranges.
+    /// Checks its ranges.
     Ranges,
     Table,
-    /// From this cell on.
+    /// Reads the cells, from this index on.
     Cells(usize),
     End,
-    /// The law is there, and is to be passive.
+    /// The law is complete; checks that it is passive.
     Passivity,
 }
 
-/// The check of a pack, as far as it has come.
+/// Progress of a pack's check.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Check {
     stage: Stage,
-    /// Bytes of the pack that are read, or whose checksum is taken.
+    /// Bytes of the pack that have been read, or covered by the checksum.
     at: usize,
-    /// So far, and as it is to be.
+    /// The checksum so far, and its expected value.
     checksum: u32,
     expected: u32,
     version: u16,
     stamp: Option<Stamp>,
     range: Option<OperatingRange<f32>>,
-    /// Effects that are still to come, and what is known of the next one.
+    /// Number of effects still to come, and the known part of the next one.
     left: u8,
     effect: u8,
     count: u8,
@@ -64,7 +66,7 @@ pub(super) struct Check {
 }
 
 impl Check {
-    /// Of a pack from its first byte on. All bits are 0, so that an upload takes no flash in a static.
+    /// A check from the first byte on. All bits are 0, so that an upload takes no flash in a static.
     pub(super) const START: Self = Self {
         stage: Stage::Header,
         at: 0,
@@ -79,8 +81,9 @@ impl Check {
         words: [0.0; MOST_WORDS],
     };
 
-    /// One slice. The stamp once the whole pack has been found right and its law written over `slot`, which is no law until then. `passivity` is
-    /// what looks whether that is passive, unless an active one is allowed: the same each time; without one, whoever calls looks.
+    /// Does one slice. Returns the stamp once the whole pack has been checked and its law written over `slot`, which holds no law
+    /// until then. `passivity` checks whether the law is passive, unless an active one is allowed: pass the same one each time.
+    /// Without it, the caller has to check.
     #[inline(never)]
     pub(super) fn step<const N: usize>(
         &mut self,
@@ -94,7 +97,8 @@ impl Check {
             Stage::Header | Stage::Checksum | Stage::Info | Stage::Law
         );
         if !is_before_the_law && !slot.augmented.is_unfinished() {
-            // Another law was written over it between two slices, or has come into force: what is there is no part of this one.
+            // Another law was written over the slot between two slices, or has come into force: the slot no longer holds a part of
+            // this law.
             *self = Self::START;
             return Ok(None);
         }
@@ -210,28 +214,28 @@ impl Check {
         Ok(None)
     }
 
-    /// The law is all there.
+    /// The law is complete.
     fn end<const N: usize>(&self, slot: &mut FastLaw<N>) -> Option<Stamp> {
         slot.augmented.finish();
         self.stamp
     }
 
-    /// Whether the law that was read is passive, all at once. Not inlined: what it takes of the stack is free again once it is done, and a
-    /// load that allows an active law takes none of it.
+    /// Checks all at once whether the law that was read is passive. Not inlined, so that its stack is free again afterwards, and a
+    /// load that allows an active law uses none of it.
     ///
     /// # Errors
-    /// The motion in which it is not.
+    /// The motion in which it is active.
     #[inline(never)]
     pub(super) fn check_passivity<const N: usize>(&self, law: &FastLaw<N>) -> Result<(), Active> {
         Passivity::new(self.range.as_ref(), self.tick_rate()).check(law)
     }
 
-    /// For which the effects are made, Hz: 10 kHz where the pack does not say it.
+    /// Tick rate for which the effects are made, Hz: 10 kHz if the pack does not state one.
     fn tick_rate(&self) -> f32 {
         self.stamp.map_or(SILENT_RATE, |stamp| stamp.tick_rate)
     }
 
-    /// Of the words that were read. Its numbers are still to be checked.
+    /// The effect from the words that were read. Its numbers are not checked yet.
     fn effect(&self) -> Result<Effect<f32>, PackError> {
         let words = self.words.get(..usize::from(self.count));
         let effect = words.and_then(|words| Effect::unpack(self.effect, words));
@@ -244,7 +248,7 @@ impl Check {
         })
     }
 
-    /// Whether it begins as a pack does, and is as long as it says.
+    /// Checks that the pack begins correctly and has the length that it states.
     fn header(&mut self, pack: &[u8]) -> Result<(), PackError> {
         let (header, _) = super::header(pack)?;
         self.version = header.version;
@@ -255,7 +259,7 @@ impl Check {
         Ok(())
     }
 
-    /// More of the checksum.
+    /// Continues the checksum.
     fn sum(&mut self, pack: &[u8]) -> Result<(), PackError> {
         let to = pack.len().min(self.at + BYTES);
         let part = pack.get(self.at..to).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a pack says of itself beside its law, and what a load may require of that.
+//! Description of a pack in addition to its law, and the requirements of a load.
 
 use core::fmt;
 
@@ -9,23 +9,23 @@ use crate::limits;
 use crate::operating_range::OperatingRange;
 use crate::real::in_range;
 
-/// Most bytes of a name.
+/// Longest name, bytes.
 pub const NAME: usize = 32;
-/// Bytes of a [`Stamp`] in a pack.
+/// Size of a [`Stamp`] in a pack, bytes.
 const STAMP: usize = 4 + 4 + 8;
-/// Most bytes of what is behind it: operating range, density, amplitude, name.
+/// Largest size in bytes of the fields after it: operating range, density, amplitude, name.
 const LARGEST_DESCRIPTION: usize = (1 + 16) + (1 + 4) + (1 + 4) + (1 + NAME);
-/// Most bytes that a [`PackInfo`] takes in a pack.
+/// Largest size of a [`PackInfo`] in a pack, bytes.
 pub(super) const LARGEST_INFO: usize = STAMP + 1 + LARGEST_DESCRIPTION;
-/// Two tick rates are the same where they differ by no more than this part. Derived: above what rounding both to f32 makes of one
-/// rate, 1.2e-7, and far below what changes an effect.
+/// Two tick rates are the same if they differ by no more than this part. Derived: above the difference between two f32 roundings of
+/// one rate, 1.2e-7, and far below a difference that changes an effect.
 const SAME_RATE: f32 = 1e-6;
 /// Tick rates for which effects can be made, Hz.
 const TICK_RATES: [f64; 2] = [1e-3, 1e7];
-/// Largest density, g/cm³. Convention: above any metal's.
+/// Largest density, g/cm³. Convention: above that of any metal.
 pub const DENSITY_MOST: f64 = 25.0;
 
-/// Which model a law is of: the first bytes of a hash that the host computes. All 0 where the law is of no model file.
+/// Identity of the law's model: the first bytes of a hash that the host computes. All 0 if the law does not come from a model file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -38,16 +38,16 @@ impl fmt::Display for Identity {
     }
 }
 
-/// What a load may require of a pack: the part of a [`PackInfo`] that every load reads.
+/// The part of a [`PackInfo`] that every load reads, on which a load may have requirements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stamp {
-    /// Ticks per second that the law was made for, Hz: effects hold numbers that are true for one tick only.
+    /// Ticks per second that the law was made for, Hz: numbers in effects are valid for one tick only.
     pub tick_rate: f32,
-    /// Goes up from pack to pack of one specimen, so that an older one is not loaded over a newer one.
+    /// Increases from pack to pack of one specimen, so that an older one is not loaded over a newer one.
     pub revision: u32,
-    /// Of the model.
+    /// Identity of the model.
     pub identity: Identity,
 }
 
@@ -72,7 +72,7 @@ impl Stamp {
     }
 }
 
-/// The stamp of a pack, and the bytes of the rest that it says of itself.
+/// The stamp of a pack, and the bytes of the remaining description.
 pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
     let stamp = Stamp::read(reader)?;
     let length = usize::from(reader.u8()?);
@@ -81,7 +81,7 @@ pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
     Some((stamp, description))
 }
 
-/// The first field behind the stamp.
+/// The first field after the stamp.
 pub(super) fn operating_range(
     reader: &mut Reader<'_>,
 ) -> Result<Option<OperatingRange<f32>>, PackError> {
@@ -94,28 +94,28 @@ pub(super) fn operating_range(
     Ok(Some(range))
 }
 
-/// What a pack says of itself beside its law. A load reads no more of it than the [`Stamp`] and the operating range, so that a firmware that asks for no more
-/// links no more.
+/// Description of a pack in addition to its law. A load reads only the [`Stamp`] and the operating range, so that a firmware that
+/// needs no more links no more.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PackInfo {
-    /// What a load may require. Its tick rate is 1e-3…1e7 Hz.
+    /// The fields on which a load may have requirements. The tick rate is 1e-3…1e7 Hz.
     pub stamp: Stamp,
-    /// The motion that the law was fitted on, without a margin, where it was fitted.
+    /// The motion on which the law was fitted, without a margin; `None` if it was not fitted.
     pub operating_range: Option<OperatingRange<f32>>,
-    /// Density of the specimen, g/cm³, 0…25, where it is known.
+    /// Density of the specimen, g/cm³, 0…25, if known.
     pub density: Option<f32>,
-    /// Amplitude that the law was taken at, mm, 0…1e4, where its coefficients change with it.
+    /// Amplitude of the law's coefficients, mm, 0…1e4, if they depend on it.
     pub amplitude: Option<f32>,
-    /// Of the model, for people.
+    /// Name of the model, for people.
     #[cfg_attr(feature = "defmt", defmt(Display2Format))]
     #[cfg_attr(feature = "serde", serde(with = "name"))]
     pub name: heapless::String<NAME>,
 }
 
 impl PackInfo {
-    /// Of a law for `tick_rate` Hz, of which nothing else is known.
+    /// Description of a law for `tick_rate` Hz of which nothing else is known.
     pub const fn at(tick_rate: f32) -> Self {
         Self {
             stamp: Stamp {
@@ -130,7 +130,7 @@ impl PackInfo {
         }
     }
 
-    /// What `pack` says of itself; `None` of one of version 6, which says nothing. Its law is not looked at.
+    /// The description of `pack`; `None` for one of version 6, which has none. The law is not read.
     ///
     /// # Errors
     /// As [`decode`](super::decode), for header and checksum; a field that is out of range.
@@ -173,7 +173,7 @@ impl PackInfo {
         Ok(())
     }
 
-    /// Writes all fields, those behind the stamp as postcard's `Vec<u8>`.
+    /// Writes all fields, those after the stamp as postcard's `Vec<u8>`.
     pub(super) fn write(&self, writer: &mut Writer<'_>) {
         self.stamp.write(writer);
         let mut room = [0; LARGEST_DESCRIPTION];
@@ -191,7 +191,7 @@ impl PackInfo {
                 description.f32(number);
             }
         }
-        // At most NAME, so that it is one byte.
+        // At most NAME, so it is one byte.
         description.u8(self.name.len() as u8);
         description.bytes(self.name.as_bytes());
         // There is room for all of it.
@@ -200,7 +200,7 @@ impl PackInfo {
         writer.bytes(room.get(..length).unwrap_or_default());
     }
 
-    /// Reads what [`PackInfo::write`] wrote behind the stamp.
+    /// Reads the fields that [`PackInfo::write`] wrote after the stamp.
     fn read(&mut self, reader: &mut Reader<'_>) -> Result<(), PackError> {
         self.operating_range = operating_range(reader)?;
         for number in [&mut self.density, &mut self.amplitude] {
@@ -219,7 +219,7 @@ impl PackInfo {
     }
 }
 
-/// A name as a text.
+/// A name as text.
 #[cfg(feature = "serde")]
 mod name {
     use core::fmt;
@@ -253,7 +253,7 @@ mod name {
     }
 }
 
-/// Whether something follows that may be left out.
+/// Reads whether an optional field follows.
 fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
     match reader.u8() {
         Some(0) => Ok(false),
@@ -262,26 +262,26 @@ fn is_there(reader: &mut Reader<'_>) -> Result<bool, PackError> {
     }
 }
 
-/// What a load requires of a pack; by default nothing but a passive law. A pack of version 6 says nothing of itself, so that whatever is required is
-/// missing.
+/// Requirements of a load on a pack; by default only a passive law. A pack of version 6 has no stamp, so that it fails every
+/// requirement on one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Expectation {
-    /// Hz.
+    /// Required tick rate, Hz.
     pub tick_rate: Option<f32>,
-    /// Of the model.
+    /// Required identity of the model.
     pub identity: Option<Identity>,
-    /// The revision has to be above this.
+    /// The revision must be above this.
     pub newer_than: Option<u32>,
-    /// Takes a law that gives more energy than it takes as well, such as one with damping below 0: what it drives may swing up until a
-    /// limit stops it.
+    /// Also accepts a law that gives out more energy than it absorbs, such as one with damping below 0. Its oscillation may grow
+    /// until a limit stops the rig.
     pub allow_active: bool,
 }
 
 impl Expectation {
-    /// A law for `tick_rate` Hz, whatever it is.
+    /// Requires a law for `tick_rate` Hz, and nothing else.
     pub const fn at(tick_rate: f32) -> Self {
         Self {
             tick_rate: Some(tick_rate),
@@ -291,10 +291,10 @@ impl Expectation {
         }
     }
 
-    /// Of a pack's rate alone: for a rig that learns its own only after a pack has come.
+    /// Checks a pack's tick rate alone: for a rig that learns its own rate only after a pack has arrived.
     ///
     /// # Errors
-    /// [`PackError::TickRate`], where `found` Hz are not the rate that is required, or `None`.
+    /// [`PackError::TickRate`] if `found` Hz is not the required rate, or is `None`.
     pub fn check_tick_rate(&self, found: Option<f32>) -> Result<(), PackError> {
         match self.tick_rate {
             Some(expected) if !found.is_some_and(|found| is_same_rate(found, expected)) => {
@@ -324,7 +324,7 @@ impl Expectation {
     }
 }
 
-/// Whether a law for `found` Hz is right at `expected` Hz.
+/// Whether a law for `found` Hz is valid at `expected` Hz.
 fn is_same_rate(found: f32, expected: f32) -> bool {
     let off = if found > expected {
         found - expected

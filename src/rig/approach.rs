@@ -1,43 +1,44 @@
-//! The way from where the piston is, as a rig starts, to where its motion begins.
+//! The approach: the way from the piston's position at the start of a rig to the start of its motion.
 //!
-//! A servo that finds itself at another place than its command goes there as fast as it can. So the command begins where the piston is,
-//! and goes to the start in a straight line in as many ticks as the way back of a rig that stops.
+//! A servo moves as fast as it can to a command that is far from its position. The command therefore begins at the piston's
+//! position, and goes linearly to the start, in as many ticks as the return of a stopping rig.
 
 use super::blend::Blend;
 
-/// The way that is left, in mm; −∞ where nobody has looked since the start.
+/// The remaining way, in mm; −∞ if the position has not been read since the start.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Approach(Blend);
 
 impl Approach {
-    /// It is not yet known how far it is.
+    /// The way is not known yet.
     pub(super) const DUE: Self = Self(Blend::of(f32::NEG_INFINITY, 0.0));
 
-    /// The piston is at `displacement` mm; within `tolerance` of 0 it is there. The way takes `ticks`.
+    /// Sets the way from `displacement` mm, where the piston is; a piston within `tolerance` of 0 is at the start already. The way
+    /// takes `ticks`.
     pub(super) fn begin(&mut self, displacement: f32, tolerance: f32, ticks: f32) {
-        // A number that is none is no way; the limits stop it.
+        // NaN and infinity are no way; the limits stop the rig.
         let is_away = displacement.is_finite() && displacement.abs() > tolerance;
         self.0 = Blend::of(if is_away { displacement } else { 0.0 }, 1.0 / ticks);
     }
 
-    /// It is not known yet how far it is.
+    /// Whether the way is not known yet.
     pub(super) fn is_due(&self) -> bool {
         self.left() == f32::NEG_INFINITY
     }
 
-    /// There is a way left, or that is not known.
+    /// Whether a part of the way remains, or it is not known yet.
     #[inline(always)]
     pub(super) fn is_under_way(&self) -> bool {
         self.left() != 0.0
     }
 
-    /// mm.
+    /// The remaining way, mm.
     #[inline(always)]
     pub(super) fn left(&self) -> f32 {
         self.0.left()
     }
 
-    /// A tick more; what is left after it, mm.
+    /// Advances by one tick; returns the remaining way, mm.
     pub(super) fn tick(&mut self) -> f32 {
         self.0.tick()
     }
@@ -56,7 +57,7 @@ mod tests {
         for left in [-0.15f32, -0.1, -0.05, 0.0] {
             assert!((approach.tick() - left).abs() < 1e-7);
         }
-        // What rounding leaves.
+        // The rest is a rounding error.
         assert_eq!(approach.tick(), 0.0);
         assert!(!approach.is_under_way());
     }

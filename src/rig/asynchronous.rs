@@ -1,4 +1,4 @@
-//! A controller with sensors and an actuator that are awaited.
+//! A controller with asynchronous sensors and an asynchronous actuator.
 
 use core::future::ready;
 use core::ops::{Deref, DerefMut};
@@ -17,21 +17,21 @@ use super::state::State;
 use crate::adc::{AdcError, Ads8688};
 use crate::dac::DacError;
 
-/// [`super::Sensors`] whose reading is awaited.
+/// [`super::Sensors`] with asynchronous reading.
 pub trait AsyncSensors {
-    /// Why there is no reading.
+    /// Error of a reading.
     type Error;
 
-    /// Displacement, force and control inputs of now.
+    /// Reads displacement, force and control inputs.
     ///
     /// # Errors
-    /// Whatever keeps it from reading. The controller stops with [`TripCause::AdcBus`].
+    /// Any error of the reading. The controller stops with [`TripCause::AdcBus`].
     fn read(&mut self) -> impl Future<Output = Result<Reading, Self::Error>>;
 
     /// As [`super::Sensors::is_tripped`].
     ///
     /// # Errors
-    /// Where the input cannot be read, which counts as a stop.
+    /// The input cannot be read, which counts as active.
     fn is_tripped(&mut self) -> impl Future<Output = Result<bool, Self::Error>> {
         ready(Ok(false))
     }
@@ -39,33 +39,33 @@ pub trait AsyncSensors {
     /// As [`super::Sensors::restore`].
     ///
     /// # Errors
-    /// What keeps the parts from working: the clear is refused then, with [`TripCause::AdcBus`].
+    /// The parts cannot be set up. The clear is then refused, with [`TripCause::AdcBus`].
     fn restore(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
 }
 
-/// An [`super::Actuator`] that is awaited.
+/// An asynchronous [`super::Actuator`].
 pub trait AsyncActuator {
-    /// Why it did not do as it was told.
+    /// Error of the actuator.
     type Error;
 
     /// Drives `value`, in mm, or in kN of a damper emulation.
     ///
     /// # Errors
-    /// Where the actuator goes on with the value before. The controller stops with [`TripCause::DacBus`].
+    /// The actuator keeps the previous value. The controller stops with [`TripCause::DacBus`].
     fn drive(&mut self, value: f32) -> impl Future<Output = Result<(), Self::Error>>;
 
     /// Sets the enable line.
     ///
     /// # Errors
-    /// Where its level is unknown. The controller stops with [`TripCause::EnableLine`].
+    /// Its level is unknown. The controller stops with [`TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> impl Future<Output = Result<(), Self::Error>>;
 
     /// As [`super::Actuator::verify_drive`].
     ///
     /// # Errors
-    /// Where it is not so, or cannot be read back. The controller stops with [`TripCause::DacBus`].
+    /// The output differs, or cannot be read back. The controller stops with [`TripCause::DacBus`].
     fn verify_drive(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
@@ -73,7 +73,7 @@ pub trait AsyncActuator {
     /// As [`super::Actuator::verify_enable`].
     ///
     /// # Errors
-    /// Where it is not so, or cannot be read back. The controller stops with [`TripCause::EnableLine`].
+    /// The level differs, or cannot be read back. The controller stops with [`TripCause::EnableLine`].
     fn verify_enable(&mut self, _on: bool) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
@@ -81,7 +81,7 @@ pub trait AsyncActuator {
     /// As [`super::Actuator::alive`].
     ///
     /// # Errors
-    /// Where it could not. Nothing follows from that: the watchdog sees it.
+    /// The signal failed. The controller ignores this: the watchdog notices it.
     fn alive(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
@@ -89,32 +89,32 @@ pub trait AsyncActuator {
     /// As [`super::Actuator::restore`].
     ///
     /// # Errors
-    /// What keeps the parts from working: the clear is refused then, with [`TripCause::DacBus`].
+    /// The parts cannot be set up. The clear is then refused, with [`TripCause::DacBus`].
     fn restore(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
 }
 
-/// [`super::Blocking`] with sensors and an actuator that are awaited; the same telemetry, to the last bit.
+/// [`super::Blocking`] with asynchronous sensors and an asynchronous actuator; the same telemetry, to the last bit.
 ///
-/// The enable line drops within the call that stops it. It dereferences to its controller, for all that does no I/O.
+/// The enable line drops within the call that stops the controller. The type dereferences to its controller, for all methods
+/// without I/O.
 ///
-/// A call is to be awaited to its end. Where one was dropped before, nobody knows what is driven:
-/// [`Asynchronous::overrun`] stops it.
+/// Await every call to its end. If one was dropped, the actuator's output is unknown: stop with [`Asynchronous::overrun`].
 #[derive(Debug)]
 pub struct Asynchronous<C, S, A> {
     controller: C,
     sensors: S,
     actuator: A,
-    /// The line took the last level that it was given, and that was low.
+    /// The line is low: it accepted its last level, and that was low.
     low: bool,
-    /// What was read back last was as it should be.
+    /// The last read-back was correct.
     verified: bool,
 }
 
 impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
-    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`. A line that does not
-    /// drop is a fault at the first tick or start.
+    /// Idle, enable line low. `controller` must be at rest, and made for the scales of `sensors` and `actuator`. If the line does
+    /// not drop, the first tick or start reports it.
     pub async fn wire(controller: C, sensors: S, actuator: A) -> Self {
         let mut wired = Self {
             controller,
@@ -127,7 +127,7 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         wired
     }
 
-    /// Whether the line took this level.
+    /// Sets the line, and returns whether it took this level.
     async fn set_line(&mut self, on: bool) -> bool {
         self.actuator.enable(on).await.is_ok() && self.actuator.verify_enable(on).await.is_ok()
     }
@@ -141,7 +141,7 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         }
     }
 
-    /// Whether the input that says stop is active, or cannot be read.
+    /// Whether the stop input is active, or cannot be read.
     async fn is_tripped(&mut self) -> bool {
         !matches!(self.sensors.is_tripped().await, Ok(false))
     }
@@ -156,11 +156,11 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         }
         self.settle().await;
         let started = self.controller.start();
-        // A start that is refused may have stopped it.
+        // A start that is refused may have stopped the controller.
         self.settle().await;
         started?;
         self.low = false;
-        // What is driven when the line rises is where the piston is.
+        // When the line rises, the command is the piston's position.
         if self.actuator.drive(self.controller.driven()).await.is_err() {
             self.controller.command_failed();
             self.lower().await;
@@ -192,18 +192,18 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.settle().await;
     }
 
-    /// A line that is to be low is.
+    /// Sets the line low if it must be low and is not.
     async fn settle(&mut self) {
         if self.controller.state() != State::Running && !self.low {
             self.lower().await;
         }
     }
 
-    /// [`Controller::clear`], after sensors and actuator were set up again.
+    /// [`Controller::clear`], after setting up sensors and actuator again.
     ///
     /// # Errors
-    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be set
-    /// up, or does not drive what it should then. The cause that it stopped for stays.
+    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be
+    /// set up, or whose output is then wrong. The trip cause stays.
     pub async fn clear(&mut self) -> Result<(), ClearRefused> {
         self.controller.may_clear()?;
         if self.is_tripped().await {
@@ -229,7 +229,7 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.controller.exchange();
     }
 
-    /// What it is doing.
+    /// State of the controller.
     pub fn state(&self) -> State {
         self.controller.state()
     }
@@ -239,8 +239,8 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         self.controller.late_ticks()
     }
 
-    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. A line that did not
-    /// drop is tried again.
+    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. If the line did not
+    /// drop, this is tried again.
     pub async fn tick(&mut self, clock: u32) -> Telemetry {
         if self.is_tripped().await {
             self.controller.external_trip();
@@ -269,19 +269,19 @@ impl<C: Controller, S: AsyncSensors, A: AsyncActuator> Asynchronous<C, S, A> {
         }
         let line = self.low || seen.state == State::Running;
         if read && in_time && driven && line && self.verified {
-            // A watchdog that is not told acts by itself.
+            // A watchdog without a signal acts by itself.
             let _ = self.actuator.alive().await;
         }
         seen
     }
 
-    /// The actuator did not take the command.
+    /// The actuator did not accept the command.
     async fn fail(&mut self) {
         self.controller.command_failed();
         self.settle().await;
     }
 
-    /// Reads back what is driven, and the level of the line where it took the last one.
+    /// Reads back the output, and the level of the line if it accepted the last one.
     async fn verify(&mut self) {
         let driven = self.actuator.verify_drive().await.is_ok();
         if !driven {

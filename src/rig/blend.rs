@@ -1,6 +1,6 @@
-//! What goes away in a straight line.
+//! A quantity that decreases linearly to 0.
 
-/// What is left of it, in a unit of its own.
+/// The remaining quantity, in a unit of the caller.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Blend {
     left: f32,
@@ -8,7 +8,7 @@ pub(super) struct Blend {
 }
 
 impl Blend {
-    /// `left` goes away in ticks of `part` of it each.
+    /// `left` decreases by `part` of it per tick.
     pub(super) const fn of(left: f32, part: f32) -> Self {
         Self {
             left,
@@ -16,7 +16,8 @@ impl Blend {
         }
     }
 
-    /// Another step, of `step` from what is now to what was: with what was left it goes away in ticks of `part` each.
+    /// Adds a step of `step` from the new value to the old one. Together with the remaining quantity it decreases by `part` per
+    /// tick.
     pub(super) fn begin(&mut self, step: f32, part: f32) {
         *self = Self::of(self.left + step, part);
     }
@@ -26,7 +27,7 @@ impl Blend {
         self.left
     }
 
-    /// A tick more; what is left after it.
+    /// Advances by one tick; returns the remaining quantity.
     #[inline(always)]
     pub(super) fn tick(&mut self) -> f32 {
         let left = self.left.abs() - self.fall;
@@ -51,7 +52,7 @@ mod tests {
         for left in [-0.75, -0.5, -0.25, 0.0, 0.0] {
             assert_eq!(blend.tick(), left);
         }
-        // What was left is a part of the next one.
+        // The remaining quantity is a part of the next one.
         blend.begin(1.0, 0.5);
         assert_eq!(blend.tick(), 0.5);
         blend.begin(-0.25, 0.5);

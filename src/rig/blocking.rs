@@ -1,4 +1,4 @@
-//! A controller with its sensors and its actuator, in calls that wait for them.
+//! A controller with its sensors and its actuator, in blocking calls.
 
 use core::ops::{Deref, DerefMut};
 
@@ -9,31 +9,32 @@ use super::io::{Actuator, Sensors};
 use super::refusal::{ClearRefused, StartRefused};
 use super::state::State;
 
-/// Every how many ticks the command and the enable line are read back, where the parts can: 1.6 ms at 10 kHz. An actuator whose DAC
-/// fell to 0 V has moved little by then, because it lags by several milliseconds itself, and the 72 clocks that the DAC's read-back
-/// takes are five a tick on average.
+/// Number of ticks between read-backs of the command and the enable line, where the parts support them: 1.6 ms at 10 kHz. An
+/// actuator whose DAC fell to 0 V has moved little by then, because it lags by several milliseconds itself. The DAC's read-back
+/// takes 72 clocks, on average five per tick.
 pub const VERIFY_TICKS: u32 = 16;
 
 /// The [`Controller`] `C` between the [`Sensors`] `S` and the [`Actuator`] `A`.
 ///
-/// The enable line drops within the call that stops it. It dereferences to its controller, for all that does no I/O.
+/// The enable line drops within the call that stops the controller. The type dereferences to its controller, for all methods
+/// without I/O.
 #[derive(Debug)]
-// The controller comes first: what every tick needs of it is then within reach of a load's offset.
+// The controller comes first, so that its fields of every tick are within the offset of a load.
 #[repr(C)]
 pub struct Blocking<C, S, A> {
     controller: C,
     sensors: S,
     actuator: A,
-    /// The line took the last level that it was given, and that was low.
+    /// The line is low: it accepted its last level, and that was low.
     low: bool,
-    /// What was read back last was as it should be.
+    /// The last read-back was correct.
     verified: bool,
 }
 
 impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
-    /// Idle, enable line low. `controller` is at rest, and made for the scales of `sensors` and `actuator`. A line that does not
-    /// drop is a fault at the first tick or start.
-    // Inlined, so that the controller is built where it will be.
+    /// Idle, enable line low. `controller` must be at rest, and made for the scales of `sensors` and `actuator`. If the line does
+    /// not drop, the first tick or start reports it.
+    // Inlined, so that the controller is built in its final place.
     #[inline(always)]
     pub fn wire(controller: C, sensors: S, actuator: A) -> Self {
         let mut wired = Self {
@@ -47,7 +48,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         wired
     }
 
-    /// Whether the line took this level.
+    /// Sets the line, and returns whether it took this level.
     fn set_line(&mut self, on: bool) -> bool {
         self.actuator.enable(on).is_ok() && self.actuator.verify_enable(on).is_ok()
     }
@@ -61,7 +62,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         }
     }
 
-    /// Whether the input that says stop is active, or cannot be read.
+    /// Whether the stop input is active, or cannot be read.
     #[inline]
     fn is_tripped(&mut self) -> bool {
         !matches!(self.sensors.is_tripped(), Ok(false))
@@ -77,11 +78,11 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         }
         self.settle();
         let started = self.controller.start();
-        // A start that is refused may have stopped it.
+        // A start that is refused may have stopped the controller.
         self.settle();
         started?;
         self.low = false;
-        // What is driven when the line rises is where the piston is.
+        // When the line rises, the command is the piston's position.
         if self.actuator.drive(self.controller.driven()).is_err() {
             self.controller.command_failed();
             self.lower();
@@ -113,18 +114,18 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.settle();
     }
 
-    /// A line that is to be low is.
+    /// Sets the line low if it must be low and is not.
     fn settle(&mut self) {
         if self.controller.state() != State::Running && !self.low {
             self.lower();
         }
     }
 
-    /// [`Controller::clear`], after sensors and actuator were set up again.
+    /// [`Controller::clear`], after setting up sensors and actuator again.
     ///
     /// # Errors
-    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be set
-    /// up, or does not drive what it should then. The cause that it stopped for stays.
+    /// Those of [`Controller::clear`]; an external trip that is active; an enable line that does not drop; a part that cannot be
+    /// set up, or whose output is then wrong. The trip cause stays.
     pub fn clear(&mut self) -> Result<(), ClearRefused> {
         self.controller.may_clear()?;
         if self.is_tripped() {
@@ -149,7 +150,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.controller.exchange();
     }
 
-    /// What it is doing.
+    /// State of the controller.
     pub fn state(&self) -> State {
         self.controller.state()
     }
@@ -159,8 +160,8 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.controller.late_ticks()
     }
 
-    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. A line that did not
-    /// drop is tried again.
+    /// One tick, at which the counter of [`Controller::tick`] reads `clock`: see [`super`] for its deadline. If the line did not
+    /// drop, this is tried again.
     pub fn tick(&mut self, clock: u32) -> Telemetry {
         if self.is_tripped() {
             self.controller.external_trip();
@@ -189,13 +190,13 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         }
         let line = self.low || seen.state == State::Running;
         if read && in_time && driven && line && self.verified {
-            // A watchdog that is not told acts by itself.
+            // A watchdog without a signal acts by itself.
             let _ = self.actuator.alive();
         }
         seen
     }
 
-    /// The actuator did not take the command.
+    /// The actuator did not accept the command.
     #[cold]
     #[inline(never)]
     fn fail(&mut self) {
@@ -203,7 +204,7 @@ impl<C: Controller, S: Sensors, A: Actuator> Blocking<C, S, A> {
         self.settle();
     }
 
-    /// Reads back what is driven, and the level of the line where it took the last one.
+    /// Reads back the output, and the level of the line if it accepted the last one.
     #[inline(never)]
     fn verify(&mut self) {
         let driven = self.actuator.verify_drive().is_ok();

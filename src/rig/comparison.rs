@@ -1,4 +1,4 @@
-//! The measured force and the force of the law beside it, held against one another.
+//! Comparison of the measured force with the law's force.
 
 use super::CycleReport;
 use crate::cycle::{Cycle, CycleAccumulator};
@@ -6,10 +6,10 @@ use crate::fast_law::Adaptation;
 use crate::real::square_root;
 use crate::sum::{FOLD, Sum};
 
-/// The cycles of the measured force and of the model's, and the error between them.
+/// Cycles of the measured force and of the law's, and the error between them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Comparison {
-    /// Of the measured force and of the model's.
+    /// Cycles of the measured force and of the law's.
     cycles: CycleAccumulator<2>,
     error_square: Sum,
     force_square: Sum,
@@ -17,7 +17,7 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// One tick's forces in kN. `accumulate` gives both to the accumulator, with their displacement and phase; `ended` says
+    /// Takes one tick's forces in kN. `accumulate` passes both to the accumulator, with their displacement and phase; `ended` means
     /// that a cycle ended before this tick.
     #[inline]
     pub(super) fn update(
@@ -54,8 +54,8 @@ impl Comparison {
         model
     }
 
-    /// RMS of the error over the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the squares of
-    /// the law's forces are beyond a float.
+    /// RMS of the error divided by the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the squares of the
+    /// law's forces exceed a float.
     fn nrmse(&self) -> f32 {
         let force = self.force_square.total();
         if force > f32::MIN_POSITIVE {
@@ -68,7 +68,7 @@ impl Comparison {
 }
 
 impl CycleReport {
-    /// `results` as [`Comparison::update`] gives them, of the cycle before the `cycles` completed.
+    /// The report from `results` of [`Comparison::update`], for the cycle before the `cycles` completed.
     pub(super) fn new(
         ([measured, model], nrmse): ([Cycle; 2], f32),
         block: usize,

@@ -1,21 +1,22 @@
 //! From demanded to commanded displacement: gain and lead, corrected from cycle to cycle, and integral feedback.
 //!
-//! command = p·d + q·v + i, with d and v the generator's displacement and velocity: as v = jω·d in a sine, C = p + jω·q
-//! is the actuator's inverse at ω. A dead time or a slow loop makes q about the same at all frequencies, so that it
-//! carries over from block to block and through a sweep.
+//! command = p·d + q·v + i, with d and v the generator's displacement and velocity. Because v = jω·d in a sine, C = p + jω·q is the
+//! actuator's inverse at ω. With a dead time or a slow loop q is about the same at all frequencies, so that it stays valid from
+//! block to block and through a sweep.
 //!
 //! Over each cycle the measured displacement y is demodulated against d and v,
 //!
 //! - Y = a + jω·b, a = Σy·d/Σd², b = Σy·v/Σv², ω² = Σv²/Σd²
 //! - C ← C + gain·(1 − Y)·C/Y
 //!
-//! which would be right at once with gain 1 if the actuator were linear, C/Y being its inverse. p and q glide to their
-//! new values, so that the command has no step. Ramps are left out: there y lags in amplitude too.
+//! With gain 1 this would be right at once for a linear actuator, whose inverse is C/Y. p and q glide to their new values, so that
+//! the command has no step. Ramps are left out, because there y lags in amplitude too.
 //!
-//! i ← i + feedback·h·(d − y) holds the mean, where friction, leakage and sensors would let it drift.
+//! i ← i + feedback·h·(d − y) holds the mean against friction, leakage and sensors, which would let it drift.
 //!
-//! A displacement channel that shows too little has C grow, and the true amplitude with it. |C|² = p² + ω²·q² may grow within a block by
-//! [`super::RigSettings::correction_limit`] beyond what it was after its first cycles, and there beyond 1 by twice that; more is a fault.
+//! If a displacement channel shows too little, C grows, and the true amplitude with it. Therefore |C|² = p² + ω²·q² may grow within
+//! a block by [`super::RigSettings::correction_limit`] relative to its value after the first cycles, and during these relative to 1
+//! by twice that. A larger growth is a fault.
 
 use super::fault::TripCause;
 use crate::error::ConfigError;
@@ -26,17 +27,17 @@ use crate::sum::{FOLD, Sum};
 
 /// p stays in `1/GAIN_LIMIT..=GAIN_LIMIT`.
 const GAIN_LIMIT: f32 = 5.0;
-/// Most of [`super::RigSettings::correction_limit`], and what that makes of the squares.
+/// Upper end of [`super::RigSettings::correction_limit`], and its effect on the squares.
 const MOST_LIMIT: f64 = 10.0;
 const MOST_GROWTH: f64 = (1.0 + MOST_LIMIT) * (1.0 + MOST_LIMIT);
 const MOST_FIRST: f64 = (1.0 + 2.0 * MOST_LIMIT) * (1.0 + 2.0 * MOST_LIMIT);
-/// q stays within ± this, s.
+/// Limit of q in either direction, s.
 const LEAD_LIMIT: f32 = 0.1;
-/// Steady cycles after which a block's correction has settled: with a gain of 0.8 a 125th of the error is left.
+/// Steady cycles after which a block's correction has settled: with a gain of 0.8 a 125th of the error remains.
 const SETTLING: u8 = 3;
 /// cos² of 30°.
 const OPPOSITE: f32 = 0.75;
-/// A response smaller than this part of the demand is no basis for a correction: a sensor or an actuator is dead.
+/// Smallest response, relative to the demand, that is a basis for a correction: below it a sensor or an actuator is dead.
 const RESPONSE_MIN: f32 = 0.1;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +47,7 @@ pub(super) struct CorrectionConfig {
     glide: f32,
     feedback_step: f32,
     feedback_limit: f32,
-    /// Squares of by how much |C| may grow once it has settled, and of what it may be before.
+    /// Squares of the permitted growth of |C| once it has settled, and of its permitted value before.
     growth_square: f32,
     first_square: f32,
     /// Smallest mean square of the demand that is demodulated, mm².
@@ -94,7 +95,7 @@ impl Fields for CorrectionConfig {
 }
 
 impl CorrectionConfig {
-    /// Fields as in [`super::RigSettings`]; `displacement_limit` in mm bounds the feedback.
+    /// The fields of [`super::RigSettings`]; `displacement_limit` in mm bounds the feedback.
     pub(super) fn new(
         tick_rate: f64,
         gain: f64,
@@ -123,7 +124,7 @@ impl CorrectionConfig {
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Correction {
-    /// p and q as they glide, and where to.
+    /// p and q as they glide, and their targets.
     in_phase: f32,
     lead: f32,
     in_phase_target: f32,
@@ -134,12 +135,12 @@ pub(super) struct Correction {
     response_demand: Sum,
     response_rate: Sum,
     ticks: u32,
-    /// The cycle under way has been steady from its beginning.
+    /// Whether the current cycle has been steady from its beginning.
     steady: bool,
-    /// Steady cycles of this block, up to [`SETTLING`], and |C|² after that many.
+    /// Steady cycles of this block, up to [`SETTLING`], and |C|² after that number.
     cycles: u8,
     settled_square: f32,
-    /// |C|² that the last cycle asked for, over that; until then, over that of no correction.
+    /// |C|² that the last cycle asked for, divided by that; before, divided by the value without correction.
     growth: f32,
 }
 
@@ -154,7 +155,7 @@ impl Correction {
         }
     }
 
-    /// Forgets the cycle under way and the feedback's integral, keeps the corrections.
+    /// Drops the current cycle and the feedback's integral, keeps the corrections.
     pub(super) fn restart(&mut self) {
         *self = Self {
             in_phase: self.in_phase_target,
@@ -165,7 +166,7 @@ impl Correction {
         };
     }
 
-    /// A cycle has ended: the correction that it asks for.
+    /// A cycle has ended: computes the correction that it asks for.
     ///
     /// # Errors
     /// [`TripCause::NoResponse`], [`TripCause::CorrectionLimit`]; the correction stays as it was.
@@ -185,7 +186,7 @@ impl Correction {
         outcome
     }
 
-    /// The command in mm at a tick that demands `excitation` and measured `displacement` mm.
+    /// The command in mm at a tick with the demand `excitation` and the measured `displacement` mm.
     #[inline(always)]
     pub(super) fn command(
         &mut self,
@@ -213,7 +214,7 @@ impl Correction {
         self.ahead(excitation)
     }
 
-    /// The command in mm for `excitation` by the correction as it is.
+    /// The command in mm for `excitation` with the present correction.
     #[inline(always)]
     pub(super) fn ahead(&self, excitation: &Excitation) -> f32 {
         let Excitation {
@@ -224,19 +225,19 @@ impl Correction {
         self.in_phase * displacement + self.lead * velocity + self.integral
     }
 
-    /// Ticks of the cycle under way.
+    /// Ticks of the current cycle.
     #[inline(always)]
     pub(super) fn ticks(&self) -> u32 {
         self.ticks
     }
 
-    /// |C| that the last cycle asked for over what it was once settled, or over 1 until then, less 1.
+    /// |C| that the last cycle asked for, divided by its value once settled, or by 1 until then, minus 1.
     pub(super) fn growth(&self) -> f32 {
         square_root(self.growth) - 1.0
     }
 
-    /// What the feedback adds to the command, mm: at the same phase of each cycle, the mean that the command has beyond
-    /// the demand's.
+    /// Part of the command that the feedback adds, mm: at the same phase of each cycle it is the mean of the command minus that of
+    /// the demand.
     pub(super) fn mean_command(&self) -> f32 {
         self.integral
     }
@@ -250,7 +251,7 @@ impl Correction {
         let b = self.response_rate.total() / vv;
         let square = vv / dd;
         let magnitude = a * a + square * b * b;
-        // Within 30° of the opposite: no actuator is as late as that, but a channel may be reversed.
+        // Within 30° of the opposite: no actuator is that late, but a channel may be reversed.
         let reversed = a < 0.0 && a * a > OPPOSITE * magnitude;
         if magnitude < RESPONSE_MIN * RESPONSE_MIN || reversed {
             return Err(TripCause::NoResponse);

@@ -1,4 +1,4 @@
-//! The controller that is a damper: measured motion in, the law's force out.
+//! The controller of a damper emulation: measured motion in, the law's force out.
 
 use core::borrow::{Borrow, BorrowMut};
 
@@ -23,48 +23,51 @@ use crate::observer::{Observer, ObserverConfig};
 use crate::real::Real;
 use crate::tick_law::TickLaw;
 
-/// What an emulator is set to. [`EmulationController::new`] validates it.
+/// Settings of a damper emulation. [`EmulationController::new`] validates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct DamperEmulationSettings {
-    /// Hz, 1…1e6.
+    /// Tick rate, Hz, 1…1e6.
     pub tick_rate: f64,
     /// Largest measured displacement in either direction, mm, 1e-6…1e4.
     pub displacement_limit: f64,
-    /// Largest force in either direction, kN, 1e-6…1e9: of the law, at once, and as measured.
+    /// Largest force in either direction, kN, 1e-6…1e9. A force of the law beyond it stops at once, a measured one after
+    /// `trip_ticks`.
     pub force_limit: f64,
-    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1…1e6; for a quarter as many by more than a tenth.
+    /// Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1…1e6. A quarter of that is enough for
+    /// an excess of more than a tenth.
     pub trip_ticks: u32,
-    /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1…1e7.
+    /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1…1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without an exchange over the link it stops, see [`Controller::exchange`], 0…1e7; 0 where nobody is
-    /// linked.
+    /// Number of ticks without an exchange over the link after which it stops, see [`Controller::exchange`], 0…1e7; 0 without a
+    /// link.
     pub link_ticks: u32,
     /// As [`super::RigSettings::clock_rate`].
     pub clock_rate: f64,
-    /// Of the observer, Hz, 1e-3 to a tenth of the tick rate. Nothing tells it the motion ahead: it lags by about
-    /// (1 + 2ζ)·(f/bandwidth)² of the velocity at frequency f.
+    /// Bandwidth of the observer, Hz, 1e-3 to a tenth of the tick rate. It does not know the motion in advance: its lag at
+    /// frequency f is about (1 + 2ζ)·(f/bandwidth)² of the velocity.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3…3.
     pub observer_damping: f64,
-    /// Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0…1e4: a few times the noise of its
-    /// channel. Its velocity is taken as 0 then, so that the damping does not chatter with the noise; 0 where nothing is rest.
+    /// Half width of the rest band, mm, 0…1e4: a few times the noise of the displacement channel. A displacement that has stayed in
+    /// the band for 0.05 s is at rest. Its velocity is then taken as 0, so that the damping force does not chatter with the noise.
+    /// 0 switches this off.
     pub rest_band: f64,
-    /// After how many ticks of the very same code the displacement channel is stuck, 0…1e9; 0 where it has no noise at all, as in a
-    /// simulation.
+    /// Number of ticks with an unchanged code after which the displacement channel is stuck, 0…1e9; 0 for a channel without any
+    /// noise, as in a simulation.
     pub stuck_ticks: u32,
-    /// Coldest and hottest that a measured temperature can be, °C, −273…2000.
+    /// Coldest and hottest plausible temperature, °C, −273…2000.
     pub temperature_range: [f64; 2],
-    /// Fastest that it can change, °C/s, 1e-3…1e3.
+    /// Fastest plausible change of the temperature, °C/s, 1e-3…1e3.
     pub temperature_rate: f64,
-    /// How far the displacement must go from its mean for a cycle to count, mm, 1e-9…1e4.
+    /// Distance of the displacement from its mean at which a cycle counts, mm, 1e-9…1e4.
     pub hysteresis: f64,
 }
 
 impl Default for DamperEmulationSettings {
-    /// For amplitudes of 0.02–0.3 mm up to 10 Hz, at 10 kHz.
+    /// Settings for amplitudes of 0.02–0.3 mm up to 10 Hz, at 10 kHz.
     fn default() -> Self {
         Self {
             tick_rate: 10_000.0,
@@ -85,8 +88,8 @@ impl Default for DamperEmulationSettings {
     }
 }
 
-/// The [`Controller`] of a damper made of the law `L` and a force actuator. It owns the law or borrows it, as firmware does from a
-/// static.
+/// The [`Controller`] of a damper made of the law `L` and a force actuator. It owns the law or borrows it, as firmware borrows it
+/// from a static.
 #[derive(Debug)]
 pub struct EmulationController<L> {
     guard: Guard,
@@ -98,11 +101,11 @@ pub struct EmulationController<L> {
     comparison: Comparison,
     exceeded: Exceeded,
     reading: Reading,
-    /// Part of the law's force that is driven, 0…1, and what a tick adds to it.
+    /// Part of the law's force that is driven, 0…1, and its increase per tick.
     part: f32,
     part_step: f32,
     cycle: u32,
-    /// Of the step that a swap of the law would be, and of the one that a rest would be as it begins; the last force of the law.
+    /// Remaining steps in force after a swap of the law, and after a standstill; the last force of the law.
     swapped: Blend,
     stopped: Blend,
     last: f32,
@@ -115,7 +118,7 @@ pub struct EmulationController<L> {
 }
 
 impl<L: TickLaw> EmulationController<L> {
-    /// Idle. `law` is what is called so or a reference to it.
+    /// Idle. `law` is the law or a reference to it.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
@@ -131,7 +134,7 @@ impl<L: TickLaw> EmulationController<L> {
                 guard::valid_link_ticks(settings.link_ticks)?,
                 PaceConfig::new(settings.tick_rate, settings.clock_rate)?,
             ),
-            // There is no demanded displacement to be away from.
+            // There is no demanded displacement, and so no limit on tracking.
             limits: Limits::new(
                 settings.displacement_limit,
                 settings.force_limit,
@@ -173,7 +176,8 @@ impl<L: TickLaw> EmulationController<L> {
         })
     }
 
-    /// Temperature for the law's effects, °C; 20 until set. One that cannot be, by the settings, is not taken, and is an event.
+    /// Sets the temperature for the law's effects, °C; 20 until set. A value that the settings rule out is ignored, and reported as
+    /// an event.
     pub fn set_temperature(&mut self, temperature: f32) {
         let moving = self.guard.is_running();
         self.temperature
@@ -182,7 +186,7 @@ impl<L: TickLaw> EmulationController<L> {
 }
 
 impl<L: TickLaw> Controller for EmulationController<L> {
-    /// Begins to drive the law's force, which comes in over `stop_ticks`.
+    /// Starts to drive the law's force, which rises over `stop_ticks`.
     fn start(&mut self) -> Result<(), StartRefused> {
         self.guard.start()?;
         self.law.boundary();
@@ -223,7 +227,7 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         self.guard.late_ticks()
     }
 
-    /// The law is evaluated whether running or not, so that what its effects remember follows the motion.
+    /// The law is evaluated whether running or not, so that the state of its effects follows the motion.
     #[inline]
     fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry {
         self.tick = self.tick.wrapping_add(1);
@@ -271,7 +275,7 @@ impl<L: TickLaw> Controller for EmulationController<L> {
             let measured = self
                 .limits
                 .check(&mut self.exceeded, displacement, measured_force, 0.0);
-            // What is about to be driven need not be measured first.
+            // A force about to be driven is checked without being measured first.
             let driven = (model_force.abs() > self.limits.force()).then_some(TripCause::ForceLimit);
             let command = self.guard.driven();
             let implausible =
@@ -288,12 +292,12 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         } else if rests && !self.rested {
             self.stopped.begin(step, self.part_step);
         } else if !rests {
-            // What moves again has all of its friction at once.
+            // A damper that moves again has all of its friction at once.
             self.stopped = Blend::default();
         }
         self.rested = rests;
         self.last = model_force;
-        // While one goes over into the other both are within the limit, and their sum has to be.
+        // During the transition both are within the limit, and their sum must be too.
         let blended = model_force + self.swapped.tick() + self.stopped.tick();
         let limit = self.limits.force();
         self.guard.command(self.part * blended.clamped(limit));
@@ -346,11 +350,11 @@ impl<L: TickLaw> Controller for EmulationController<L> {
 }
 
 impl<L> EmulationController<L> {
-    /// Another law from the end of this cycle on, or from the start where that comes before. What its effects remember
-    /// is kept where they are of the same kinds in the same order as before. The force goes over to it within `stop_ticks`.
+    /// Swaps the law at the end of this cycle, or at the start if that comes before. Effects keep their state if they are of the
+    /// same kinds in the same order. The force changes over within `stop_ticks`.
     ///
-    /// It is taken as it is. A pack that is loaded is checked to be passive; a law that comes from elsewhere is by
-    /// [`Passivity::check`](crate::passivity::Passivity::check), beforehand.
+    /// The law is used as given. A law loaded from a pack has been checked for passivity. Check any other law with
+    /// [`Passivity::check`](crate::passivity::Passivity::check) before.
     pub fn swap_law<const N: usize>(&mut self, law: FastLaw<N>)
     where
         L: BorrowMut<RunningLaw<N>>,

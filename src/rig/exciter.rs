@@ -1,4 +1,4 @@
-//! Who says where a rig goes: the sines of a programme, or a motion that a host streams.
+//! The source of a rig's motion: the sines of a programme, or a motion that a host streams.
 
 use core::borrow::Borrow;
 
@@ -6,28 +6,29 @@ use super::fault::TripCause;
 use super::stream::Stream;
 use crate::sine::{Excitation, Programme, SineGenerator};
 
-/// Says where a rig is to be at each tick.
+/// Gives the demanded motion at each tick.
 pub trait Exciter {
-    /// Back to the start, at rest.
+    /// Returns to the start, at rest.
     fn restart(&mut self);
 
-    /// The excitation at this tick, which is the next one after [`Exciter::restart`] or the last call. Position, velocity and
-    /// acceleration are finite, and the first is at rest at 0.
+    /// The excitation at this tick, which follows [`Exciter::restart`] or the last call. Position, velocity and acceleration are
+    /// finite, and the first excitation is at rest at 0.
     fn tick(&mut self) -> Excitation;
 
-    /// Whether it waits, not ticked, until the rig is at its start. A stream does not: its knots come when they are due.
+    /// Whether it waits, without ticks, until the rig is at its start. A stream does not wait, because its knots arrive when they
+    /// are due.
     #[inline(always)]
     fn waits(&self) -> bool {
         true
     }
 
-    /// Whether the phase of its excitation tells where a cycle is.
+    /// Whether the phase of its excitation gives the position in a cycle.
     #[inline(always)]
     fn has_phase(&self) -> bool {
         true
     }
 
-    /// Why the rig is to stop at the last tick, where it is to.
+    /// Trip cause of the last tick, if it must stop the rig.
     #[inline(always)]
     fn refusal(&self) -> Option<TripCause> {
         None
@@ -46,7 +47,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Exciter for SineGenerator<B, P> {
     }
 }
 
-/// Either, for a rig that learns which when it is set up.
+/// Either of the two, for a rig whose set-up selects one.
 #[derive(Clone, Debug)]
 pub enum AnyExciter<const B: usize, P = Programme<B>> {
     /// A programme of sines.
@@ -56,7 +57,7 @@ pub enum AnyExciter<const B: usize, P = Programme<B>> {
 }
 
 impl<const B: usize, P> AnyExciter<B, P> {
-    /// The stream, where it is one.
+    /// The stream, if it is one.
     pub fn stream(&mut self) -> Option<&mut Stream> {
         match self {
             Self::Programme(_) => None,

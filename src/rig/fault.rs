@@ -1,20 +1,20 @@
-//! Limits, and the causes for which a rig stops.
+//! Limits, and the trip causes of a rig.
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real, in_range};
 
-/// Why a rig stopped.
+/// Trip cause: why a rig stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum TripCause {
-    /// Reading the sensors failed, as on the ADC's bus.
+    /// Reading the sensors failed, for example on the ADC's bus.
     AdcBus,
-    /// The actuator did not take a command, as on the DAC's bus, or drives another one as it is read back.
+    /// The actuator did not accept a command, for example on the DAC's bus, or its output as read back differs.
     DacBus,
-    /// The enable line could not be set, or is at another level as it is read back.
+    /// The enable line could not be set, or reads back at another level.
     EnableLine,
     /// The displacement channel is at an end of its range.
     DisplacementClipped,
@@ -24,34 +24,34 @@ pub enum TripCause {
     CommandClipped,
     /// The measured displacement exceeded its limit.
     DisplacementLimit,
-    /// The measured force exceeded its limit, or the force that an emulator was about to drive.
+    /// The measured force exceeded its limit, or the force that a damper emulation was about to drive.
     ForceLimit,
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit,
-    /// Over a cycle outside the ramps, or in a ramp or a streamed motion over as long as it takes to move, the measured displacement answered
-    /// with less than a tenth of the demanded amplitude: a dead actuator or a frozen sensor, at amplitudes too small for the limit on
-    /// tracking. Or it answered with the opposite.
+    /// The measured displacement responded with less than a tenth of the demanded amplitude, or with the opposite sign. The check
+    /// covers a cycle outside the ramps, or, in a ramp or a streamed motion, the time in which the demand moves enough. The cause
+    /// is a dead actuator or a frozen sensor, at amplitudes too small for the limit on tracking.
     NoResponse,
     /// A force or command was infinite or NaN.
     NotFinite,
     /// The displacement channel is stuck, dropped out or frozen.
     DisplacementLost,
-    /// The force channel is stuck or dropped out, or shows a force that is none of the motion: so does a specimen that is not there.
+    /// The force channel is stuck or dropped out, or its force does not follow the motion, as with a missing specimen.
     ForceLost,
-    /// Nothing was heard over the link for too long, or nothing of a streamed motion.
+    /// Nothing was heard over the link for too long, or a streamed motion did not continue.
     LinkLost,
-    /// A tick came late, early, or not at all, as the counter that it is given says, or whoever owns the timer.
+    /// A tick was late, early or missing, according to its counter or to the owner of the timer.
     TickOverrun,
-    /// A streamed motion asked for more than the rig drives: displacement, velocity, or a way too long from knot to knot.
+    /// A streamed motion asked for more than the rig drives: displacement, velocity, or the distance from knot to knot.
     DemandLimit,
-    /// An input outside of this controller says stop: an emergency stop, a guard, a second controller.
+    /// An external stop input is active: an emergency stop, a guard, a second controller.
     External,
-    /// Amplitude's correction asks for more command than [`super::RigSettings::correction_limit`] allows: the displacement channel shows
-    /// too little, or the actuator has become weak.
+    /// The amplitude correction asks for more command than [`super::RigSettings::correction_limit`] allows: the displacement
+    /// channel shows too little, or the actuator has become weak.
     CorrectionLimit,
 }
 
-/// What is allowed, validated.
+/// Limits, validated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     displacement: f32,
@@ -60,24 +60,24 @@ pub(super) struct Limits {
     trip_ticks: u32,
 }
 
-/// What a tick beyond a limit adds to its count, and a tick within takes off: 1. So a limit that is exceeded for more than a ninth of the
-/// time stops the rig, whatever is shown meanwhile: a bad contact, ringing, a channel that drops out.
+/// Increase of a count by a tick beyond its limit; a tick within it decreases the count by 1. A limit exceeded for more than a
+/// ninth of the time thus stops the rig, whatever the other ticks show: a bad contact, ringing, a channel that drops out.
 const BEYOND: u32 = 8;
-/// Part of a limit from which a tick beyond it counts [`MORE`] times: noise does not get there, and what does has to stop before the
-/// channels' lag, or a channel that shows it in one tick of three, has made the trip time longer.
+/// Part of a limit above which a tick counts [`MORE`] times. Noise does not reach it. A value that does must stop the rig before
+/// the lag of the channels, or a channel that shows it in only one tick of three, lengthens the trip time.
 const CLEARLY: f32 = 1.1;
 const MORE: u32 = 4;
 
-/// How long each limit has been exceeded: [`BEYOND`] to the tick, less the ticks within it since.
+/// Counts of exceeded limits: [`BEYOND`] per tick beyond, minus the ticks within since.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Exceeded {
-    /// Of displacement, force and tracking.
+    /// Counts of displacement, force and tracking.
     counts: [u32; 3],
-    /// One of them is above 0.
+    /// Whether one of them is above 0.
     any: bool,
 }
 
-/// What each count stops the rig for, the first one first.
+/// Trip cause of each count, the first with precedence.
 const LIMITS: [TripCause; 3] = [
     TripCause::DisplacementLimit,
     TripCause::ForceLimit,
@@ -99,7 +99,7 @@ impl Fields for Limits {
 }
 
 impl Limits {
-    /// Fields as in [`super::RigSettings`].
+    /// The fields of [`super::RigSettings`].
     pub(super) fn new<R: Real>(
         displacement: R,
         force: R,
@@ -115,28 +115,29 @@ impl Limits {
         })
     }
 
-    /// mm.
+    /// Limit of the displacement, mm.
     pub(super) fn displacement(&self) -> f32 {
         self.displacement
     }
 
-    /// mm.
+    /// Limit of the tracking error, mm.
     pub(super) fn tracking(&self) -> f32 {
         self.tracking
     }
 
-    /// Of displacement and force, mm and kN.
+    /// Limits of displacement and force, mm and kN.
     pub(super) fn allowed(&self) -> [f32; 2] {
         [self.displacement, self.force]
     }
 
-    /// kN.
+    /// Limit of the force, kN.
     pub(super) fn force(&self) -> f32 {
         self.force
     }
 
-    /// The fault, once a limit has been exceeded for `trip_ticks` ticks on end, for a quarter as many by more than a tenth of it, or for more of
-    /// them where one in nine or fewer was within it. NaN exceeds every limit clearly.
+    /// The trip cause, once a limit has been exceeded for `trip_ticks` ticks in a row. A quarter of them is enough for an excess of
+    /// more than a tenth, and correspondingly more are needed if up to one tick in nine is within the limit. NaN clearly exceeds
+    /// every limit.
     #[inline]
     pub(super) fn check(
         &self,
@@ -145,7 +146,7 @@ impl Limits {
         force: f32,
         tracking_error: f32,
     ) -> Option<TripCause> {
-        // A NaN is within none.
+        // NaN is within no limit.
         let within = displacement.abs() <= self.displacement
             && force.abs() <= self.force
             && tracking_error.abs() <= self.tracking;
@@ -155,7 +156,7 @@ impl Limits {
         self.count(exceeded, [displacement, force, tracking_error])
     }
 
-    /// What a tick makes of the counts in which one of them is not 0, or will not be.
+    /// Updates the counts when one of them is not 0, or will not be.
     #[cold]
     #[inline(never)]
     fn count(&self, exceeded: &mut Exceeded, values: [f32; 3]) -> Option<TripCause> {
@@ -181,7 +182,7 @@ impl Limits {
     }
 }
 
-/// A channel at an end of its range.
+/// Trip cause of a channel at an end of its range.
 pub(super) fn clipped(reading: &super::io::Reading) -> Option<TripCause> {
     if reading.displacement.clipped() {
         Some(TripCause::DisplacementClipped)

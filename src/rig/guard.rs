@@ -1,4 +1,4 @@
-//! The guarded command: what the state of [`super::state`] allows to be driven, and the watch over the link and the ticks.
+//! The guarded command: the output that the state of [`super::state`] allows, and the supervision of the link and the ticks.
 
 use super::fault::{TripCause, clipped};
 use super::io::Reading;
@@ -9,12 +9,12 @@ use crate::converter::Scale;
 use crate::error::ConfigError;
 use crate::real::in_range;
 
-/// `stop_ticks` as in [`super::RigSettings`], where they are in range.
+/// `stop_ticks` as in [`super::RigSettings`], if in range.
 pub(super) fn valid_stop_ticks(stop_ticks: u32) -> Result<u32, ConfigError> {
     in_range("stop_ticks", f64::from(stop_ticks), 1.0, 1e7).map(|_| stop_ticks)
 }
 
-/// `link_ticks` as in [`super::RigSettings`], where they are in range.
+/// `link_ticks` as in [`super::RigSettings`], if in range.
 pub(super) fn valid_link_ticks(link_ticks: u32) -> Result<u32, ConfigError> {
     in_range("link_ticks", f64::from(link_ticks), 0.0, 1e7).map(|_| link_ticks)
 }
@@ -23,15 +23,15 @@ pub(super) fn valid_link_ticks(link_ticks: u32) -> Result<u32, ConfigError> {
 pub(super) struct Guard {
     machine: Machine,
     command: f32,
-    /// The command of the tick before: what is driven where the actuator does not take the new one.
+    /// The command of the tick before, which stays the output if the actuator does not accept the new one.
     before: f32,
     /// Ends of the command's range.
     low: f32,
     high: f32,
-    /// By how much the command goes back to 0 per tick once stopped.
+    /// Decrease of the command per tick after a stop.
     stop_step: f32,
     stop_ticks: f32,
-    /// Ticks without an exchange that are too many, 0 where nobody is linked, and those since the last one.
+    /// Number of ticks without an exchange that are too many, 0 without a link, and number since the last exchange.
     link_ticks: u32,
     unlinked: u32,
     pace_config: PaceConfig,
@@ -71,19 +71,19 @@ impl Guard {
         self.machine.state == State::Running
     }
 
-    /// What is driven.
+    /// Present output.
     pub(super) fn driven(&self) -> f32 {
         self.command
     }
 
-    /// What the table makes of `happening`; says whether the state is another.
+    /// Applies `happening` to the state machine; returns whether the state has changed.
     fn happens(&mut self, happening: Happening) -> bool {
         let before = self.machine;
         self.machine = before.after(happening);
         before.state != self.machine.state
     }
 
-    /// Whether [`Guard::start`] would be done.
+    /// Whether [`Guard::start`] would succeed.
     pub(super) fn may_start(&self) -> Result<(), StartRefused> {
         if self.machine.after(Happening::Start) == self.machine {
             Err(StartRefused::of(self.machine.state))
@@ -92,7 +92,7 @@ impl Guard {
         }
     }
 
-    /// From [`State::Idle`] or [`State::Done`], once the command is back at 0.
+    /// Starts from [`State::Idle`] or [`State::Done`], once the command is back at 0.
     pub(super) fn start(&mut self) -> Result<(), StartRefused> {
         self.may_start()?;
         self.happens(Happening::Start);
@@ -101,13 +101,12 @@ impl Guard {
         Ok(())
     }
 
-    /// Ticks of the way back to 0.
+    /// Number of ticks of the return to 0.
     pub(super) fn stop_ticks(&self) -> f32 {
         self.stop_ticks
     }
 
-    /// It has started, and `command` is to be driven from now on. Beyond the range it stops at once, and nothing else is driven than
-    /// before.
+    /// After the start `command` is driven from now on. A command beyond the range stops at once, and the output stays as before.
     pub(super) fn begin_at(&mut self, command: f32) -> Result<(), StartRefused> {
         if !(command >= self.low && command <= self.high) {
             self.trip(TripCause::CommandClipped);
@@ -118,7 +117,7 @@ impl Guard {
         Ok(())
     }
 
-    /// Stops without a fault.
+    /// Stops without a trip cause.
     pub(super) fn stop(&mut self) {
         if self.happens(Happening::Stop) {
             self.come_down();
@@ -141,10 +140,10 @@ impl Guard {
         }
     }
 
-    /// Lets the command go to 0 in a straight line. Not inlined: there are many causes.
+    /// Lets the command return linearly to 0. Not inlined, because it has many callers.
     #[inline(never)]
     fn come_down(&mut self) {
-        // A way back that has begun is not prolonged, and every way ends.
+        // A return in progress is not prolonged, so that every return ends.
         let step = self.command.abs() / self.stop_ticks;
         for least in [step, f32::MIN_POSITIVE] {
             if least > self.stop_step {
@@ -154,7 +153,7 @@ impl Guard {
         self.see_rest();
     }
 
-    /// Not inlined: both ways to come to rest end here.
+    /// Not inlined, because both ways to come to rest end here.
     #[inline(never)]
     fn see_rest(&mut self) {
         if self.command == 0.0 {
@@ -162,7 +161,7 @@ impl Guard {
         }
     }
 
-    /// Whoever is at the other end of the link has been heard.
+    /// The other end of the link was heard.
     pub(super) fn exchange(&mut self) {
         self.unlinked = 0;
     }
@@ -175,7 +174,8 @@ impl Guard {
         }
     }
 
-    /// The tick number `tick`, from 1, at which the caller's counter reads `clock`: one that did not come in time stops it.
+    /// Takes tick number `tick`, from 1, at which the caller's counter reads `clock`: a tick that is not in time stops the
+    /// controller.
     #[inline]
     pub(super) fn pace(&mut self, clock: u32, tick: u64) {
         if !self.pace.tick(&self.pace_config, clock, tick == 1) {
@@ -183,17 +183,17 @@ impl Guard {
         }
     }
 
-    /// Ticks that did not come in time; wraps.
+    /// Ticks that were not in time; wraps.
     pub(super) fn late_ticks(&self) -> u32 {
         self.pace.late()
     }
 
-    /// An input outside of this controller says stop.
+    /// An external stop input is active.
     pub(super) fn external_trip(&mut self) {
         self.trip(TripCause::External);
     }
 
-    /// A tick more without an exchange.
+    /// One more tick without an exchange.
     #[inline]
     pub(super) fn watch_link(&mut self) {
         if self.link_ticks > 0 {
@@ -204,8 +204,8 @@ impl Guard {
         }
     }
 
-    /// Takes what was `read` as the new `reading`, and stops for sensors that fail or a channel at its end; the last reading
-    /// stays where there is no new one.
+    /// Takes `read` as the new `reading`, and stops for failed sensors or a channel at the end of its range. Without a new reading
+    /// the last one stays.
     #[inline]
     pub(super) fn take(&mut self, read: Option<Reading>, reading: &mut Reading) {
         match read {
@@ -219,7 +219,7 @@ impl Guard {
         }
     }
 
-    /// Whether [`Guard::clear`] would be done.
+    /// Whether [`Guard::clear`] would succeed.
     pub(super) fn may_clear(&self) -> Result<(), ClearRefused> {
         let cleared = self.machine.after(Happening::Clear);
         if cleared == self.machine {
@@ -236,12 +236,12 @@ impl Guard {
         Ok(())
     }
 
-    /// What is driven next: `demanded` where running, the way back to 0 where not.
+    /// The next output: `demanded` while running, else the return to 0.
     #[inline]
     pub(super) fn command(&mut self, demanded: f32) {
         self.before = self.command;
         if self.is_running() {
-            // A NaN is in no range.
+            // NaN is in no range.
             if demanded >= self.low && demanded <= self.high {
                 self.command = demanded;
             } else {
@@ -252,8 +252,8 @@ impl Guard {
         }
     }
 
-    /// Stops for a demand beyond the range, and drives its end; from there the way back begins. One that is not finite is not
-    /// driven at all.
+    /// Stops for a demand beyond the range, and drives the end of the range, where the return begins. A demand that is not finite
+    /// is not driven at all.
     #[cold]
     #[inline(never)]
     fn refuse(&mut self, demanded: f32) {
@@ -280,7 +280,7 @@ impl Guard {
         self.see_rest();
     }
 
-    /// The actuator did not take the command of this tick: it goes on with the one before, and the way back begins there.
+    /// The actuator did not accept the command of this tick: it keeps the one before, and the return begins there.
     #[cold]
     #[inline(never)]
     pub(super) fn command_failed(&mut self) {
@@ -291,7 +291,7 @@ impl Guard {
         self.trip(TripCause::DacBus);
     }
 
-    /// What is driven, as it is read back, is not the command. The way back does not wait for it.
+    /// The output as read back is not the command. A return continues.
     #[cold]
     pub(super) fn command_unverified(&mut self) {
         self.trip(TripCause::DacBus);
@@ -318,7 +318,7 @@ mod tests {
         guard
     }
 
-    /// What is driven after `demanded`, and whether it runs.
+    /// The output after `demanded`, and whether the controller runs.
     fn driven(guard: &mut Guard, demanded: f32) -> (f32, bool) {
         guard.command(demanded);
         (guard.driven(), guard.is_running())
@@ -330,7 +330,7 @@ mod tests {
         for demanded in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let mut guard = started(2);
             assert_eq!(driven(&mut guard, 0.5), (0.5, true));
-            // On the way back from it in two ticks.
+            // Returns from there in two ticks.
             assert_eq!(driven(&mut guard, demanded), (0.25, false));
             assert_eq!(guard.state(), State::Faulted(TripCause::NotFinite));
             assert_eq!(driven(&mut guard, demanded), (0.0, false));
@@ -354,7 +354,7 @@ mod tests {
         }
     }
 
-    /// The way back that ended only in the controller's mind has not ended.
+    /// A return that ended only in the controller's state has not ended.
     #[test]
     fn a_command_that_was_not_taken_does_not_count() {
         let mut guard = started(4);
@@ -372,9 +372,9 @@ mod tests {
         assert_eq!(guard.clear(), Ok(()));
     }
 
-    /// A late tick stops what runs, and is counted always.
+    /// A late tick stops a running controller, and is always counted.
     #[test]
-    fn a_late_tick_stops_what_runs() {
+    fn a_late_tick_stops_a_running_controller() {
         let mut guard = Guard::new(&Scale::new(1.0, 0.0).unwrap(), 2, 0, paced());
         for (tick, clock) in (1..).zip([7, 8, 10]) {
             guard.pace(clock, tick);

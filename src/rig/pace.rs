@@ -1,4 +1,4 @@
-//! Whether ticks come in time, by a counter that whoever calls them reads at each.
+//! Checks that ticks are in time, with a counter that the caller reads at each tick.
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
@@ -6,14 +6,14 @@ use crate::real::in_range;
 
 /// Fastest counter, Hz.
 const FASTEST: f64 = 4e9;
-/// Most counts of a tick: one and a half of it stay below the counter's 2³².
+/// Most counts per tick: one and a half times this is below the counter's 2³².
 const MOST_COUNTS: f64 = 2e9;
 
-/// Of how many counts a tick may be, validated: with p counts to the tick from ⌈p/2⌉ to ⌊3p/2⌋.
+/// Permitted counts of a tick, validated: with p counts per tick from ⌈p/2⌉ to ⌊3p/2⌋.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PaceConfig {
     least: u32,
-    /// The most less the least: one comparison serves for both.
+    /// The most minus the least, so that one comparison checks both.
     span: u32,
 }
 
@@ -27,7 +27,7 @@ impl PaceConfig {
             let fastest = FASTEST.min(MOST_COUNTS * tick_rate);
             in_range("clock_rate", clock_rate, tick_rate, fastest)? / tick_rate
         };
-        // The casts cut off: the half is rounded up, as one and a half are rounded down.
+        // The casts truncate: half a tick is rounded up, and one and a half is rounded down.
         let below = (0.5 * counts) as u32;
         let half = f64::from(below);
         let rounded = half < 0.5 * counts;
@@ -38,8 +38,8 @@ impl PaceConfig {
         })
     }
 
-    /// Whether there is a number p of counts to the tick, at least 1, that these are the limits of: with 2·(least − 1) < p ≤ 2·least
-    /// follows 3·(least − 1) ≤ most ≤ 3·least.
+    /// Whether these limits belong to a number p of counts per tick, at least 1: from 2·(least − 1) < p ≤ 2·least follows 3·(least
+    /// − 1) ≤ most ≤ 3·least.
     fn is_sound(self) -> bool {
         let (least, span) = (u64::from(self.least), u64::from(self.span));
         least >= 1 && span + 3 >= 2 * least && span <= 2 * least
@@ -57,7 +57,7 @@ impl Fields for PaceConfig {
     }
 }
 
-/// What the counter said, and how many ticks came late or early.
+/// The last count, and the number of late or early ticks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
     last: u32,
@@ -65,12 +65,12 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// A tick, at which the counter reads `clock`: whether it came in time. The `first` one does, whatever the counter reads.
+    /// Takes a tick at which the counter reads `clock`; returns whether it was in time. The `first` one always is.
     #[inline]
     pub(super) fn tick(&mut self, config: &PaceConfig, clock: u32, first: bool) -> bool {
         let elapsed = clock.wrapping_sub(self.last);
         self.last = clock;
-        // What is less than the least wraps.
+        // A difference below the least wraps.
         if elapsed.wrapping_sub(config.least) <= config.span || first {
             return true;
         }
@@ -78,7 +78,7 @@ impl Pace {
         false
     }
 
-    /// Ticks that did not come in time; wraps.
+    /// Ticks that were not in time; wraps.
     pub(super) fn late(&self) -> u32 {
         self.late
     }
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(limits(10_000.0, 0.0), [1, 1]);
         assert_eq!(limits(10_000.0, 10_000.0), [1, 1]);
         assert_eq!(limits(10_000.0, 168e6), [8_400, 25_200]);
-        // 1.5, 3 and 3.1 counts to the tick.
+        // 1.5, 3 and 3.1 counts per tick.
         assert_eq!(limits(2.0, 3.0), [1, 2]);
         assert_eq!(limits(1.0, 3.0), [2, 4]);
         assert_eq!(limits(10.0, 31.0), [2, 4]);
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn the_first_tick_is_not_judged_and_the_counter_wraps() {
         let config = PaceConfig::new(1000.0, 10_000.0).unwrap();
-        // Wherever the counter stands, also where it happens to be in time.
+        // For any count, also one that happens to be in time.
         for start in [0, 10, 12_345, u32::MAX] {
             let mut pace = Pace::default();
             let mut clock = start;

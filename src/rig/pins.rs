@@ -1,5 +1,5 @@
-//! Pins that supervise a rig, each beside any sensors or any actuator: an external trip, a read-back of the enable line, and an
-//! alive signal.
+//! Pins that supervise a rig, for any sensors and any actuator: an external trip, a read-back of the enable line, and an alive
+//! signal.
 
 #[cfg(feature = "async")]
 mod asynchronous;
@@ -8,7 +8,7 @@ use embedded_hal::digital::{InputPin, OutputPin, PinState};
 
 use super::io::{Actuator, Reading, Sensors};
 
-/// What failed of a part with a pin beside it.
+/// Failure of a part with an additional pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -21,22 +21,22 @@ pub enum PinError<T, P> {
     Level,
 }
 
-/// Sensors with an input that says stop: see [`Sensors::is_tripped`].
+/// Sensors with a stop input: see [`Sensors::is_tripped`].
 ///
-/// The pin is sampled once a tick. What is shorter than a tick may go unseen: the source holds its level, as a relay of an emergency
-/// stop does.
+/// The pin is sampled once per tick, and a pulse shorter than a tick may be missed. The source must hold its level, as the relay of
+/// an emergency stop does.
 #[derive(Clone, Debug)]
 pub struct WithTrip<S, P> {
     /// The sensors.
     pub sensors: S,
     /// The input.
     pub pin: P,
-    /// Its level that says stop.
+    /// Its level at which the input is active.
     pub active: PinState,
 }
 
 impl<S, P> WithTrip<S, P> {
-    /// Low says stop: a source that holds the line high while all is well, and a pull-down at the pin, make a broken wire a stop.
+    /// Active low. With a source that holds the line high while all is well, and a pull-down at the pin, a broken wire is a stop.
     pub fn new(sensors: S, pin: P) -> Self {
         Self {
             sensors,
@@ -80,20 +80,20 @@ impl<S: Sensors, P: InputPin> Sensors for WithTrip<S, P> {
 
 /// An actuator whose enable line is read back: see [`Actuator::verify_enable`].
 ///
-/// The pin senses the line as near to the actuator as it can be, so that the driver and the wire are within what is seen. It must
-/// follow the line within the time between two calls, about 1 µs: a relay's contact does not.
+/// The pin must sense the line as close to the actuator as possible, so that the read-back covers the driver and the wire. It must
+/// follow the line within the time between two calls, about 1 µs, which a relay's contact does not.
 #[derive(Clone, Debug)]
 pub struct WithReadBack<A, P> {
     /// The actuator.
     pub actuator: A,
     /// The input at the line.
     pub pin: P,
-    /// Its level where the actuator is enabled.
+    /// Its level while the actuator is enabled.
     pub enabled: PinState,
 }
 
 impl<A, P> WithReadBack<A, P> {
-    /// High where the actuator is enabled. What inverts, as an optocoupler does, has [`WithReadBack::enabled`] low.
+    /// High while the actuator is enabled. For an inverting part, such as an optocoupler, set [`WithReadBack::enabled`] to low.
     pub fn new(actuator: A, pin: P) -> Self {
         Self {
             actuator,
@@ -146,11 +146,10 @@ impl<A: Actuator, P: InputPin> Actuator for WithReadBack<A, P> {
     }
 }
 
-/// An actuator with an alive signal: its pin changes its level at the end of each tick that did all it had to. See
-/// [`Actuator::alive`].
+/// An actuator with an alive signal: its pin toggles at the end of each tick that did all of its work. See [`Actuator::alive`].
 ///
-/// An external watchdog takes the actuator's power away where the level has not changed for some ticks. It should wait for at least
-/// three, because one late tick changes nothing, and should ask for edges, because a stuck level is no life.
+/// An external watchdog cuts the actuator's power if the level has not changed for some ticks. It should wait for at least three,
+/// because one late tick must not trigger it, and should require edges, because a stuck level is no sign of life.
 #[derive(Clone, Debug)]
 pub struct WithAlive<A, P> {
     /// The actuator.
@@ -161,7 +160,7 @@ pub struct WithAlive<A, P> {
 }
 
 impl<A, P> WithAlive<A, P> {
-    /// The first whole tick sets `pin` high.
+    /// The first complete tick sets `pin` high.
     pub fn new(actuator: A, pin: P) -> Self {
         Self {
             actuator,

@@ -1,11 +1,11 @@
-//! Why a controller does not start, or does not forget its fault.
+//! Why a controller does not start, or does not clear its fault.
 
 use core::fmt;
 
 use super::fault::TripCause;
 use super::state::State;
 
-/// Why a controller does not start. It goes on as before.
+/// Why a controller does not start. It continues as before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -19,7 +19,7 @@ pub enum StartRefused {
 }
 
 impl StartRefused {
-    /// Of a controller in this state, where a start changed nothing.
+    /// Reason of a controller in this state, for a start without effect.
     pub(super) fn of(state: State) -> Self {
         match state {
             State::Running => Self::Running,
@@ -43,7 +43,7 @@ impl fmt::Display for StartRefused {
 
 impl core::error::Error for StartRefused {}
 
-/// Why a controller does not forget its fault.
+/// Why a controller does not clear its fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -52,13 +52,13 @@ pub enum ClearRefused {
     NoFault,
     /// The command is not yet back at 0.
     Moving,
-    /// It stays stopped, because this is in the way: the external trip is active, the enable line does not drop, or a part cannot
-    /// be set up again. The cause that it stopped for stays.
+    /// It stays stopped for this reason: the external trip is active, the enable line does not drop, or a part cannot be set up
+    /// again. The trip cause stays.
     Faulted(TripCause),
 }
 
 impl ClearRefused {
-    /// Of a controller in this state, where a clear changed nothing.
+    /// Reason of a controller in this state, for a clear without effect.
     pub(super) fn of(state: State) -> Self {
         match state {
             State::Faulted(_) => Self::Moving,

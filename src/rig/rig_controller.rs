@@ -1,4 +1,4 @@
-//! The controller that excites a specimen and runs the law beside it.
+//! The controller that excites a specimen and evaluates the law alongside it.
 
 use core::borrow::{Borrow, BorrowMut};
 
@@ -21,14 +21,15 @@ use crate::health::{Change, Channel, Ended, Event, HealthConfig, HealthMonitor, 
 use crate::observer::{Observer, ObserverConfig};
 use crate::sine::{Excitation, Programme, SineGenerator};
 
-/// `cargo hil bench` counts the tick without the monitor too: what that costs is the difference. It has the compiler set
-/// `unmonitored` for an image of its own; no feature does, so that no crate takes the monitor away from another's rig.
+/// `cargo hil bench` also counts the tick without the health monitor; the difference is the monitor's cost. It sets `unmonitored`
+/// through the compiler for a separate image. It is not a feature, so that no crate can remove the monitor from another crate's
+/// rig.
 const MONITORED: bool = !cfg!(unmonitored);
 
-/// Part of the displacement's limit within which the piston is at the exciter's start.
+/// Part of the displacement's limit within which the piston counts as being at the exciter's start.
 const APPROACHED: f32 = 0.02;
 
-/// What stops the rig where a channel is lost.
+/// The trip cause when a channel is lost.
 fn trip_of(channel: Channel) -> TripCause {
     match channel {
         Channel::Displacement => TripCause::DisplacementLost,
@@ -38,11 +39,11 @@ fn trip_of(channel: Channel) -> TripCause {
 
 /// The [`Controller`] of a rig with up to `N` effects in its law, driven by the [`Exciter`] `X`.
 ///
-/// It owns programme and law, or borrows them: with 2 KiB to sixteen blocks and 6 KiB of law they are what does not fit on a
-/// small stack, and firmware keeps them in statics.
+/// It owns programme and law, or borrows them. Sixteen blocks take 2 KiB and a law 6 KiB, too much for a small stack, so firmware
+/// keeps them in statics.
 #[derive(Debug)]
-// What every tick needs comes first, within reach of a load's offset: by the compiler's order a tick takes up to 40
-// instructions more or less with the size of any field.
+// The fields of every tick come first, within the offset of a load. In the compiler's order a tick takes up to 40 instructions more
+// or less, depending on the size of any field.
 #[repr(C)]
 pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
     limits: Limits,
@@ -59,9 +60,9 @@ pub struct RigController<const N: usize, X, L = RunningLaw<N>> {
     temperature: Temperature,
     temperature_config: TemperatureConfig,
     approach: Approach,
-    /// The last tick had a reading, and there was no clear since.
+    /// Whether the last tick had a reading, without a clear since.
     is_seen: bool,
-    /// The next start keeps what the correction has learned.
+    /// The next start keeps the learned correction.
     keeps: bool,
     exciter: X,
     law: L,
@@ -74,7 +75,7 @@ where
     P: Borrow<Programme<B>>,
     L: BorrowMut<RunningLaw<N>>,
 {
-    /// Idle. Ticks run at the programme's rate. `programme` and `law` are either what they are called or references to it.
+    /// Idle. Ticks run at the programme's rate. `programme` and `law` are either values or references.
     ///
     /// # Errors
     /// A setting that is not finite or out of range; a programme without blocks.
@@ -100,8 +101,8 @@ where
     X: Exciter,
     L: BorrowMut<RunningLaw<N>>,
 {
-    /// [`RigController::new`] with any exciter in the place of a programme's generator. Ticks run at the exciter's rate, which is
-    /// to be that of `config`.
+    /// [`RigController::new`] with any exciter in place of a programme's generator. Ticks run at the exciter's rate, which must be
+    /// that of `config`.
     #[inline(always)]
     pub fn with_exciter(config: &RigConfig, wiring: &Wiring, exciter: X, law: L) -> Self {
         Self {
@@ -137,7 +138,7 @@ where
         }
     }
 
-    /// What drives it, to give a [`super::Stream`] its knots. Changing it otherwise while running may demand a step.
+    /// The exciter, for example to give a [`super::Stream`] its knots. Other changes while running may demand a step.
     pub fn exciter(&mut self) -> &mut X {
         &mut self.exciter
     }
@@ -147,17 +148,17 @@ where
         self.health.events()
     }
 
-    /// Forgets all events; what is now counts as normal.
+    /// Drops all events; the present condition becomes the normal one.
     pub fn clear_events(&mut self) {
         self.health.clear();
     }
 
-    /// Another law from the end of this cycle on, or from the start where not running; see [`RigController::law`]. What its
-    /// effects remember is kept where they are of the same kinds in the same order as before. The monitor learns what is
-    /// normal beside it once more, and what begins with the swap is normal.
+    /// Swaps the law at the end of this cycle, or at the start if not running; see [`RigController::law`]. Effects keep their state
+    /// if they are of the same kinds in the same order. The health monitor learns the normal state again with the new law, and
+    /// takes changes that begin with the swap as normal.
     ///
-    /// It is taken as it is. A pack that is loaded is checked to be passive; a law that comes from elsewhere is by
-    /// [`Passivity::check`](crate::passivity::Passivity::check), beforehand.
+    /// The law is used as given. A law loaded from a pack has been checked for passivity. Check any other law with
+    /// [`Passivity::check`](crate::passivity::Passivity::check) before.
     pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }
@@ -165,7 +166,7 @@ where
     /// [`RigController::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
     ///
     /// # Errors
-    /// That of `write`; no law waits then, and the one in force stays.
+    /// The error of `write`; no law waits then, and the one in force stays.
     pub fn swap_law_with<F>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
@@ -176,7 +177,7 @@ where
     /// [`RunningLaw::swap_in_slices`]: [`RigController::swap_law`] with a law that is written slice by slice, between ticks.
     ///
     /// # Errors
-    /// That of `write`; no law waits then, and the one in force stays.
+    /// The error of `write`; no law waits then, and the one in force stays.
     pub fn swap_law_in_slices<T, F>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<Option<T>, F>,
@@ -184,7 +185,7 @@ where
         self.law.borrow_mut().swap_in_slices(write)
     }
 
-    /// The law in force, as it was given.
+    /// The law in force, as given.
     pub fn law(&self) -> &FastLaw<N> {
         self.law.borrow().law()
     }
@@ -194,27 +195,27 @@ where
         self.law.borrow().is_waiting()
     }
 
-    /// By how much the law in force differs from that, which slow changes of the specimen have led to.
+    /// Adaptation to slow changes of the specimen: relative difference between the law in force and the law as given.
     pub fn followed(&self) -> Adaptation {
         self.law.borrow().followed()
     }
 
-    /// Temperature for the law's effects, °C; 20 until set. One that cannot be, by [`RigSettings::temperature_range`] and
-    /// [`RigSettings::temperature_rate`], is not taken, and is an event of its own.
+    /// Sets the temperature for the law's effects, °C; 20 until set. A value that [`RigSettings::temperature_range`] or
+    /// [`RigSettings::temperature_rate`] rules out is ignored, and reported as an event.
     pub fn set_temperature(&mut self, temperature: f32) {
         let moving = self.guard.is_running();
         self.temperature
             .show(&self.temperature_config, temperature, moving);
     }
 
-    /// The next start begins with what amplitude's correction has learned so far. Without it every start begins as the first one: what was
-    /// learned beside a bad sensor would have the repaired rig go too far.
+    /// The next start keeps the amplitude correction learned so far. Without this call every start begins like the first one,
+    /// because a correction learned with a bad sensor would drive the repaired rig too far.
     pub fn keep_correction(&mut self) {
         self.keeps = true;
     }
 
-    /// A channel did what asks for a look, beside the demand of this tick and the law's force of the one before: stops for a
-    /// sensor that is lost; whatever else is found, the rig goes on.
+    /// Examines a change of a channel against the demand of this tick and the law's force of the one before. Stops for a lost
+    /// sensor; for any other fault the rig continues.
     #[cold]
     #[inline(never)]
     fn look_at_channels(&mut self, changes: [Change; 2]) -> Option<Event> {
@@ -227,7 +228,7 @@ where
         self.health.take_fresh()
     }
 
-    /// A close look at this tick. An `event` of its own is reported as soon as there is no other.
+    /// Takes a close look at this tick. If there is another event, its own `event` is reported later.
     #[cold]
     #[inline(never)]
     fn look(
@@ -271,7 +272,7 @@ where
         }
     }
 
-    /// Why it must not start with what the last tick read, if that read anything.
+    /// Reason not to start with the last tick's reading, if there was one.
     #[cold]
     #[inline(never)]
     fn unfit(&self) -> Option<TripCause> {
@@ -284,7 +285,7 @@ where
                 force,
                 ..
             } = &self.reading;
-            // A NaN is within no limit.
+            // NaN is within no limit.
             let is_near = displacement.value.abs() <= self.limits.tracking();
             let is_bearable = force.value.abs() <= self.limits.force();
             match (is_near, is_bearable) {
@@ -295,11 +296,12 @@ where
         })
     }
 
-    /// Where the piston is as it starts: from there it goes to the exciter's start first.
+    /// Takes the piston's position at the start: from there it first goes to the exciter's start.
     #[cold]
     #[inline(never)]
     fn begin(&mut self) {
-        // A channel that lies has it jump by as much as it says: no further than the limit of tracking, which stops it else.
+        // With a wrong reading the command jumps by the error. The jump is at most the limit of tracking; a larger one stops the
+        // rig.
         let displacement = self.reading.displacement.value;
         let displacement = if displacement.abs() > self.limits.tracking() {
             0.0
@@ -339,7 +341,7 @@ where
         }
     }
 
-    /// It does not run: what the fault that it `was_running` into says, and what is left to tell.
+    /// The controller does not run: reports the fault that stopped it if it `was_running`, and events not yet reported.
     #[cold]
     #[inline(never)]
     fn attend(&mut self, was_running: bool, event: &mut Option<Event>) {
@@ -358,13 +360,13 @@ where
     X: Exciter,
     L: BorrowMut<RunningLaw<N>>,
 {
-    /// Begins the programme or the motion from its start, once the piston is there: it goes there from where it is within
-    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next tick,
-    /// its place is unknown: the servo takes it to 0, and it starts where the first tick finds it.
+    /// Begins the programme or the motion from its start, once the piston is there. The piston goes there from its position within
+    /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next
+    /// tick, the position is unknown: the servo takes the piston to 0, and the rig starts from the position of the first tick.
     ///
-    /// A piston that is further away than [`RigSettings::tracking_limit`] is [`TripCause::TrackingLimit`]: it is to be brought nearer by
-    /// hand. It also stops for a force beyond its limit, a channel at an end of its range and a way that begins beyond the command's
-    /// range. The correction begins as the first time, unless [`RigController::keep_correction`] was called.
+    /// A piston that is further away than [`RigSettings::tracking_limit`] gives [`TripCause::TrackingLimit`]: move it nearer by
+    /// hand. A force beyond its limit, a channel at an end of its range and a way that begins beyond the command's range also stop
+    /// the rig. The correction begins as at the first start, unless [`RigController::keep_correction`] was called.
     fn start(&mut self) -> Result<(), StartRefused> {
         self.guard.may_start()?;
         if let Some(cause) = self.unfit() {
@@ -386,7 +388,7 @@ where
         self.health.restart();
         self.approach = Approach::DUE;
         if self.is_seen {
-            // What is driven before the first tick is where the piston is.
+            // The output before the first tick is the piston's position.
             self.begin();
             let excitation = Excitation {
                 displacement: self.approach.left(),
@@ -407,7 +409,7 @@ where
 
     fn clear(&mut self) -> Result<(), ClearRefused> {
         self.guard.clear()?;
-        // What a part read before it was set up again is nothing.
+        // A reading from before the part was set up again is not valid.
         self.is_seen = false;
         Ok(())
     }
@@ -439,7 +441,7 @@ where
         self.guard.take(reading, &mut self.reading);
         let displacement = self.reading.displacement.value;
         let measured_force = self.reading.force.value;
-        // The cycle that ends with this tick is of the block before it.
+        // The cycle that ends with this tick belongs to the block before it.
         let before = self.excitation;
         let mut event = None;
         if self.guard.is_running() {
@@ -522,7 +524,7 @@ where
                     ),
                 });
             }
-            // A motion without cycles is looked at as often as one of 1024 ticks to the cycle.
+            // A motion without cycles is looked at as often as one with 1024 ticks per cycle.
             let phase = if self.exciter.has_phase() {
                 excitation.phase
             } else {

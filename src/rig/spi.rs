@@ -32,14 +32,14 @@ pub struct SpiActuator<D, E> {
 }
 
 impl<D, E> SpiActuator<D, E> {
-    /// The scale of `dac` is that of the command, in mm, or in kN of a damper emulation. `enable` is high where the actuator may
+    /// The scale of `dac` is that of the command, in mm, or in kN in a damper emulation. `enable` is high while the actuator may
     /// move.
     pub fn new(dac: Ad5761<D>, enable: E) -> Self {
         Self { dac, enable }
     }
 }
 
-/// What failed of a [`SpiActuator`].
+/// Failure of a [`SpiActuator`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -99,8 +99,8 @@ where
     P: Borrow<Programme<B>>,
     L: BorrowMut<RunningLaw<N>>,
 {
-    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme`
-    /// and `law` are either what they are called or references to it.
+    /// Idle, enable line low. The DAC's scale is that of the command in mm. Ticks run at the programme's rate. `programme` and
+    /// `law` are either values or references.
     ///
     /// # Errors
     /// A setting that is not finite or out of range; a programme without blocks.
@@ -116,7 +116,7 @@ where
         Self::with_config(adc, dac, enable, &config, programme, law)
     }
 
-    /// [`Rig::new`] with settings as they are at the programme's tick rate.
+    /// [`Rig::new`] with settings converted for the programme's tick rate.
     ///
     /// # Errors
     /// A programme without blocks.
@@ -128,7 +128,7 @@ where
         programme: P,
         law: L,
     ) -> Result<Self, ConfigError> {
-        // What may fail comes first, so that the rest is built where it will be.
+        // Calls that may fail come first, so that the rest is built in its final place.
         let generator = SineGenerator::new(programme)?;
         let wiring = wiring(&adc, &dac);
         let controller = RigController::with_exciter(config, &wiring, generator, law);
@@ -143,7 +143,7 @@ where
     E: OutputPin,
     L: TickLaw,
 {
-    /// Idle, enable line low. The DAC's scale is that of the force in kN. `law` is what is called so or a reference to it.
+    /// Idle, enable line low. The DAC's scale is that of the force in kN. `law` is the law or a reference to it.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.

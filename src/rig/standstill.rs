@@ -1,36 +1,38 @@
 //! Standstill and plausibility of a damper emulation.
 //!
-//! - **Rest.** c·|v|^α·sgn v makes of a channel's noise at standstill a force of c·(its velocity)^α that changes sign at each sample. A
-//!   displacement that has stayed within a band for a while is at rest, and its velocity is taken as 0 until it leaves the band. The band
-//!   follows it, with a time constant of [`REST`].
-//! - **A channel that is frozen.** Every live channel has noise in its last bit. One that shows the very same code for too long is stuck.
-//! - **An actuator that is dead.** The measured force is held against the command of the tick before: a tick whose difference is more than
-//!   [`MISSED`] of the command and [`LEAST_MISSED`] of the limit adds 1 to a count, and another takes 1 off.
+//! - **Rest.** At standstill a channel's noise makes c·|v|^α·sgn v a force of c·(its velocity)^α that changes sign with each
+//!   sample. A displacement that has stayed within a band for a while is therefore at rest, and its velocity is taken as 0 until it
+//!   leaves the band. The band follows it, with a time constant of [`REST`].
+//! - **A frozen channel.** Every live channel has noise in its last bit. A channel that repeats the same code for too long is
+//!   stuck.
+//! - **A dead actuator.** The measured force is compared with the command of the tick before. A tick whose difference exceeds
+//!   [`MISSED`] of the command and [`LEAST_MISSED`] of the limit increases a count by 1, and any other tick decreases it by 1.
 
 use super::fault::TripCause;
 use super::io::Reading;
 use crate::error::ConfigError;
 use crate::real::in_range;
 
-/// s of standstill after which it is rest. At the turn of a motion of A at ω the displacement stays within ±b for 4·√(b/A)/ω: 14 ms of 0.1 mm
-/// at 3 Hz with the usual band.
+/// Time of standstill after which the displacement is at rest, s. At the reversal of a motion of A at ω the displacement stays
+/// within ±b for 4·√(b/A)/ω: 14 ms for 0.1 mm at 3 Hz with the usual band.
 const REST: f64 = 0.05;
-/// Part of the command that the measured force may miss, and of the force's limit.
+/// Permitted difference of the measured force, as parts of the command and of the force's limit.
 const MISSED: f32 = 0.7;
 const LEAST_MISSED: f32 = 0.02;
-/// s for which it must miss that. An actuator with a phase lag of 40° misses it for 4 ticks in 10 of a sine.
+/// Time of too large a difference after which the actuator is dead, s. An actuator with a phase lag of 40° has such a difference
+/// for 4 ticks in 10 of a sine.
 const DEAD: f64 = 0.1;
 
-/// What [`super::DamperEmulationSettings`] say of it, at a tick rate.
+/// The relevant [`super::DamperEmulationSettings`], at a tick rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StandstillConfig {
-    /// Half width, mm; 0 where nothing is rest.
+    /// Half width, mm; 0 without a rest band.
     band: f32,
     rest_ticks: u32,
-    /// Part of the way by which the band's middle follows in a tick: a displacement that comes to rest near its edge shall not leave it by
-    /// its noise.
+    /// Part of the distance by which the middle of the band follows per tick, so that the noise of a displacement that comes to
+    /// rest near the edge does not take it out of the band.
     follow: f32,
-    /// 0 where nothing is stuck.
+    /// 0 if the channel is not checked.
     stuck_ticks: u32,
     dead_ticks: u32,
     least_missed: f32,
@@ -56,10 +58,10 @@ impl StandstillConfig {
     }
 }
 
-/// What it has seen.
+/// State of the checks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Standstill {
-    /// Middle of the band that the displacement is in, mm, and for how many ticks.
+    /// Middle of the band that contains the displacement, mm, and the number of ticks for which it has.
     middle: f32,
     still: u32,
     code: u16,
@@ -82,7 +84,7 @@ impl Standstill {
         self.still >= config.rest_ticks
     }
 
-    /// One tick of a running emulation, in kN: why it must stop, where it must.
+    /// Checks one tick of a running emulation, in kN; returns the trip cause, if there is one.
     #[inline]
     pub(super) fn check(
         &mut self,
@@ -109,7 +111,7 @@ impl Standstill {
         (self.missed >= config.dead_ticks).then_some(TripCause::NoResponse)
     }
 
-    /// It starts: what it has missed before does not count.
+    /// The emulation starts: earlier differences do not count.
     pub(super) fn restart(&mut self) {
         self.held = 0;
         self.missed = 0;

@@ -1,15 +1,15 @@
-//! What a rig is doing, as a machine of states: one table says what becomes of each at each event.
+//! The state machine of a rig: one table gives the next state for each state and event.
 //!
-//! The diagram stands at [`super`].
+//! The diagram is at [`super`].
 //!
-//! Moving is the command's way back to 0, which ends after `stop_ticks` whatever happens on it; the enable line is high while
-//! running and low in every other state, from the very tick of the event. From a fault nothing leads back but the explicit
-//! clear, and that only at rest. An event that a state has no arrow for changes nothing: a trip while faulted leaves the first
-//! cause, a start while moving is refused.
+//! Moving is the return of the command to 0, which ends after `stop_ticks` whatever happens meanwhile. The enable line is high
+//! while running and low in every other state, from the very tick of the event. Only an explicit clear leaves a fault, and only at
+//! rest. An event for which a state has no arrow changes nothing: a trip while faulted keeps the first cause, and a start while
+//! moving is refused.
 
 use super::fault::TripCause;
 
-/// What a rig is doing.
+/// State of a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,20 +24,20 @@ pub enum State {
     Faulted(TripCause),
 }
 
-/// What happens to a rig.
+/// Event for the state machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Happening {
-    /// It is asked to run.
+    /// Request to start.
     Start,
-    /// It is asked to stop.
+    /// Request to stop.
     Stop,
     /// The programme is over.
     Finish,
-    /// Something is wrong.
+    /// A trip cause.
     Trip(TripCause),
     /// The command is back at 0.
     AtRest,
-    /// It is told that what was wrong has been seen.
+    /// Request to clear the fault.
     Clear,
 }
 
@@ -49,13 +49,13 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    /// Idle. The command counts as moving until it is seen to be at 0.
+    /// Idle. The command counts as moving until it is known to be at 0.
     pub(super) const NEW: Self = Self {
         state: State::Idle,
         resting: false,
     };
 
-    /// The table.
+    /// The transition table.
     pub(super) fn after(self, happening: Happening) -> Self {
         use Happening::{AtRest, Clear, Finish, Start, Stop, Trip};
         use State::{Done, Faulted, Idle, Running};
@@ -102,7 +102,7 @@ mod tests {
     ];
     const HAPPENINGS: [Happening; 6] = [Start, Stop, Finish, Trip(OTHER), AtRest, Clear];
 
-    /// Each state's row, in the order of [`HAPPENINGS`], written out; a dash is where nothing changes.
+    /// Each state's row, in the order of [`HAPPENINGS`], written out; a dash means no change.
     #[test]
     fn every_transition_is_that_of_the_diagram() {
         let tripped = |resting| Some(at(Faulted(OTHER), resting));
@@ -144,7 +144,7 @@ mod tests {
         }
     }
 
-    /// Of all ways of six events from all states: only a start at rest leads to running, and only a clear at rest out of a
+    /// For all sequences of six events from all states: only a start at rest leads to running, and only a clear at rest leaves a
     /// fault.
     #[test]
     fn nothing_but_a_clear_leads_out_of_a_fault() {

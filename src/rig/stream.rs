@@ -1,21 +1,21 @@
 //! Any motion as an excitation: a host streams it, a few points ahead.
 //!
-//! The host gives displacement and velocity at every `knot_ticks`-th tick, a [`Knot`]. From knot to knot the demand is the
-//! cubic that meets both, so that position and velocity have no step and the link carries a knot instead of every tick. A motion of
-//! angular frequency ω is met within (ω·T)⁴/384 of its amplitude, T the time from knot to knot: 6e-7 at 20 Hz and 1 ms.
+//! The host gives displacement and velocity at every `knot_ticks`-th tick, a [`Knot`]. From knot to knot the demand is the cubic
+//! that meets both. Position and velocity thus have no step, and the link carries one knot in place of many ticks. For a motion of
+//! angular frequency ω the error is within (ω·T)⁴/384 of its amplitude, with T the time from knot to knot: 6e-7 at 20 Hz and 1 ms.
 //!
-//! What the rig demands stays its own decision:
+//! The rig still decides what it demands:
 //!
-//! - A knot beyond the limits of displacement or velocity, or one that no velocity within its limit can reach in time, stops
-//!   the rig with [`TripCause::DemandLimit`].
-//! - Where the next knot is not there in time, the demand slows down to a hold: v = v₀·(1 − s)² over the part s of
-//!   `hold_ticks`, which has no step in velocity and goes v₀·`hold_ticks`/3 further. A knot that comes meanwhile is followed from
-//!   there. If none has come by then the rig stops with [`TripCause::LinkLost`].
+//! - A knot beyond the limits of displacement or velocity, or one that no velocity within its limit can reach in time, stops the
+//!   rig with [`TripCause::DemandLimit`].
+//! - If the next knot does not arrive in time, the demand slows down to a hold: v = v₀·(1 − s)² over the part s of `hold_ticks`.
+//!   This has no step in velocity, and goes v₀·`hold_ticks`/3 further. A knot that arrives meanwhile is followed from there. If
+//!   none has arrived by then, the rig stops with [`TripCause::LinkLost`].
 //!
-//! The rig counts as in a ramp for as long as it follows a stream: it learns no correction of amplitude and phase, gives no
-//! results of cycles, and its monitor watches the channels but neither specimen nor response, because all of these need cycles that
-//! repeat. Cycles are counted for effects that depend on their number and for the swap of a law: one ends where the
-//! demand rises through 0 after it was below 0 by a hundredth of its limit.
+//! While the rig follows a stream it counts as being in a ramp: it learns no correction of amplitude and phase and gives no results
+//! of cycles, and its monitor watches the channels but neither specimen nor response, because all of these need cycles that repeat.
+//! Cycles are counted for effects that depend on their number and for the swap of a law. A cycle ends where the demand rises
+//! through 0 after it was below 0 by a hundredth of its limit.
 
 use super::exciter::Exciter;
 use super::fault::TripCause;
@@ -24,24 +24,24 @@ use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real, in_range};
 use crate::sine::{Excitation, TICK_RATE_MAX};
 
-/// Knots that a stream holds ahead.
+/// Number of knots that a stream holds ahead.
 pub const STREAM_QUEUE: usize = 8;
 
-/// How far below 0 a demand must be to rise through it, as part of its limit.
+/// Distance below 0 from which a demand must rise through 0, as a part of its limit.
 const HYSTERESIS: f32 = 0.01;
 
-/// Where a streamed motion is at one of its knots.
+/// Position and velocity of a streamed motion at one of its knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Knot {
-    /// mm
+    /// Displacement, mm.
     pub displacement: f32,
-    /// mm/s
+    /// Velocity, mm/s.
     pub velocity: f32,
 }
 
-/// What a stream is set to. [`StreamSettings::at`] validates it.
+/// Settings of a stream. [`StreamSettings::at`] validates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -53,12 +53,12 @@ pub struct StreamSettings {
     pub velocity_limit: f64,
     /// Ticks from knot to knot, 1…1e4.
     pub knot_ticks: u32,
-    /// Ticks in which the demand comes to a hold where no knot is there, 1…1e6.
+    /// Ticks in which the demand comes to a hold without a knot, 1…1e6.
     pub hold_ticks: u32,
 }
 
 impl Default for StreamSettings {
-    /// For the rig of [`super::RigSettings::default`]: a knot each millisecond at 10 kHz, and 0.1 s to a hold.
+    /// Settings for the rig of [`super::RigSettings::default`]: a knot every millisecond at 10 kHz, and 0.1 s to a hold.
     fn default() -> Self {
         Self {
             displacement_limit: 0.5,
@@ -72,26 +72,26 @@ impl Default for StreamSettings {
 /// [`StreamSettings`] at a tick rate, as they go over a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamConfig {
-    /// Hz, and s.
+    /// Tick rate in Hz, and length of a tick in s.
     rate: f32,
     tick: f32,
     displacement_limit: f32,
     velocity_limit: f32,
-    /// Largest way from knot to knot, mm.
+    /// Largest distance from knot to knot, mm.
     way_limit: f32,
     knot_ticks: u32,
     hold_ticks: u32,
 }
 
 impl StreamConfig {
-    /// Hz.
+    /// Tick rate, Hz.
     pub fn tick_rate(&self) -> f32 {
         self.rate
     }
 }
 
 impl StreamSettings {
-    /// At `tick_rate` Hz, 1…1e6.
+    /// Converts the settings for `tick_rate` Hz, 1…1e6.
     ///
     /// # Errors
     /// A setting that is not finite or out of range.
@@ -146,14 +146,14 @@ impl Fields for StreamConfig {
 }
 
 impl StreamConfig {
-    /// Whether the rig goes from `from` to `to` in the time from knot to knot. NaN is beyond every limit.
+    /// Whether the rig can go from `from` to `to` in the time from knot to knot. NaN is beyond every limit.
     fn allows(&self, from: &Knot, to: &Knot) -> bool {
         to.displacement.abs() <= self.displacement_limit
             && to.velocity.abs() <= self.velocity_limit
             && (to.displacement - from.displacement).abs() <= self.way_limit
     }
 
-    /// Where a demand that is at `from` comes to a hold.
+    /// Where a demand at `from` comes to a hold.
     fn hold(&self, from: &Knot) -> Knot {
         let way = from.velocity * self.tick * self.hold_ticks as f32 * (1.0 / 3.0);
         Knot {
@@ -163,21 +163,21 @@ impl StreamConfig {
     }
 }
 
-/// Follows the knots that a host gives. At rest at 0 to begin with.
+/// Follows the knots that a host gives. It begins at rest at 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream {
     config: StreamConfig,
     queue: [Knot; STREAM_QUEUE],
-    /// The oldest knot's place in the queue, and how many there are.
+    /// Index of the oldest knot in the queue, and number of knots.
     first: usize,
     count: usize,
-    /// No knot comes after these.
+    /// No knot follows these.
     complete: bool,
     /// Displacement over the ticks since the last knot, mm: the coefficients of 1, t, t² and t³.
     cubic: [f32; 4],
-    /// Where it leads.
+    /// Knot at its end.
     end: Knot,
-    /// Ticks that it takes, and those gone.
+    /// Its length in ticks, and the ticks elapsed.
     ticks: u32,
     gone: u32,
     holding: bool,
@@ -188,7 +188,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Without knots.
+    /// A stream without knots.
     pub fn new(config: StreamConfig) -> Self {
         Self {
             config,
@@ -208,12 +208,12 @@ impl Stream {
         }
     }
 
-    /// How many knots there is room for.
+    /// Number of knots for which there is room.
     pub fn room(&self) -> usize {
         STREAM_QUEUE.saturating_sub(self.count)
     }
 
-    /// Takes the next knot; says no, and takes nothing, where there is no room.
+    /// Takes the next knot. Returns `false`, and takes nothing, if there is no room.
     pub fn push(&mut self, knot: Knot) -> bool {
         let is_room = self.count < STREAM_QUEUE;
         if is_room {
@@ -223,7 +223,7 @@ impl Stream {
         is_room
     }
 
-    /// The motion ends with the last knot that it was given: once there, the programme is over.
+    /// The motion ends with the last knot given: once it is reached, the programme is over.
     pub fn complete(&mut self) {
         self.complete = true;
     }
@@ -234,7 +234,7 @@ impl Stream {
         (self.count > 0).then_some(*knot)
     }
 
-    /// What comes after the end of a cubic. Not inlined, nor what it calls: there is time for it, and flash is short.
+    /// Begins the next cubic. Neither this function nor its callees are inlined: there is enough time, and flash is scarce.
     #[inline(never)]
     fn next(&mut self) {
         let from = self.end;
@@ -263,7 +263,7 @@ impl Stream {
 
     fn lead(&mut self, from: &Knot, to: Knot, ticks: u32) {
         let part = 1.0 / ticks as f32;
-        // All by the tick.
+        // All per tick.
         let mean = (to.displacement - from.displacement) * part;
         let [first, last] = [from.velocity, to.velocity].map(|v| v * self.config.tick);
         self.cubic = [

@@ -1,27 +1,28 @@
-//! The temperature that the law is given: as measured, as far as a specimen can have it.
+//! The temperature given to the law: the measured one, as far as it is plausible for a specimen.
 //!
-//! T ← T + clamp(shown − T, ±rate·h) a tick. What is shown and is no number, or beyond what the specimen and its chamber can have, moves
-//! it not at all: an open thermocouple shows the end of its range, and a specimen warms slowly. At rest T is what is shown.
+//! T ← T + clamp(shown − T, ±rate·h) per tick. A shown value that is not a number, or is implausible for the specimen and its
+//! chamber, does not change T: an open thermocouple shows the end of its range. The rate is limited because a specimen warms
+//! slowly. At rest T is the shown value.
 
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real as _, in_range};
 
-/// Until one is set, °C.
+/// Temperature until one is set, °C.
 const USUAL: f32 = 20.0;
-/// Of the settings, °C.
+/// Range of the settings, °C.
 const COLDEST: f64 = -273.0;
 const HOTTEST: f64 = 2000.0;
-/// Distance from what is shown at which that came faster than a specimen warms, °C.
+/// Distance of a shown value from T at which it changed faster than a specimen warms, °C.
 const FAR: f32 = 5.0;
 
-/// What a temperature may be and how fast it may change, validated.
+/// Plausible range and rate of change of a temperature, validated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TemperatureConfig {
-    /// °C.
+    /// Limits, °C.
     coldest: f32,
     hottest: f32,
-    /// °C a tick.
+    /// Largest change per tick, °C.
     step: f32,
 }
 
@@ -58,16 +59,16 @@ impl Fields for TemperatureConfig {
     }
 }
 
-/// A temperature at work.
+/// The temperature given to the law.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Temperature {
-    /// Last shown that can be, and T.
+    /// Last plausible value shown, and T.
     shown: f32,
     taken: f32,
-    /// What was shown that cannot be, until it is told.
+    /// Implausible value shown, until it is reported.
     implausible: Option<f32>,
-    /// It has been told, and what is shown has not been all right since.
-    told: bool,
+    /// It has been reported, and no shown value has been plausible since.
+    reported: bool,
 }
 
 impl Default for Temperature {
@@ -76,15 +77,15 @@ impl Default for Temperature {
             shown: USUAL,
             taken: USUAL,
             implausible: None,
-            told: false,
+            reported: false,
         }
     }
 }
 
 impl Temperature {
-    /// What is measured, °C. `moving` where it may not jump.
+    /// Takes the measured temperature, °C. `moving`: T must not jump.
     pub(super) fn show(&mut self, config: &TemperatureConfig, shown: f32, moving: bool) {
-        // A NaN is in no range.
+        // NaN is in no range.
         let can_be = shown >= config.coldest && shown <= config.hottest;
         if can_be {
             self.shown = shown;
@@ -93,13 +94,13 @@ impl Temperature {
             self.taken = shown;
         }
         let implausible = !can_be || (shown - self.taken).abs() > FAR;
-        if implausible && !self.told {
+        if implausible && !self.reported {
             self.implausible = Some(shown);
         }
-        self.told = implausible;
+        self.reported = implausible;
     }
 
-    /// A tick.
+    /// Advances by one tick; returns T.
     #[inline(always)]
     pub(super) fn tick(&mut self, config: &TemperatureConfig) -> f32 {
         if self.shown != self.taken {
@@ -118,7 +119,7 @@ impl Temperature {
         self.taken
     }
 
-    /// What was shown and cannot be, once.
+    /// An implausible value shown, once.
     #[inline(always)]
     pub(super) fn take_implausible(&mut self) -> Option<f32> {
         self.implausible.take()
@@ -141,18 +142,18 @@ mod tests {
         temperature.taken()
     }
 
-    /// 1372 °C is where a thermocouple of type K ends.
+    /// 1372 °C is the end of the range of a type K thermocouple.
     #[test]
-    fn what_cannot_be_moves_nothing_and_is_told_once() {
+    fn an_implausible_temperature_changes_nothing_and_is_reported_once() {
         for shown in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1372.0, -80.0] {
             let mut temperature = Temperature::default();
             temperature.show(&config(), 30.0, false);
             assert_eq!(after(&mut temperature, shown, 10_000), 30.0);
-            let told = temperature.take_implausible().unwrap();
-            assert_eq!(told.to_bits(), shown.to_bits());
+            let implausible = temperature.take_implausible().unwrap();
+            assert_eq!(implausible.to_bits(), shown.to_bits());
             after(&mut temperature, shown, 10);
             assert!(temperature.take_implausible().is_none());
-            // Mended, and broken once more.
+            // Repaired, and broken once more.
             assert_eq!(after(&mut temperature, 30.0, 1), 30.0);
             after(&mut temperature, shown, 1);
             assert!(temperature.take_implausible().is_some());
@@ -160,13 +161,13 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_followed_at_the_rate_of_a_specimen_and_told() {
+    fn a_jump_is_followed_at_the_rate_of_a_specimen_and_reported() {
         let mut temperature = Temperature::default();
         assert!((after(&mut temperature, 50.0, 250) - 25.0).abs() < 1e-3);
         assert_eq!(temperature.take_implausible(), Some(50.0));
         assert!((after(&mut temperature, 50.0, 1250) - 50.0).abs() < 1e-3);
         assert!(temperature.take_implausible().is_none());
-        // As fast as it may.
+        // At the largest rate.
         let mut temperature = Temperature::default();
         for tick in 0..3000u16 {
             let shown = 20.0 + 0.02 * f32::from(tick);
@@ -176,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_it_is_what_is_shown() {
+    fn at_rest_it_is_the_shown_one() {
         let mut temperature = Temperature::default();
         temperature.show(&config(), 80.0, false);
         assert_eq!(temperature.taken(), 80.0);

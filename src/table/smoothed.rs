@@ -3,11 +3,12 @@
 use super::{Nodes, Table};
 use crate::law::Law;
 
-/// Surfaces fitted to the loops of [`PAPER`](super::PAPER), for any density from 2.0 to 4.0 g/cm³: elastic and damping force at the
-/// largest displacement and speed do not fall from node to node of the amplitude (between two they may by 3 %), k1, k3 and c are above 0, α is within 0…1.
+/// Surfaces fitted to the loops of [`PAPER`](super::PAPER), for any density from 2.0 to 4.0 g/cm³. Elastic and damping force at the
+/// largest displacement and speed do not fall from one grid amplitude to the next (in between they may fall by 3 %), k1, k3 and c
+/// are above 0, and α is within 0…1.
 ///
-/// They miss the loops of the 25 published cells by 6 % of the force's RMS on average and 14 % at most; `cargo hil paper` fits
-/// them and says where. Amplitudes 0.05…0.25 mm, 1 Hz.
+/// Their error on the loops of the 25 published cells is 6 % of the force's RMS on average and 14 % at most; `cargo hil paper` fits
+/// them and shows where. Amplitudes 0.05…0.25 mm, 1 Hz.
 pub static SMOOTHED: Table<9, 9> = Table {
     densities: Nodes {
         values: [2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0],
@@ -17,7 +18,7 @@ pub static SMOOTHED: Table<9, 9> = Table {
         values: [0.05, 0.075, 0.10, 0.125, 0.15, 0.175, 0.20, 0.225, 0.25],
         count: 9,
     },
-    // A row to an amplitude.
+    // One row per amplitude.
     cells: [
         [
             Law::from_valid(0.352724, 89.3844, 0.0251027, 0.408593),

@@ -1,13 +1,13 @@
 //! The simulated rig with its controller at the other end of a wire: the crate as a microcontroller's image, in an emulator.
 //!
-//! Results are those of the controller in this process, to the last bit. Building an image takes the compiler's target, and
-//! running it takes the emulator; what is missing is said in one line with how to get it.
+//! Results equal those of the controller in this process, to the last bit. Building an image needs the compiler's target, and
+//! running it needs the emulator. If one is missing, a one-line message says how to get it.
 //!
 //! | module | for |
 //! |---|---|
-//! | [`image`](mod@image) | images: built, and how large they are |
+//! | [`image`](mod@image) | images: building them, and their sizes |
 //! | [`lockstep`] | an image in the emulator, tick by tick with the simulated rig |
-//! | [`own_timer`] | a board on its own timer: its telemetry recorded, and one emulated with a specimen beside it |
+//! | [`own_timer`] | a board on its own timer: recording its telemetry, and an emulated one with a simulated specimen |
 //! | [`predict`](mod@predict) | the force that an image gives for a recorded motion |
 //!
 //! ```no_run

@@ -10,7 +10,7 @@ use crate::lockstep::{Image, LinkError, Wire};
 /// Why an image made no prediction.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImageError {
-    /// The model was refused.
+    /// The model was rejected.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The link failed.
@@ -18,10 +18,10 @@ pub enum ImageError {
     Link(#[from] LinkError),
 }
 
-/// The same as [`mesh_damper_model::predict::predict_embedded`], by an image that has no rig.
+/// [`mesh_damper_model::predict::predict_embedded`] on an image without a rig.
 ///
 /// # Errors
-/// A model that the crate refuses, or the link's.
+/// A model that the crate rejects, or an error of the link.
 pub fn predict_on<W: Wire>(
     image: &mut Image<W>,
     model: &Model,

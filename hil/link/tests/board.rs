@@ -1,4 +1,5 @@
-//! An emulated board on its own timer: it runs, records and stops by itself, and the harness listens at its serial port.
+//! An emulated board on its own timer: it runs and stops by itself and sends its telemetry, and the harness listens at its serial
+//! port.
 
 mod emulated;
 #[path = "emulated/orders.rs"]
@@ -24,7 +25,7 @@ use mesh_damper_rig::{Plant, RigSetup, Samples, TICK_RATE, Watch, run_rig};
 use orders::Orders;
 
 const EVERY: u32 = 10;
-/// Half as fast as the clock on the wall: a machine that is busy with other tests may stall for a second before rows are lost.
+/// Half of real time: a machine that is busy with other tests may stall for a second before rows are lost.
 const SPEED: f64 = 0.5;
 
 fn setup() -> RigSetup<Specimen, 1, 1> {
@@ -38,7 +39,7 @@ fn setup() -> RigSetup<Specimen, 1, 1> {
     RigSetup::new(specimen, law, programme, 1)
 }
 
-/// The board with the specimen of `setup` beside it; none where there is no emulator, which a line says.
+/// The board with the specimen of `setup`; `None`, with a message, without an emulator.
 fn board(setup: &RigSetup<Specimen, 1, 1>, arguments: &[&str]) -> Option<EmulatedBoard> {
     emulated::image(&OWN_TIMER, mesh_damper_link::image::Board::Mps2An386)?;
     Some(EmulatedBoard::start(Plant::new(setup).unwrap(), SPEED, arguments).unwrap())
@@ -103,7 +104,7 @@ fn telemetry() -> TelemetryConfig {
     }
 }
 
-/// What who watches is told.
+/// Calls of an observer.
 #[derive(Default)]
 struct Told {
     rows: Vec<f64>,
@@ -129,7 +130,7 @@ impl Watch for Told {
     }
 }
 
-/// A whole test; who watches was told of all of it, and of the rows after its end.
+/// A whole test; the observer got all of it, and also the rows after its end.
 fn recorded(image: &mut Image<Serial>, setup: &RigSetup<Specimen, 1, 1>) -> BoardRun {
     let times = whole(setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
@@ -164,7 +165,7 @@ fn a_test_on_the_boards_own_timer_is_that_in_this_process() {
     assert_eq!(there.samples.command, here.samples.command);
 }
 
-/// Until the board has done `ticks` more; nobody asks it anything meanwhile.
+/// Waits until the board has done `ticks` more, without requests.
 fn after(board: &EmulatedBoard, ticks: u64) {
     let end = board.ticks() + ticks;
     while board.ticks() < end {
@@ -189,7 +190,7 @@ fn ticks_go_on_while_the_host_is_silent_and_the_test_ends_by_itself() {
     assert!(!board.is_enabled());
 }
 
-/// So are a cable that is pulled and a harness that has ended, as the board sees them.
+/// For the board a pulled cable and a harness that has ended look the same.
 #[test]
 fn a_board_whose_host_falls_silent_comes_to_rest() {
     let mut setup = setup();
@@ -252,7 +253,7 @@ fn a_host_that_does_not_read_loses_rows_and_nothing_else() {
     let samples = &there.run.samples;
     let all = samples.len() as u64 + there.lost.rows;
     assert_eq!(all, here.samples.len() as u64);
-    // What did come is in its place.
+    // Each row that arrived is in its place.
     for (index, time) in samples.time.iter().enumerate() {
         let place = (time * TICK_RATE).round() as usize;
         assert_eq!(samples.force[index], here.samples.force[place]);
@@ -339,7 +340,7 @@ fn the_watchdog_restarts_a_board_whose_ticks_stay_away() {
     );
 }
 
-/// What was seen of a recording.
+/// Observations of a recording.
 #[derive(Default)]
 struct Kept {
     rows: usize,
@@ -398,7 +399,7 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
     .unwrap();
     assert_eq!((there.late_ticks, there.run.faults.len()), (0, 0));
     assert_eq!(there.lost.notes, 0);
-    // The motion does not depend on the law: from the swap on every cycle is that of a rig that had the better law from the start.
+    // The motion does not depend on the law: from the swap on, every cycle is that of a rig with the augmented law from the start.
     let same = |law| {
         let run = run_rig(
             RigSetup {
@@ -419,12 +420,12 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
         "{before:?} {after:?}"
     );
     let swap = after.iter().position(|same| *same).unwrap();
-    // The cycle in which the new law's table fills is of neither.
+    // The cycle in which the new law's table fills belongs to neither.
     assert!(before[..swap - 1].iter().all(|same| *same), "{before:?}");
     assert!(after[swap..].iter().all(|same| *same), "{after:?}");
 }
 
-/// It would drive its actuator, and nobody would ask it for a tick.
+/// It would drive its actuator without requests for ticks.
 #[test]
 fn a_board_on_its_own_timer_is_not_run_in_lockstep() {
     let setup = setup();
@@ -434,7 +435,7 @@ fn a_board_on_its_own_timer_is_not_run_in_lockstep() {
     let refused = Image::in_lockstep(board.port()).unwrap_err().to_string();
     assert!(refused.contains("a timer of its own"), "{refused}");
     assert!(!board.is_enabled());
-    // While somebody has the port nobody else takes it.
+    // While the port is in use nobody else can open it.
     let _here = Image::join(board.port()).unwrap();
     let refused = Image::join(board.port())
         .map(|_| ())
@@ -443,7 +444,7 @@ fn a_board_on_its_own_timer_is_not_run_in_lockstep() {
     assert!(refused.contains("another program"), "{refused}");
 }
 
-/// A force beyond its limit from the first tick on; the rows until then and the cause come all the same.
+/// A force beyond its limit from the first tick on; the rows until then and the cause arrive all the same.
 #[test]
 fn a_rig_that_stops_on_a_limit_says_why_and_when() {
     let mut setup = setup();
@@ -461,7 +462,7 @@ fn a_rig_that_stops_on_a_limit_says_why_and_when() {
     assert!(!board.is_enabled());
 }
 
-/// Beside the rig in lockstep it takes the serial port, requests of its own and the queues of telemetry.
+/// In addition to the rig in lockstep it contains the serial port, its own requests and the queues of telemetry.
 #[test]
 fn the_image_is_small() {
     let Some(elf) = emulated::image(&OWN_TIMER, mesh_damper_link::image::Board::Mps2An386) else {
@@ -472,6 +473,6 @@ fn the_image_is_small() {
         sizes.flash > 0 && sizes.flash <= 90 * 1024 + 512,
         "{sizes:?}"
     );
-    // 19 KiB of the rig, 12 of the queues, and a request and an answer under way.
+    // 19 KiB of the rig, 12 of the queues, and a request and an answer in progress.
     assert!(sizes.ram <= 33 * 1024 + 512, "{sizes:?}");
 }

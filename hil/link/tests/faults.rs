@@ -1,4 +1,4 @@
-//! Faults on the image's rig, beside the same in this process.
+//! Faults on the image's rig, compared with the same in this process.
 
 mod emulated;
 
@@ -14,7 +14,7 @@ use mesh_damper_rig::faults::{
 };
 use mesh_damper_rig::{RigSetup, TICK_RATE, run_rig};
 
-/// A fault of each group, one of them slow: the image's monitor does what the one in this process does, to the last bit.
+/// A fault of each group, one of them slow: the image's monitor gives the same results as the one in this process, to the last bit.
 #[test]
 fn faults_come_out_on_the_image_as_in_this_process() {
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
@@ -36,8 +36,8 @@ fn faults_come_out_on_the_image_as_in_this_process() {
     }
 }
 
-/// What acts on the channels, on temperature, output and clock acts on the image's rig as on the one in this process, and so does
-/// what an adversary draws.
+/// Interference with the channels, temperature, output and clock acts on the image's rig as on the one in this process, and so do
+/// the trials of an adversary.
 #[test]
 fn attacks_come_out_on_the_image_as_in_this_process() {
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
@@ -62,7 +62,7 @@ fn attacks_come_out_on_the_image_as_in_this_process() {
     }
 }
 
-/// A specimen that settles beside a law that follows: every cycle of it, and how far the law has gone, to the last bit.
+/// A specimen that settles, with adaptation: every cycle of it, and the adaptation, to the last bit.
 #[test]
 fn a_law_follows_on_the_image_as_in_this_process() {
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {

@@ -1,4 +1,4 @@
-//! The firmware's image in the emulator, held against the crate in this process.
+//! The firmware's image in the emulator, compared with the crate in this process.
 
 mod emulated;
 
@@ -26,7 +26,7 @@ use rand_chacha::ChaCha8Rng;
 const EFFECTS: usize = 8;
 const TICK: f32 = 1e-4;
 
-/// The firmware on `board`; none, and said so, where this machine cannot run it.
+/// The firmware on `board`; `None`, with a message, if this machine cannot run it.
 fn image_on(board: Board) -> Option<Image<Emulator>> {
     emulated::image(&FIRMWARE, board)?;
     Some(Image::start(board, Box::new(|_| {})).unwrap())
@@ -36,7 +36,7 @@ fn boards_with_rig() -> impl Iterator<Item = Board> {
     Board::ALL.into_iter().filter(|board| board.runs_rig())
 }
 
-/// Every effect of the crate, typical.
+/// Every effect of the crate, with typical parameters.
 fn every_effect() -> Vec<Effect<f32>> {
     let typical = |each: &Description| {
         Effect::from_parameters(each.number, each.typical, f64::from(TICK)).unwrap()
@@ -57,7 +57,7 @@ fn pack(law: &FastLaw<EFFECTS>) -> Vec<u8> {
         .to_vec()
 }
 
-/// A motion that sweeps in amplitude and frequency, with extremes and numbers that are none strewn in.
+/// A motion that sweeps in amplitude and frequency, with extremes, NaN and infinities among the samples.
 fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
     const STRANGE: [f32; 8] = [
         0.0,
@@ -100,7 +100,7 @@ fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
     motions
 }
 
-/// What NaN carries beside being one differs between processors; no force is one.
+/// The payload of NaN differs between processors; no force is NaN.
 fn bits(forces: &[f32]) -> Vec<u32> {
     forces.iter().map(|force| force.to_bits()).collect()
 }
@@ -113,7 +113,7 @@ fn a_million_ticks_of_every_effect_alone_and_together_are_the_hosts_bit_for_bit(
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let every = every_effect();
     let alone = every.chunks(1).map(<[_]>::to_vec);
-    // In as many laws as it takes.
+    // In as many laws as needed.
     let together = every.chunks(EFFECTS).map(<[_]>::to_vec);
     for effects in alone.chain(together) {
         let law = law(&effects);
@@ -163,9 +163,9 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
         assert!(
-            // 1 KiB was held before there was a monitor; what follows the specimen passes through it as well, and what a rig's clock,
-            // correction and temperature may be. The check of a pack takes 96 bytes more since there are requests of a board on its own timer: the
-            // compiler chooses otherwise what it inlines there.
+            // The limit was 1 KiB before there was a monitor. The specimen's adaptation passes through it as well, and so do a
+            // rig's clock, correction and temperature. The check of a pack takes 96 bytes more since there are requests for a board
+            // on its own timer, because the compiler then inlines differently.
             statistics.stack > 0 && statistics.stack <= 1376,
             "{statistics:?}"
         );
@@ -173,7 +173,7 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
     }
 }
 
-/// Each input goes its own way, one of them never, and all of them back to 0.
+/// Each input changes in its own way, one of them never, and all of them return to 0.
 #[test]
 fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host() {
     const TICKS: u32 = 3000;
@@ -200,8 +200,8 @@ fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host(
     }
 }
 
-/// The same rig, following a motion of up to 12 Hz.
-/// The clock and the emergency stop of the plant go over the link: a plant that moves on by two ticks in one, and one that is stopped.
+/// The same rig, following a motion of up to 12 Hz. The clock and the emergency stop of the plant go over the link: a plant that
+/// advances by two ticks in one, and one that is stopped.
 #[test]
 fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
     type Disturb = fn(&mut Plant<Specimen>);
@@ -236,7 +236,7 @@ fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
         }
         let state = State::Faulted(cause);
         assert_eq!(host.rig.state(), state);
-        // As long as it is pressed, neither a start nor a clear does anything.
+        // While it is pressed, neither a start nor a clear has an effect.
         if bench.plant().tripped {
             let refused = image.start_rig();
             let told = matches!(refused, Err(LinkError::Start(StartRefused::Faulted(which))) if which == cause);
@@ -273,7 +273,7 @@ fn a_streamed_motion_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample(
         let run = run_rig_on(&mut image, driven(), |_| {}).unwrap();
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
-        // As that of a programme, above.
+        // The same limit as for a programme, above.
         assert!(statistics.stack <= 1376, "{statistics:?}");
     }
 }
@@ -322,7 +322,7 @@ fn a_stop_is_the_hosts_too_and_the_log_tells_it_with_its_time_and_level() {
     let mut image = Image::start(Board::Mps2An386, sink).unwrap();
     let run = run_rig_on(&mut image, stopping(), |_| {}).unwrap();
     assert_eq!(run, host);
-    // The log is whole once the emulator has ended.
+    // The log is complete once the emulator has ended.
     drop(image);
     let lines = lines.lock().unwrap();
     let [(time, TripCause::DisplacementLimit)] = run.faults[..] else {
@@ -352,7 +352,7 @@ fn a_stop_is_the_hosts_too_and_the_log_tells_it_with_its_time_and_level() {
     assert!(lines.is_sorted_by_key(|line| line.tick));
 }
 
-/// `frame` as it goes on when it is lost (0), repeated (1), cut (2) or damaged (3), and as it is for any other `kind`.
+/// `frame` when it is lost (0), repeated (1), cut (2) or damaged (3), and unchanged for any other `kind`.
 fn disturbed(frame: &[u8], kind: usize, random: &mut ChaCha8Rng) -> Vec<Vec<u8>> {
     let mut frame = frame.to_vec();
     match kind {
@@ -368,7 +368,7 @@ fn disturbed(frame: &[u8], kind: usize, random: &mut ChaCha8Rng) -> Vec<Vec<u8>>
     vec![frame]
 }
 
-/// Number of the kind of fault that [`disturbed`] does not know: the frame comes after a later one.
+/// Number of the kind of fault that [`disturbed`] does not implement: the frame arrives after a later one.
 const LATE: usize = 4;
 const KINDS: usize = 5;
 
@@ -377,9 +377,9 @@ struct Faulty<W> {
     inner: W,
     random: ChaCha8Rng,
     when: When,
-    /// Nothing of what was sent last has reached the image.
+    /// Nothing of the last transmission has reached the image.
     lost: bool,
-    /// What comes late, of answers and of requests, with how many of its direction go before it.
+    /// Late answers and requests, with the number of frames of the same direction that go before each.
     late: [Vec<(u32, Vec<u8>)>; 2],
     injected: [u32; KINDS],
     /// Frames sent, lost ones included.
@@ -387,11 +387,11 @@ struct Faulty<W> {
 }
 
 enum When {
-    /// Each kind to a tenth of the frames.
+    /// Each kind, on a tenth of the frames.
     Always,
-    /// This kind to the next request.
+    /// This kind, on the next request.
     Request(usize),
-    /// This kind to the next answer.
+    /// This kind, on the next answer.
     Answer(usize),
     Never,
 }
@@ -424,8 +424,8 @@ impl<W> Faulty<W> {
         }
         let late = &mut self.late[usize::from(is_request)];
         if kind == LATE {
-            // An answer comes with the next one; a request after the next one or the one that follows that, which is of
-            // another exchange.
+            // An answer comes with the next one; a request comes after the next one, or after the one that follows it, which
+            // belongs to another exchange.
             let before = if is_request {
                 self.random.random_range(1..3)
             } else {
@@ -454,7 +454,7 @@ impl<W: Wire> Wire for Faulty<W> {
 
     fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError> {
         if std::mem::take(&mut self.lost) {
-            // What the emulator's watchdog would say in time.
+            // The emulator's watchdog would report this in time.
             return Ok(0);
         }
         let mut came = vec![0; buffer.len()];
@@ -470,8 +470,8 @@ impl<W: Wire> Wire for Faulty<W> {
     }
 }
 
-/// A fault costs one more frame, whichever it is: the exchange that it meets and the one after it take three at most. Where
-/// faults come as often as in the next test, a try succeeds in half of the cases only, and some exchanges take more.
+/// A fault costs one more frame, whatever its kind: the exchange that it affects and the one after it take three at most. With
+/// faults as frequent as in the next test, a try succeeds in only half of the cases, and some exchanges take more.
 #[test]
 fn after_one_fault_of_any_kind_the_link_is_well_again_within_three_frames() {
     let Some(elf) = emulated::image(&FIRMWARE, Board::Mps2An386) else {
@@ -526,7 +526,7 @@ fn a_link_that_loses_repeats_cuts_damages_and_reorders_changes_nothing() {
         assert!(f64::from(count) > 0.09 * exchanges, "{injected:?}");
     }
     assert!(image.repeated() > run.ticks / 3);
-    // 0.6² of the tries go well: that one of 10⁵ requests takes a hundred has a chance of 10⁻¹⁴.
+    // 0.6² of the tries succeed: the probability that one of 10⁵ requests takes a hundred tries is 10⁻¹⁴.
     assert!(image.most_tries() < 100, "{}", image.most_tries());
 }
 
@@ -595,7 +595,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     for bit in 0..8 * good.len() {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
-        // "MDCP", the version, the length of the body, the checksum, the body. Version 6 is read, and its checksum is another one.
+        // "MDCP", the version, the length of the body, the checksum, the body. Version 6 is read, and its checksum differs.
         let (why, what_to_do, log) = match bit / 8 {
             0..4 => ("these bytes are no coefficient pack", EXPORT, "PackMagic"),
             4..6 if bad[4..6] != [6, 0] => (VERSION, EXPORT, "PackVersion"),
@@ -609,7 +609,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
         refused(&good[..length], LENGTH, AGAIN);
         logged.push("PackLength");
     }
-    // The next version, which nobody can check: that is said, and not that its checksum is another one.
+    // The next version, which cannot be checked: the message says so, rather than that its checksum is wrong.
     let mut newer = good.clone();
     newer[4] += 1;
     refused(&newer, VERSION, EXPORT);
@@ -631,8 +631,8 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     assert!(said == logged, "{said:?}");
 }
 
-/// A pack for another rate than the rig's, of either version: at set-up, where it came before the rig's rate was known, and while the
-/// rig runs. The law in force stays.
+/// A pack for another rate than the rig's, of either version: at set-up, where it arrived before the rig's rate was known, and
+/// while the rig runs. The law in force stays.
 #[test]
 fn a_pack_for_another_rate_is_refused() {
     const OLD: &[u8] = include_bytes!("../../../tests/wire/packs/version-6-effects.mdcp");
@@ -668,7 +668,7 @@ fn a_pack_for_another_rate_is_refused() {
             true => image.set_up_stream(stream, &wiring),
             false => image.set_up(&programme, &wiring),
         };
-        // Of a law alone nobody knows a rate.
+        // A law alone has no known rate.
         for pack in [OLD, &other] {
             image.send_pack(pack).unwrap();
             is_of_the_rate(set_up(&mut image).unwrap_err());
@@ -683,8 +683,8 @@ fn a_pack_for_another_rate_is_refused() {
     }
 }
 
-/// A pack is checked in slices, a tick of the rig after each: every tick is that of a host whose law is swapped with the last slice. A check
-/// that is broken off, and a pack that is refused at its end, change nothing.
+/// A pack is checked in slices, with a tick of the rig after each: every tick is that of a host whose law is swapped with the last
+/// slice. A check that is broken off, and a pack that is refused at its end, change nothing.
 #[test]
 fn a_pack_is_checked_between_ticks() {
     let mut setup = setup();
@@ -732,14 +732,14 @@ fn a_pack_is_checked_between_ticks() {
             slices += 1;
             tick(&mut host, &mut bench);
         }
-        // The checksum alone takes one for every 32 bytes.
+        // The checksum alone takes one slice for every 32 bytes.
         assert!(slices > good.len() / 32, "{slices}");
         host.rig.swap_law(other.clone());
-        // Over the end of the ramp's cycle, which the law waits for.
+        // Past the end of the ramp's cycle, for which the law waits.
         for _ in 0..4000 {
             tick(&mut host, &mut bench);
         }
-        // The host's law is the other one by now, and so was every force of the image's.
+        // The host has the other law by now, and so had every force of the image.
         assert_eq!(*host.rig.law(), other);
         assert!(forces.iter().any(|force| *force != 0.0));
     }
@@ -785,21 +785,22 @@ fn the_image_is_small() {
             return;
         };
         let sizes = sections(&elf).unwrap();
-        // 24 KiB were asked for before there were six effects more, which take 5, a correction, 4, the monitor, 9,
-        // a law that follows, 3.5, further Maxwell branches and tones, 1.5, a streamed motion with its messages, 1, friction
-        // that hardens, 1.5, a dashpot that yields with a low-pass, 1.75, the tick rate, model and revision of a pack, 1.25, and the check
-        // of the ADC's registers with the reasons of a refused start or clear, 0.25. These two together take 0.75 more: the image is optimized as a whole.
-        // What a control input sets, damping that differs between the directions, play and what degrades take 3.5.
-        // Ticks that are judged by a clock, an external trip, the DAC's read-back, and converters that are set up again take 2.75.
-        // That a law is passive takes 7.5: it is evaluated and made for longer ticks once more. The slices of a pack's check take 2.5, settings
-        // that are checked as they are read 2, and what the monitor and the limits find of attacks 7. Frames through shared memory take 0.25,
-        // and a harness that falls silent with the requests of a board on its own timer, which are refused here, 0.25.
+        // The limit was 24 KiB before there were six more effects, which take 5, a residual table, 4, the monitor, 9, adaptation,
+        // 3.5, further Maxwell branches and tones, 1.5, a streamed motion with its messages, 1, friction that hardens, 1.5, a
+        // yielding dashpot with a low-pass, 1.75, the tick rate, model and revision of a pack, 1.25, and the check of the ADC's
+        // registers with the reasons of a refused start or clear, 0.25. These two together take 0.75 more, because the image is
+        // optimized as a whole. Control inputs, damping that differs between the directions, play and degradation take 3.5. The
+        // check of ticks by a clock, an external trip, the DAC's read-back, and setting up the converters again take 2.75. The
+        // check of passivity takes 7.5: the law is evaluated and made for longer ticks once more. The slices of a pack's check take
+        // 2.5, settings that are checked as they are read 2, and the monitor's and limits' findings of attacks 7. Frames through
+        // shared memory take 0.25, and a harness that falls silent with the requests for a board on its own timer, which are
+        // refused here, 0.25.
         assert!(sizes.flash > 0 && sizes.flash <= 82 * 1024, "{sizes:?}");
-        // 12 KiB likewise; of the rest the correction's table, in two laws and a pack, is 1.8, the monitor 0.75, and what the
-        // law follows by 0.25. A reading's control inputs take 16 bytes and again as much in the telemetry, what a pack says of itself, in
-        // the upload alone, 64, and the five effects that came last 72 in each of two laws, and 84 to remember. The clock and what
-        // the rig is supervised by take 24. A law and what it remembers, to see whether it is passive, take 1.9 KiB, an event of each cause
-        // 0.5, the slices of a check 0.1, and what the monitor sees of the force, of noise and of what stands still 0.45.
+        // The limit was 12 KiB in the same way. Of the rest the residual table, in two laws and a pack, is 1.8, the monitor 0.75,
+        // and adaptation 0.25. A reading's control inputs take 16 bytes and the same in the telemetry, a pack's description, in the
+        // upload alone, 64, and the last five effects 72 in each of two laws, and 84 of state. The clock and the supervision of the
+        // rig take 24. A law and its state for the check of passivity take 1.9 KiB, an event per cause 0.5, the slices of a check
+        // 0.1, and the monitor's state for the force, noise and standstill 0.45.
         assert!(
             sizes.ram <= 15 * 1024 + 16 + 64 + 16 + 228 + 24 + 3376,
             "{sizes:?}"

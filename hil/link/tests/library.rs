@@ -1,4 +1,4 @@
-//! The crate is a library: whatever an image needs is in `firmware/`, so that it reaches no other firmware.
+//! The crate is a library: everything that an image needs is in `firmware/`, so that it reaches no other firmware.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! The firmware of `examples/own-timer` in the emulator: it runs at its timer's rate, and nobody asks it for a tick.
+//! The firmware of `examples/own-timer` in the emulator: it runs at its timer's rate, without requests for ticks.
 
 mod emulated;
 #[allow(dead_code, reason = "what ended is read from the firmware here")]
@@ -29,15 +29,15 @@ use motion::{CYCLES, RAMP_CYCLES, SINES, Sine};
 
 const TICK_RATE: f64 = 10_000.0;
 
-/// What a line of the firmware says of a cycle.
+/// One line of the firmware, about a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ended {
     sine: usize,
-    /// kN/mm
+    /// Stiffness, kN/mm
     stiffness: f64,
     loss_factor: f64,
     ticks: f64,
-    /// By SysTick, which knows nothing of the timer that gives the ticks.
+    /// Measured by SysTick, which is independent of the timer that gives the ticks.
     milliseconds: f64,
     overruns: f64,
 }
@@ -61,9 +61,9 @@ impl Ended {
     }
 }
 
-/// What the firmware prints where an instruction takes 2^`shift` ns; none, and said so, where this machine cannot run it. It
-/// hears nothing: its standard input is empty, and no serial line is there. While it waits for the next tick the emulator's time
-/// goes straight to that, whatever the host's clock says.
+/// The firmware's output if an instruction takes 2^`shift` ns; `None`, with a message, if this machine cannot run it. It gets no
+/// input: its standard input is empty, and it has no serial line. While it waits for the next tick the emulator's time skips to
+/// that tick, independent of the host's clock.
 fn printed(shift: u32) -> Option<String> {
     let elf = emulated::example("own-timer", Board::NetduinoPlus2)?;
     let output = Board::NetduinoPlus2
@@ -89,12 +89,12 @@ fn cycles() -> Option<Vec<Ended>> {
 
 /// Stiffness in kN/mm and loss factor of a steady cycle, from the law's equations.
 ///
-/// With y = X·sin φ and v = X·ω·cos φ the mixed damping law takes up
+/// With y = X·sin φ and v = X·ω·cos φ the mixed damping law dissipates
 ///
 /// ΔW = c·X·(X·ω)^α·∮|cos φ|^(1+α) dφ, where the integral is 2·√π·Γ(1 + α/2)/Γ(3/2 + α/2),
 ///
-/// and stick-slip of stiffness k and slip limit s takes up 4·k·s·(X − s). Its force is k·s while it slips, as it does where the force
-/// is largest. Stiffness is half of the force's range over X, and the loss factor ΔW/(π·K·X²).
+/// and stick-slip of stiffness k and slip limit s dissipates 4·k·s·(X − s). Its force is k·s while it slips, as it does where the
+/// force is largest. Stiffness is half of the force's range divided by X, and the loss factor is ΔW/(π·K·X²).
 fn closed_form(sine: &Sine) -> (f64, f64) {
     let [k1, k3, c, alpha] = mount::LAW.map(f64::from);
     let [stiffness, slip_limit] = mount::STICK_SLIP;
@@ -117,7 +117,7 @@ fn closed_form(sine: &Sine) -> (f64, f64) {
     )
 }
 
-/// With 1000 ticks to the shortest cycle, trapezoids are within (2π/1000)²/6 = 6.6e-6 of the motion's, and extremes within
+/// With 1000 ticks in the shortest cycle, trapezoids are within (2π/1000)²/6 = 6.6e-6 of the motion's, and extremes within
 /// (π/1000)²/2 = 4.9e-6. f32 adds some 2e-6.
 const TOLERANCE: f64 = 1.5e-5;
 
@@ -136,19 +136,20 @@ fn stiffness_and_loss_factor_of_each_cycle_are_the_laws_closed_form() {
             "{ended:?}, expected {stiffness} kN/mm and {loss_factor}"
         );
     }
-    // The sines differ by far more than the tolerance, so that no cycle passes for another sine's.
+    // The sines differ by far more than the tolerance, so that no cycle passes for that of another sine.
     let [(_, a), (_, b), (_, c)] = [0, 1, 2].map(|sine| closed_form(&SINES[sine]));
     assert!((a - b).abs() > 0.1 && (b - c).abs() > 0.1 && (c - a).abs() > 0.05);
 }
 
-/// Of the model beside the firmware, at its rate.
+/// Export of the model next to the firmware, at its rate.
 fn export() -> Export {
     let model = include_bytes!("../../../examples/own-timer/src/mount.json");
     let model = ModelFile::from_bytes("mount.json", model).unwrap();
     Export::new(&model, &ExportSettings::at(TICK_RATE, "mount")).unwrap()
 }
 
-/// The module's law in the emulator, the same on this machine, and the law of the same model from a pack: every force has the same bits.
+/// The module's law in the emulator, the same on this machine, and the law of the same model from a pack: every force has the same
+/// bits.
 #[test]
 fn every_force_is_that_of_the_same_model_from_a_pack() {
     let Some(printed) = printed(2) else { return };
@@ -189,7 +190,7 @@ fn every_force_is_that_of_the_same_model_from_a_pack() {
     assert_eq!(emulated, forces);
 }
 
-/// The module in the tree is what its model exports.
+/// The module in the tree equals the export of its model.
 #[test]
 fn the_module_in_the_tree_is_what_its_model_exports() {
     let there = include_str!("../../../examples/own-timer/src/mount.rs");
@@ -200,7 +201,7 @@ fn the_module_in_the_tree_is_what_its_model_exports() {
 fn ticks_go_on_at_the_timers_rate_while_the_host_is_silent() {
     let Some(cycles) = cycles() else { return };
     for ended in &cycles {
-        // SysTick says how many whole milliseconds are over, and both were started within one.
+        // SysTick gives the elapsed whole milliseconds, and both were started within one.
         let expected = ended.milliseconds * TICK_RATE / 1e3;
         let ahead = ended.ticks - expected;
         assert!((-10.0..20.0).contains(&ahead), "{ended:?}: {ahead} ticks");
@@ -220,6 +221,6 @@ fn ticks_go_on_at_the_timers_rate_while_the_host_is_silent() {
 fn a_run_repeats_to_the_last_digit_and_a_slower_processor_changes_nothing() {
     let Some(first) = printed(2) else { return };
     assert_eq!(printed(2), Some(first.clone()));
-    // 32 ns to the instruction, eight times as long: a tick still ends before the next.
+    // 32 ns per instruction, eight times as long: a tick still ends before the next.
     assert_eq!(printed(5), Some(first));
 }

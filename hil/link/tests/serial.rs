@@ -1,4 +1,4 @@
-//! An emulated board whose link is a serial port, on a pseudo-terminal; its converters are simulated beside it.
+//! An emulated board whose link is a serial port, on a pseudo-terminal; its converters are simulated next to it.
 
 mod emulated;
 #[path = "emulated/orders.rs"]
@@ -29,7 +29,7 @@ struct Emulated {
 }
 
 impl Emulated {
-    /// None where there is no emulator, which a line says.
+    /// `None`, with a message, without an emulator.
     fn new() -> Option<Self> {
         let board = Board::Mps2An386;
         let elf = emulated::image(&SERIAL, board)?;
@@ -43,7 +43,7 @@ impl Emulated {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // It says: char device redirected to /dev/pts/1 (label serial0).
+        // Its output is: char device redirected to /dev/pts/1 (label serial0).
         let mut said = String::new();
         BufReader::new(process.stdout.take().unwrap())
             .read_line(&mut said)
@@ -78,7 +78,7 @@ fn setup() -> RigSetup<Specimen, 1, 1> {
     RigSetup::new(specimen, law, programme, 1)
 }
 
-/// The second run finds a board that has been asked before, which restarts.
+/// The second run finds a board that has had requests before, which restarts.
 #[test]
 fn a_run_over_a_serial_port_is_that_in_this_process() {
     let Some(board) = Emulated::new() else {
@@ -93,7 +93,7 @@ fn a_run_over_a_serial_port_is_that_in_this_process() {
     }
 }
 
-/// Bytes that nobody sent, some of which look like a frame's beginning.
+/// Stray bytes, some of which look like the beginning of a frame.
 #[test]
 fn noise_on_the_line_is_passed_over() {
     let Some(board) = Emulated::new() else {
@@ -114,7 +114,7 @@ fn noise_on_the_line_is_passed_over() {
     }
 }
 
-/// The log says so, which is how the test knows that it has been silent for long enough.
+/// The log shows it, from which the test knows that it has been silent for long enough.
 #[test]
 fn a_board_whose_host_falls_silent_drops_its_line() {
     let Some(mut board) = Emulated::new() else {

@@ -1,4 +1,4 @@
-//! The force that a model gives for a recording's motion, and how far it is off:
+//! Predicts the force of a model for a recording's motion and prints its error:
 //! `cargo run -p mesh-damper-model --example predict -- model.json rig-test.csv`.
 
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! A correction without a name as a model carries it: a table over displacement and velocity, or over what is remembered.
+//! A residual table in a model: a correction over displacement and velocity, or over a memory of the motion.
 
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::residual_table::{Memory, ResidualTableParts};
@@ -11,77 +11,77 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {
-    /// Largest displacement of the table, mm; outside, its edge holds.
+    /// Largest displacement of the table, mm; the value at the edge holds outside.
     pub reach: f64,
-    /// Largest speed, mm/s; outside, its edge holds.
+    /// Largest speed, mm/s; the value at the edge holds outside.
     pub speed: f64,
-    /// kN of one count in a cell.
+    /// Size of one count in a cell, kN.
     pub unit: f64,
-    /// Displacement runs fastest, then speed or what stands in its place, then direction. A line has the first 33 of each
-    /// direction's 153, two sides the first 34.
+    /// The cells: displacement runs fastest, then speed or the quantity in its place, then direction. A line has the first 33 of
+    /// each direction's 153 cells, two sides have the first 34.
     pub cells: Vec<i16>,
-    /// What stands in the place of speed: what the motion was before, or the temperature; or that it is a line.
+    /// The axis in place of speed: earlier motion or the temperature; or a mark that the table is a line.
     pub memory: Option<MemoryAxis>,
 }
 
-/// What a table is over in the place of speed.
+/// The axis of a table in place of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MemoryAxis {
-    /// Which.
+    /// The quantity on the axis.
     pub of: Remembered,
-    /// Its values at the first and at the last node; of a line unused.
+    /// Its values at the first and at the last node; unused for a line.
     pub range: [f64; 2],
 }
 
-/// What a correction remembers or is over, as [`Memory`] says it: times in s, the limit in mm.
+/// The quantity that a correction remembers or depends on, as in [`Memory`]: times in s, the limit in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Remembered {
     /// The stretch of a spring that slips.
     Slip {
-        /// At which it slips, mm.
+        /// Stretch at which it slips, mm.
         limit: f64,
     },
-    /// The displacement less its average.
+    /// The displacement minus its average.
     Lag {
-        /// Over which it is averaged, s.
+        /// Averaging time, s.
         time: f64,
     },
     /// The mean speed.
     Travel {
-        /// Over which it is averaged, s.
+        /// Averaging time, s.
         time: f64,
     },
     /// The largest displacement so far.
     Largest,
-    /// How long it is since the start, by powers of two.
+    /// The time since the start, in powers of two.
     Age {
         /// The first of them, s.
         time: f64,
     },
     /// The temperature.
     Temperature,
-    /// Nothing: a finer line over displacement alone.
+    /// No memory: a finer line over displacement alone.
     Place,
-    /// Nothing: lines over speed alone on two sides of the displacement.
+    /// No memory: lines over speed alone on two sides of the displacement.
     Sides {
-        /// Below this is one side, mm.
+        /// Upper end of one side, mm.
         below: f64,
-        /// Above this is the other, mm.
+        /// Lower end of the other side, mm.
         above: f64,
     },
-    /// The frequency, by powers of two.
+    /// The frequency, in powers of two.
     Frequency {
-        /// Over which the cycles are counted, s.
+        /// Time over which cycles are counted, s.
         time: f64,
     },
 }
 
 impl Remembered {
-    /// What it is of, by the names of `trace.json`.
+    /// The quantity by its name in `trace.json`.
     pub fn is_of(self) -> &'static str {
         match self {
             Self::Slip { .. } | Self::Lag { .. } | Self::Travel { .. } | Self::Largest => "history",
@@ -97,7 +97,7 @@ impl Remembered {
         matches!(self, Self::Place | Self::Sides { .. })
     }
 
-    /// As the crate takes it.
+    /// As the crate's type.
     pub fn memory<R: Real>(self) -> Memory<R> {
         let real = R::from_f64;
         match self {

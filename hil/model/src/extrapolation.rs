@@ -1,4 +1,4 @@
-//! How much of a motion lies outside the operating range of a model, and how far.
+//! The part of a motion outside the operating range of a model, and its distance from the range.
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::operating_range::OperatingRange;
@@ -7,14 +7,15 @@ use serde::Serialize;
 
 use crate::file::FittedRange;
 
-/// A motion may exceed the operating range by this part of the range's larger end before it counts as outside: overshoot and noise.
+/// Margin for overshoot and noise: a motion counts as outside if it exceeds the operating range by more than this fraction of the
+/// range's larger end.
 pub const RANGE_MARGIN: f64 = 0.05;
 
-/// What of a motion lies outside the operating range, sample by sample.
+/// The part of a motion outside the operating range, sample by sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Extrapolation {
-    /// Of the samples, the part of which the displacement, the velocity or both are outside, 0…1.
+    /// Fraction of the samples with a displacement, a velocity or both outside, 0…1.
     pub part: f64,
     /// Of the displacement.
     pub displacement: Beyond,
@@ -22,18 +23,19 @@ pub struct Extrapolation {
     pub velocity: Beyond,
 }
 
-/// What of a channel lies outside.
+/// The part of a channel outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
-    /// Of the samples, the part that is outside by more than [`RANGE_MARGIN`], 0…1.
+    /// Fraction of the samples outside by more than [`RANGE_MARGIN`], 0…1.
     pub part: f64,
-    /// How far outside at most, in times the range's larger end, the margin included; 0 where it stays within, infinite beyond a range of 0.
+    /// Greatest distance outside, as a multiple of the range's larger end and including the margin. It is 0 for a motion within,
+    /// and infinite beyond a range of 0.
     pub most: f64,
 }
 
 impl Extrapolation {
-    /// Of a motion's samples: `displacement` in mm and `velocity` in mm/s, of the same length.
+    /// The extrapolation of a motion's samples: `displacement` in mm and `velocity` in mm/s, of the same length.
     pub fn of<'a>(
         range: &FittedRange,
         displacement: impl IntoIterator<Item = &'a f64>,
@@ -49,7 +51,7 @@ impl Extrapolation {
         )
     }
 
-    /// Of motions that each are a sample, such as the sines of a sweep, by their ranges.
+    /// The extrapolation of motions that count as one sample each, such as the sines of a sweep, given by their ranges.
     pub fn of_motions(range: &FittedRange, motions: impl IntoIterator<Item = FittedRange>) -> Self {
         let mut count = 0_usize;
         let mut outside = [0_usize; 3];
@@ -74,12 +76,12 @@ impl Extrapolation {
         }
     }
 
-    /// The further of both channels, in times the range.
+    /// The larger of both channels' distances, as a multiple of the range.
     pub fn most(&self) -> f64 {
         self.displacement.most.max(self.velocity.most)
     }
 
-    /// What to warn of, `samples` being what they are called and `model` whose range it is; `None` where all are within, or
+    /// The warning, with the name `samples` for the samples and `model` for the model with the range. `None` if all are within, or
     /// beyond by no more than [`RANGE_MARGIN`].
     pub fn in_words(&self, samples: &str, model: &str) -> Option<String> {
         let channels = [
@@ -106,7 +108,7 @@ impl Extrapolation {
     }
 }
 
-/// Less than a tenth of a percent is not none.
+/// Less than a tenth of a percent does not print as zero.
 pub fn percent(part: f64) -> String {
     match 100.0 * part {
         some if some > 0.0 && some < 0.1 => "less than 0.1 %".into(),
@@ -115,11 +117,11 @@ pub fn percent(part: f64) -> String {
 }
 
 impl FittedRange {
-    /// As a firmware takes it, without a margin; [`OperatingRange::widened`] by [`RANGE_MARGIN`] holds what [`Extrapolation`]
-    /// counts as within.
+    /// The range for a firmware, without a margin. [`OperatingRange::widened`] by [`RANGE_MARGIN`] contains the samples that
+    /// [`Extrapolation`] counts as within.
     ///
     /// # Errors
-    /// A bound that is not finite in `R`, or reversed ones.
+    /// A bound is not finite in `R`, or the bounds are reversed.
     pub fn operating_range<R: Real>(&self) -> Result<OperatingRange<R>, ConfigError> {
         OperatingRange::new(
             self.displacement.map(R::from_f64),
@@ -210,7 +212,7 @@ mod tests {
     }
 
     proptest! {
-        /// A sample counts as outside just where the firmware says so of the range with the margin, but within rounding.
+        /// A sample counts as outside exactly when the firmware reports it outside the range with the margin, up to rounding.
         #[test]
         fn the_firmware_and_a_prediction_agree(y in -0.4..0.4f64, v in -12.0..12.0f64) {
             let range = RANGE.operating_range::<f32>().unwrap().widened(RANGE_MARGIN as f32).unwrap();

@@ -1,4 +1,4 @@
-//! Families of effects, by the names that they have in every file.
+//! Families of effects, with their names in every file.
 
 use std::fmt;
 
@@ -6,10 +6,10 @@ use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper::effects::description::{Dependence, Description};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A family of effects: most have one effect.
+/// A family of effects: most families have one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Family(
-    /// Place of its first effect in [`DESCRIPTIONS`].
+    /// Index of its first effect in [`DESCRIPTIONS`].
     usize,
 );
 
@@ -23,7 +23,7 @@ impl Family {
     /// The family of an effect.
     ///
     /// # Panics
-    /// Never for a description of an effect that stands in the crate's list.
+    /// Never for a description in the crate's list of effects.
     pub fn of(description: &Description) -> Self {
         Self::named(description.family).expect("the effect stands in the crate's list")
     }
@@ -47,13 +47,13 @@ impl Family {
             .filter(move |each| each.family == self.name())
     }
 
-    /// The name it has in every file.
+    /// Its name in every file.
     pub fn name(self) -> &'static str {
         let Description { family, .. } = self.first();
         family
     }
 
-    /// What the force of any of its effects depends on.
+    /// The quantities that the force of any of its effects depends on.
     pub fn depends_on(self) -> impl Iterator<Item = &'static str> {
         let mut names = Vec::new();
         for each in self.effects().flat_map(|effect| effect.depends_on) {
@@ -125,7 +125,7 @@ impl<'de> Deserialize<'de> for Family {
 
 /// The unit of an effect's parameter by its name, or `None` for a name that no effect has.
 ///
-/// The second and later elements of an effect that has several carry their number: `slip_limit_2`.
+/// If an effect has several elements, the parameters of the second and later ones carry a number: `slip_limit_2`.
 pub fn parameter_unit(name: &str) -> Option<&'static str> {
     let parameters = DESCRIPTIONS.iter().flat_map(|each| each.parameters);
     let base = base_name(name);
@@ -148,7 +148,7 @@ mod tests {
 
     use super::*;
 
-    /// What reads a parameter by its name alone must not meet two units.
+    /// Code that reads a parameter by its name alone relies on one unit per name.
     #[test]
     fn a_name_has_one_unit() {
         for each in DESCRIPTIONS.iter().flat_map(|each| each.parameters) {

@@ -1,4 +1,4 @@
-//! A model as a file, `model.json`: what `trace` writes and `predict` and `run` read.
+//! A model as a file, `model.json`: `trace` writes it, `predict` and `run` read it.
 //!
 //! ```json
 //! { "format": "mesh-damper-model", "version": 1,
@@ -25,11 +25,11 @@ use sha2::{Digest as _, Sha256};
 use crate::correction::CorrectionTable;
 use crate::{AddedEffect, Control, LawNode, Model, ModelError};
 
-/// The word by which a model file is known.
+/// The word that marks a model file.
 const FORMAT: &str = "mesh-damper-model";
-/// The version that is written, and the only one read.
+/// The version that is written, and the only version that is read.
 const VERSION: u64 = 1;
-/// The tick for which effects are built to check their parameters, s: that of the rig.
+/// The tick with which effects are built to check their parameters, s: that of the rig.
 const CHECKED_TICK: f64 = 1e-4;
 
 /// The contents of a model file.
@@ -45,18 +45,18 @@ pub struct ModelFile {
     units: ModelUnits,
     /// The coefficients of eq 13 at increasing amplitudes.
     law: Vec<LawNode>,
-    /// The effects beside the law.
+    /// The effects added to the law.
     effects: Vec<AddedEffect>,
-    /// The residual table, where there is one.
+    /// The residual table, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     correction: Option<CorrectionTable>,
-    /// The control inputs, where the law is under some.
+    /// The control inputs, if the law has any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controls: Vec<Control>,
     /// The operating range: the motion that the model was fitted on.
     fitted_range: FittedRange,
-    /// Least and largest of what was taken off the displacements of the fitted recordings, mm: the law was given the displacement from
-    /// there. Absent where it is 0.
+    /// Smallest and largest offset that was subtracted from the displacements of the fitted recordings, mm: the law's displacement
+    /// is counted from there. Absent if it is 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     displacement_zero: [f64; 2],
 }
@@ -65,7 +65,7 @@ fn is_zero(range: &[f64; 2]) -> bool {
     *range == [0.0; 2]
 }
 
-/// The units of a model file; no others are known.
+/// The units of a model file; it allows no others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -105,19 +105,19 @@ enum Celsius {
     DegC,
 }
 
-/// The motion that a model was fitted on; beyond it the model extrapolates.
+/// The range of motion that a model was fitted on. Beyond it the model extrapolates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FittedRange {
-    /// Least and largest, mm.
+    /// Smallest and largest, mm.
     pub displacement: [f64; 2],
-    /// Least and largest, mm/s.
+    /// Smallest and largest, mm/s.
     pub velocity: [f64; 2],
 }
 
 impl FittedRange {
-    /// The range of a motion's `displacement` in mm and `velocity` in mm/s; `None` of an empty one.
+    /// The range of a motion with `displacement` in mm and `velocity` in mm/s; `None` for an empty motion.
     pub fn of<'a>(
         displacement: impl IntoIterator<Item = &'a f64>,
         velocity: impl IntoIterator<Item = &'a f64>,
@@ -128,7 +128,7 @@ impl FittedRange {
         })
     }
 
-    /// By how much a motion's displacement and velocity exceed these, each as a fraction of the larger end; 0 inside.
+    /// How far a motion's displacement and velocity exceed these ranges, each as a fraction of the larger end; 0 inside.
     pub fn exceeded_in(&self, motion: &Self) -> [f64; 2] {
         let beyond = |own: [f64; 2], other: [f64; 2]| {
             let reach = own[0].abs().max(own[1].abs());
@@ -170,7 +170,7 @@ impl ModelFile {
         }
     }
 
-    /// The same of recordings whose displacement had something taken off: from the least to the largest of it, mm.
+    /// As [`ModelFile::new`], for recordings whose displacement had an offset subtracted: from the smallest to the largest, mm.
     #[must_use]
     pub fn with_displacement_zero(self, displacement_zero: [f64; 2]) -> Self {
         Self {
@@ -179,16 +179,16 @@ impl ModelFile {
         }
     }
 
-    /// Reads a model and has the crate check every coefficient of it, in f64 and in f32.
+    /// Reads a model. The crate checks every coefficient in f64 and in f32.
     ///
     /// # Errors
-    /// The file and the field: not a model file, another version, a field that is missing, unknown or of another type,
-    /// an unknown family, a coefficient or parameter out of range, more than the default [`ReadLimit`].
+    /// The error names the file and the field: not a model file, another version, a missing or unknown field, a field of another
+    /// type, an unknown family, a coefficient or parameter out of range, or a file beyond the default [`ReadLimit`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         Self::read_within(path, ReadLimit::default())
     }
 
-    /// [`ModelFile::read`] of a file within another limit.
+    /// [`ModelFile::read`] with another limit.
     ///
     /// # Errors
     /// As [`ModelFile::read`].
@@ -198,10 +198,10 @@ impl ModelFile {
         Self::from_bytes(&path.display().to_string(), &bytes)
     }
 
-    /// [`ModelFile::read`] of a file's bytes; `name` is what errors call it.
+    /// [`ModelFile::read`] of a file's bytes; errors call the file `name`.
     ///
     /// # Errors
-    /// As [`ModelFile::read`], but for what the file system says.
+    /// As [`ModelFile::read`], without the errors of the file system.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
         let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
             InputError::new(
@@ -273,11 +273,11 @@ impl ModelFile {
         }
     }
 
-    /// Which model it is: the first bytes of the SHA-256 of what it says of law, effects, residual table and operating range, as JSON
-    /// without spaces. How the file is laid out is no part of it, nor is where a recording had its zero: the force of the law is the same.
+    /// The identity of the model: the first bytes of the SHA-256 of its law, effects, residual table and operating range, as JSON
+    /// without spaces. The layout of the file is no part of it, nor is the zero of a recording: the force of the law is the same.
     ///
     /// # Panics
-    /// Never: numbers and names are JSON.
+    /// Never: numbers and names are valid JSON.
     pub fn identity(&self) -> Identity {
         let meaning = (
             &self.law,
@@ -286,7 +286,7 @@ impl ModelFile {
             self.fitted_range,
         );
         let mut json = serde_json::to_vec(&meaning).expect("numbers and names are JSON");
-        // A model of no control is the one that it was before models could have any.
+        // A model without control inputs keeps the identity from before there were any.
         if !self.controls.is_empty() {
             json.extend(serde_json::to_vec(&self.controls).expect("numbers and names are JSON"));
         }
@@ -296,12 +296,12 @@ impl ModelFile {
         Identity(first)
     }
 
-    /// The motion that it was fitted on.
+    /// The range of motion that it was fitted on.
     pub fn fitted_range(&self) -> FittedRange {
         self.fitted_range
     }
 
-    /// Least and largest of what was taken off the recorded displacement, mm: a recorded displacement less that is the law's.
+    /// Smallest and largest offset of the recorded displacement, mm. The law's displacement is the recorded one minus the offset.
     pub fn displacement_zero(&self) -> [f64; 2] {
         self.displacement_zero
     }
@@ -337,7 +337,7 @@ impl ModelFile {
             ("displacement", self.fitted_range.displacement),
             ("velocity", self.fitted_range.velocity),
         ] {
-            // An infinite one would be written as null, which is not read again; a firmware takes it as f32.
+            // An infinite value would be written as null, which cannot be read back; a firmware takes the value as f32.
             if !((low as f32).is_finite() && (high as f32).is_finite() && low <= high) {
                 return refused(
                     format!("fitted_range.{field}"),
@@ -397,10 +397,10 @@ impl ModelFile {
     }
 }
 
-/// What the residual table of a model file of an earlier version is over, where no table is over it any more.
+/// The axis of a residual table that only model files of an earlier version have.
 fn removed_memory(file: &serde_json::Value) -> Option<ConfigError> {
     let of = file.pointer("/correction/memory/of")?;
-    // One without parameters is its name alone.
+    // A variant without parameters is its name alone.
     let name = of
         .as_str()
         .or_else(|| of.as_object()?.keys().next().map(String::as_str));
@@ -412,7 +412,7 @@ fn removed_memory(file: &serde_json::Value) -> Option<ConfigError> {
     }))
 }
 
-/// A model that cannot be built, as an error about the file it is from.
+/// The error of a model that cannot be built, with the file of the model.
 pub fn model_error(file: &str, error: &ModelError) -> InputError {
     let (field, problem) = match error {
         ModelError::Refused { place, error } => (place.clone(), error.to_string()),
@@ -428,7 +428,7 @@ pub fn model_error(file: &str, error: &ModelError) -> InputError {
     .at(Place::Field(field))
 }
 
-/// `.k1` where the error names k1.
+/// `.k1` if the error names k1.
 fn field_of(error: &ConfigError) -> String {
     match error {
         ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. } => {

@@ -1,16 +1,16 @@
-//! A law as a file, and the force that it predicts.
+//! Models as files, and the force that they predict.
 //!
-//! A model is eq 13 with coefficients over amplitude, and the effects that were added to it. A trace ends in one, and the rig
-//! runs it. What it predicts is computed by the crate: in f64 as it was fitted, or in f32 as the firmware runs it.
+//! A model is the mixed damping law (eq 13) with coefficients over amplitude, and the effects that were added to it. A trace
+//! produces it, and the rig runs it. The crate computes its force: in f64, as it was fitted, or in f32, as the firmware runs it.
 //!
 //! | module | for |
 //! |---|---|
 //! | the root | the model itself, and the names of its effects |
 //! | [`mod@file`] | `model.json`, read and written |
-//! | [`correction`] | the table of what has no name |
+//! | [`correction`] | the residual table |
 //! | [`export`] | a model as a pack, a Rust module, or C |
-//! | [`extrapolation`] | what of a motion lies outside the operating range |
-//! | [`mod@predict`] | the force for a recorded motion, and how far it is off |
+//! | [`extrapolation`] | the part of a motion outside the operating range |
+//! | [`mod@predict`] | the force for a recorded motion, and its error |
 //! | [`mod@respond`] | the motion of a mass on the damper |
 //!
 //! ```

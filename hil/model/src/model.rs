@@ -1,4 +1,4 @@
-//! The model that a trace ends in and that the rig runs: eq 13 with coefficients over amplitude, and added effects.
+//! The model that a trace produces and the rig runs: eq 13 with coefficients over amplitude, and added effects.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::correction::{CorrectionTable, Remembered};
 use crate::family::{Family, base_name};
 
-/// Most effects that a model carries beside eq 13.
+/// Most effects that a model has in addition to eq 13.
 pub const MAX_EFFECTS: usize = 8;
 
 /// The coefficients of eq 13 at one amplitude.
@@ -25,7 +25,7 @@ pub const MAX_EFFECTS: usize = 8;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LawNode {
-    /// mm. The only node of a law that does not depend on amplitude has 0.
+    /// mm. A law with a single node does not depend on amplitude and has 0 here.
     pub amplitude: f64,
     /// kN/mm
     pub k1: f64,
@@ -37,54 +37,54 @@ pub struct LawNode {
     pub alpha: f64,
 }
 
-/// One effect beside eq 13.
+/// One effect in addition to eq 13.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AddedEffect {
-    /// What kind it is.
+    /// Its kind.
     pub family: Family,
     /// Its parameters by name, in the units of [`crate::parameter_unit`].
     pub parameters: BTreeMap<String, f64>,
 }
 
-/// Why a model cannot be built.
+/// The reason why a model cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
-    /// A coefficient was refused by the crate.
+    /// The crate refused a coefficient.
     #[error("{place}: {error}")]
     Refused {
-        /// Which node or effect.
+        /// The node or effect.
         place: String,
-        /// What the crate said.
+        /// The crate's error.
         error: ConfigError,
     },
     /// An effect lacks a parameter, or has one too many.
     #[error("{place}: {problem}")]
     Parameters {
-        /// Which effect.
+        /// The effect.
         place: String,
-        /// Which parameter, and what is wrong with it.
+        /// The parameter and its error.
         problem: String,
     },
     /// The law has no nodes, or its amplitudes do not increase.
     #[error("law: {0}")]
     Nodes(&'static str),
-    /// No coefficient pack can be made of it.
+    /// The model does not fit into a coefficient pack.
     #[error("pack: {0}")]
     Pack(PackError),
 }
 
-/// Eq 13 over amplitude, and what is added to it.
+/// Eq 13 over amplitude, with additions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Coefficients at increasing amplitudes; between them they are interpolated linearly, outside they are held.
+    /// Coefficients at increasing amplitudes: interpolated linearly in between, held constant outside.
     pub law: Vec<LawNode>,
-    /// The added effects in the order in which their forces are added.
+    /// The added effects, in the order in which their forces are added.
     pub effects: Vec<AddedEffect>,
-    /// What is added beside them without a name.
+    /// The residual table, in addition to the effects.
     pub correction: Option<CorrectionTable>,
-    /// The control inputs that its effects see, by their places.
+    /// The control inputs that its effects see, by index.
     pub controls: Vec<Control>,
 }
 
@@ -95,12 +95,12 @@ pub struct Model {
 pub struct Control {
     /// Name of its column in a recording, with the unit: `current_A`.
     pub name: String,
-    /// Least and largest value that the model was fitted on, in that unit.
+    /// Smallest and largest value that the model was fitted on, in that unit.
     pub range: [f64; 2],
 }
 
 impl Control {
-    /// In words, that an input with these `values` goes beyond what was fitted; `None` where it does not.
+    /// A sentence about an input whose `values` go beyond the fitted range; `None` if they do not.
     pub fn beyond(&self, values: &[f64]) -> Option<String> {
         let ([low, high], (least, largest)) = (self.range, least_and_largest(values));
         (least < low || largest > high).then(|| {
@@ -181,8 +181,8 @@ impl Model {
         Ok(law)
     }
 
-    /// The same as a coefficient pack, for a rig that runs. It says its tick rate and nothing else of itself: see
-    /// [`crate::export`] for one that leaves the host.
+    /// As [`Self::augmented`], as a coefficient pack for a running rig. The pack gives its tick rate and no other information; see
+    /// [`crate::export`] for a pack that leaves the host.
     ///
     /// # Errors
     /// As [`Self::augmented`].
@@ -195,20 +195,20 @@ impl Model {
             .map_err(ModelError::Pack)
     }
 
-    /// Puts the control inputs of a recording to the places at which the effects see them.
+    /// Moves the control inputs of a recording to the indices at which the effects see them.
     ///
     /// # Errors
-    /// The recording lacks one.
+    /// The recording lacks one of them.
     pub fn arrange_controls(&self, recording: &mut Recording) -> Result<(), InputError> {
         let names = self.controls.iter().map(|control| control.name.as_str());
         recording.arrange_controls(names)
     }
 
-    /// Its control inputs in their order, `count` samples of each: those that are `given` hold throughout, the others are of the columns
-    /// `known` of `file`.
+    /// Its control inputs in order, `count` samples each. The `given` values are constant; the others come from the columns `known`
+    /// of `file`.
     ///
     /// # Errors
-    /// One that the model does not have, or one that it has and nobody gives.
+    /// An input that the model does not have, or an input of the model without a value.
     pub fn held_controls(
         &self,
         (file, known): (&str, &[ControlChannel]),
@@ -253,7 +253,7 @@ impl Model {
         effects.any(|effect| effect.family.depends_on_control())
     }
 
-    /// Whether its force changes with the number of cycles, or with their frequency by a residual table that counts them.
+    /// Whether its force changes with the number of cycles, or with their frequency through a residual table that counts them.
     pub fn depends_on_cycles(&self) -> bool {
         let table = self.correction.as_ref();
         let memory = table.and_then(|table| table.memory.as_ref());
@@ -284,7 +284,7 @@ impl AddedEffect {
     /// The effect for a tick of `tick` s. `place` names it in an error.
     ///
     /// # Errors
-    /// A parameter that is missing, that is not one of its own, or that the crate refuses.
+    /// A parameter is missing, unknown to the effect, or refused by the crate.
     pub fn effect<R: Real>(
         &self,
         tick: f64,
@@ -299,10 +299,10 @@ impl AddedEffect {
         })
     }
 
-    /// Which effect it is, and its parameters in the order of the description, element by element.
+    /// The effect's description, and its parameters in the order of the description, element by element.
     ///
     /// # Errors
-    /// A parameter that is missing, or that is not one of its own.
+    /// A parameter is missing or unknown to the effect.
     pub(crate) fn values(
         &self,
         place: impl Fn() -> String,
@@ -348,7 +348,8 @@ impl AddedEffect {
         Ok((description, values))
     }
 
-    /// Which effect of its family the parameters are of: the first that has a parameter of each of their names, or else the first.
+    /// The effect within its family that the parameters belong to: the first effect that has all of their names, or else the first
+    /// of the family.
     fn description(&self) -> &'static Description {
         let has_all = |description: &&Description| {
             self.parameters.keys().all(|name| {

@@ -1,4 +1,4 @@
-//! The force that a model gives for a recorded motion, evaluated by the crate.
+//! The force that a model predicts for a recorded motion, computed by the crate.
 
 use mesh_damper::effects::{AugmentedState, CONTROLS, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
@@ -7,8 +7,8 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::{Model, ModelError};
 
-/// The model's force in kN at every sample of `trajectory` in f64, as identification fitted it and as the recording's channel
-/// would show it.
+/// The model's force in kN at every sample of `trajectory`, in f64 as identification fitted it, and as the recording's force
+/// channel would show it.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -16,8 +16,8 @@ pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, Model
     Ok(trajectory.shown(run(model, trajectory, |force, _| force)?))
 }
 
-/// [`predict`] with a step more between any two samples, at a motion that is interpolated: by how much it differs from that is
-/// by how much the steps themselves err, and a third of that again.
+/// As [`predict`], with one more step between each two samples, at the interpolated motion. The error of the steps is the
+/// difference from [`predict`] plus a third of that.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -29,11 +29,12 @@ pub fn predict_in_half_steps(
     Ok(trajectory.shown(run_by(step, model, trajectory, |force, _| force)?))
 }
 
-/// A normal variable is within this many deviations of its mean in 90 % of the cases. Derived: the quantile.
+/// A normal variable lies within this many deviations of its mean in 90 % of the cases: the quantile.
 pub const NINETY_PERCENT: f64 = 1.645;
 
-/// Half width of the band in kN about the model's force at every sample of `trajectory` that holds the model's force along the true motion
-/// in 90 % of the cases: the motion was estimated from a noisy displacement. The model's own error is not in it.
+/// Half width in kN of the band about the model's force at every sample of `trajectory`. In 90 % of the cases the band contains the
+/// model's force along the true motion, which was estimated from a noisy displacement. The band does not include the model's own
+/// error.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -52,7 +53,7 @@ pub fn band(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelErr
         .collect())
 }
 
-/// The motion in the middle of a `tick` s, by cubics through both ends and their slopes.
+/// The motion in the middle of a step of `tick` s, by cubics through both ends and their slopes.
 fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
     let middle = |from: f64, to: f64| 0.5 * (from + to);
     let bent = |from_slope: f64, to_slope: f64| 0.125 * tick * (from_slope - to_slope);
@@ -66,7 +67,7 @@ fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
     }
 }
 
-/// What `seen` makes of the force in kN and the effects' state at every sample of `trajectory`.
+/// Calls `seen` with the force in kN and the effects' state at every sample of `trajectory`, and collects its results.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -78,7 +79,7 @@ pub fn run<T>(
     run_by(trajectory.tick, model, trajectory, seen)
 }
 
-/// [`run`] in steps of `step` s: the recording's, or half of it, with one more between any two samples.
+/// As [`run`], in steps of `step` s: either the recording's step, or half of it with one more step between each two samples.
 fn run_by<T>(
     step: f64,
     model: &Model,
@@ -105,7 +106,7 @@ fn run_by<T>(
         .collect()
 }
 
-/// The same by what the firmware runs, at the recording's tick: f32 throughout, the damping from a table.
+/// As [`predict`], by the firmware's computation at the recording's tick: f32 throughout, with the damping from a table.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -127,7 +128,7 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
     Ok(trajectory.shown(force))
 }
 
-/// What the law sees at one sample, its control inputs in the order of the trajectory.
+/// The law's inputs at one sample, with the control inputs in the order of the trajectory.
 #[inline]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     Motion {
@@ -140,7 +141,7 @@ pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     }
 }
 
-/// The first of the control inputs; 0 in the place of one that there is none of.
+/// The first control inputs of the trajectory, with 0 for each one that is absent.
 #[inline]
 fn controls_at<R: Real>(trajectory: &Trajectory, index: usize) -> [R; CONTROLS] {
     let mut controls = [R::ZERO; CONTROLS];
@@ -150,7 +151,7 @@ fn controls_at<R: Real>(trajectory: &Trajectory, index: usize) -> [R; CONTROLS] 
     controls
 }
 
-/// RMS of the error over the RMS of the measured force, over the samples that `included` picks.
+/// RMS of the error over the RMS of the measured force, for the samples that `included` picks.
 pub fn nrmse(predicted: &[f64], measured: &[f64], included: impl Fn(usize) -> bool) -> f64 {
     let (error, force) = (0..measured.len()).filter(|&index| included(index)).fold(
         (0.0, 0.0),

@@ -1,4 +1,4 @@
-//! A predicted force is as continuous as the law and the motion: no single tick stands out where the motion is smooth.
+//! A predicted force is as continuous as the law and the motion: no single tick stands out in a smooth motion.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +14,11 @@ use rand_distr::{Distribution, Normal};
 /// s
 const TICK: f64 = 1e-3;
 const SAMPLES: usize = 6000;
-/// Of the displacement's sensor, mm.
+/// Noise of the displacement sensor, mm.
 const NOISE: f64 = 5e-5;
-/// Samples at either end, where a window has only one side.
+/// Samples at each end, where a window has only one side.
 const ENDS: usize = 100;
-/// An error of the velocity that is tolerated, as a part of its RMS: the estimate has a bias where the motion bends.
+/// Tolerated error of the velocity, as a fraction of its RMS: the estimate has a bias where the motion bends.
 const TOLERATED: f64 = 0.1;
 
 const LAW: LawNode = LawNode {
@@ -74,11 +74,12 @@ fn damping(v: f64) -> f64 {
     LAW.c * v.abs().powf(LAW.alpha) * v.signum()
 }
 
-/// Ticks whose force none of the velocities between the tick before and the one after gives, errors that are tolerated included.
+/// Ticks whose force belongs to none of the velocities between the tick before and the tick after, with the tolerated errors
+/// included.
 fn outliers(truth: &Truth, forces: &[f64]) -> Vec<usize> {
     let (displacement, velocity) = truth;
     let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len() as f64).sqrt();
-    // Noise and bias of the displacement reach the elastic force; these are ten times the noise.
+    // Noise and bias of the displacement affect the elastic force; these limits are ten times the noise.
     let slack = 10.0 * NOISE * LAW.k1;
     (ENDS..SAMPLES - ENDS)
         .filter(|&n| {
@@ -100,7 +101,7 @@ fn check(truth: &Truth, seed: u64) -> Result<(), TestCaseError> {
         .iter()
         .map(|y| y + noise.sample(&mut random))
         .collect();
-    // The middle of a motion is its zero where the force says so.
+    // The middle of a motion is its zero if the force shows it.
     let felt = |(y, v): (&f64, &f64)| elastic(*y) + damping(*v);
     let force = truth.0.iter().zip(&truth.1).map(felt).collect();
     let trajectory = Trajectory::new("smooth", TICK, &recorded, force, None, None);
@@ -110,7 +111,7 @@ fn check(truth: &Truth, seed: u64) -> Result<(), TestCaseError> {
         correction: None,
         controls: Vec::new(),
     };
-    // Nor is a kink found in it.
+    // The estimate finds no kink in it.
     prop_assert_eq!(&trajectory.motion.kinks, &Vec::<usize>::new());
     for forces in [
         predict(&model, &trajectory).unwrap(),

@@ -1,4 +1,4 @@
-//! The blocks of like cycles in a recording: `cargo run -p mesh-damper-recording --example cycles -- rig-test.csv`.
+//! The blocks of equal cycles in a recording: `cargo run -p mesh-damper-recording --example cycles -- rig-test.csv`.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;

@@ -1,11 +1,11 @@
 //! Channels that were smoothed by a moving average before they were written.
 //!
-//! A mean over w samples has no noise at the frequencies k/w: its gain there is sin(πfw)/(πfw) = 0. Notches at all multiples of
-//! one frequency in displacement and force alike are taken for that where they are no gaps between the harmonics of a motion
-//! with corners, which are lines that a median over frequency does not see. A force that jumps at a reversal, averaged,
-//! does not jump any more; a law can only be compared with it when its own force is averaged likewise.
+//! A mean over w samples has no noise at the frequencies k/w: its gain there is sin(πfw)/(πfw) = 0. Notches at all multiples of one
+//! frequency, in displacement and force alike, are taken for such a mean. They must not be gaps between the harmonics of a motion
+//! with corners, which are lines that a median over frequency ignores. An averaged force no longer jumps at a reversal. A law can
+//! be compared with it only if the law's force is averaged in the same way.
 //!
-//! A strong harmonic of the motion beside a notch hides it, and with it the average.
+//! A strong harmonic of the motion next to a notch hides it, and with it the average.
 
 use std::ops::Range;
 
@@ -41,10 +41,10 @@ crate::numbers! {
     }
 }
 
-/// A moving average over samples before and after.
+/// A moving average, centred on each sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingAverage {
-    /// Samples that it is over, 4 and more where it was found; a part of one counts in part.
+    /// Number of samples, 4 and more if it was found; a fraction of a sample counts in part.
     pub window: f64,
 }
 
@@ -68,7 +68,7 @@ impl MovingAverage {
             }
             distance += (policy().averaging.finer * distance).max(policy().averaging.finest);
         }
-        // Every second notch of an average is a notch too, so those that are nearest together count.
+        // Every second notch of an average is a notch too, so the closest spacing counts.
         let (first, _) = *found.first()?;
         let same = found
             .iter()
@@ -79,14 +79,14 @@ impl MovingAverage {
         })
     }
 
-    /// What is left of a sine of `frequency` cycles per sample, below the first notch: sin(πfw)/(w·sin πf).
+    /// Gain for a sine of `frequency` cycles per sample, below the first notch: sin(πfw)/(w·sin πf).
     pub fn gain(&self, frequency: f64) -> f64 {
         let half_turn = std::f64::consts::PI * frequency;
         (half_turn * self.window).sin() / (self.window * half_turn.sin())
     }
 
-    /// The deviation of averaged white noise, of which sixth differences show `seen` only
-    /// ([`noise_beside_tones`](super::noise::noise_beside_tones)): neighbours share most of what they are the average of.
+    /// The deviation of averaged white noise, of which sixth differences show only `seen`
+    /// ([`noise_beside_tones`](super::noise::noise_beside_tones)), because neighbours share most of their samples.
     pub fn noise(&self, seen: f64) -> f64 {
         let half = 0.5 * (self.window - 1.0);
         let end = [half.fract()];
@@ -102,7 +102,7 @@ impl MovingAverage {
         seen * (squares(&taps) / shown).sqrt()
     }
 
-    /// The average of `values` about each of them; at an end, of those that are there.
+    /// The average of `values` about each of them; at an end, of the values available.
     pub fn of(&self, values: &[f64]) -> Vec<f64> {
         let half = 0.5 * (self.window - 1.0);
         let (whole, part) = (half as usize, half.fract());
@@ -130,14 +130,14 @@ impl MovingAverage {
     }
 }
 
-/// The logarithm of a channel's power, bin by bin, and its sums.
+/// The logarithm of a channel's power per bin, and its sums.
 struct Spectrum {
     logarithms: Vec<f64>,
     sums: Vec<f64>,
 }
 
 impl Spectrum {
-    /// Of the channel's differences, which are more alike over frequency than the channel is; `None` where it is too short.
+    /// Spectrum of the channel's differences, which vary less over frequency than the channel; `None` if the channel is too short.
     fn of(channel: &[f64]) -> Option<Self> {
         let differences = channel.windows(2).map(|pair| pair[1] - pair[0]);
         let power = powers(differences.collect());
@@ -161,20 +161,20 @@ impl Spectrum {
         (self.sums.len() - 2) as f64
     }
 
-    /// The bins from one place to another, `None` beyond the last.
+    /// The bins between two positions, `None` beyond the last.
     fn range(&self, from: f64, to: f64) -> Option<Range<usize>> {
         let (from, to) = (from.ceil() as usize, to.floor().min(self.bins()) as usize);
         (from < to).then_some(from..to + 1)
     }
 
-    /// The mean depth of the notches that are so many bins apart, `None` where one is not deep.
+    /// The mean depth of the notches that are `distance` bins apart, `None` if one is not deep.
     fn depth(&self, distance: f64) -> Option<f64> {
         self.depth_by(distance, |bins| {
             (self.sums[bins.end] - self.sums[bins.start]) / bins.len() as f64
         })
     }
 
-    /// Whether there are notches so many bins apart when lines don't count.
+    /// Whether there are notches this many bins apart when lines are ignored.
     fn has_notches(&self, distance: f64) -> bool {
         // A range has two bins at least.
         let level =
@@ -182,7 +182,7 @@ impl Spectrum {
         self.depth_by(distance, level).is_some()
     }
 
-    /// With `level` of the logarithms in some bins.
+    /// The same with `level` of the logarithms in a range of bins.
     fn depth_by(&self, distance: f64, level: impl Fn(Range<usize>) -> f64) -> Option<f64> {
         let notches = ((self.bins() + policy().averaging.notch * distance) / distance) as usize;
         let depths: Vec<f64> = (1..=notches.min(policy().averaging.most_notches))
@@ -229,7 +229,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
 
-        /// The window is found to a part in fifty, and nothing where there is none. No harmonic is as fast as the first notch.
+        /// The window is found to 2 %, and nothing is found without one. No harmonic is as fast as the first notch.
         #[test]
         fn a_window_is_found(window in 4.0..40.0_f64, period in 500.0..900.0_f64, noise in 1e-3..0.1_f64, seed: u64) {
             let raw = [0, 1].map(|which| channel(4000, period, noise, seed ^ which));
@@ -239,15 +239,15 @@ mod tests {
             let found = MovingAverage::find(&displacement, &force);
             let found = found.expect("an average").window;
             prop_assert!((found / window.round() - 1.0).abs() < 0.02, "{} {}", found, window);
-            // The mean of w uniform values of this width deviates by noise / sqrt(12 w). The sample's own deviation
-            // is no oracle: 4000 samples hold as few as 100 means that share none.
+            // The mean of w uniform values of this width has a deviation of noise / sqrt(12 w). The sample's own deviation is no
+            // oracle: 4000 samples contain only 100 means without common samples.
             let deviation = noise / (12.0 * average.window).sqrt();
             let averaged = average.of(&channel(4000, f64::INFINITY, noise, seed));
             let seen = average.noise(noise_deviation(&averaged));
             prop_assert!((seen / deviation - 1.0).abs() < 0.25, "{} {}", seen, deviation);
         }
 
-        /// A mean of a constant is that constant, and of a line that line, but for the ends.
+        /// A mean of a constant is that constant, and of a line that line, except at the ends.
         #[test]
         fn an_average_keeps_lines(window in 2.0..30.0_f64, slope in -1.0..1.0_f64) {
             let line: Vec<f64> = (0..100).map(|index| 3.0 + slope * f64::from(index)).collect();
@@ -260,7 +260,7 @@ mod tests {
         }
     }
 
-    /// Neither a motion with corners nor one with odd harmonics was averaged, though nothing is between its harmonics.
+    /// A motion with corners or with odd harmonics was not averaged, although there is nothing between its harmonics.
     #[test]
     fn gaps_between_harmonics_are_no_notches() {
         let mut random = StdRng::seed_from_u64(5);
@@ -297,7 +297,7 @@ mod tests {
         }
     }
 
-    /// A notch at one frequency, as against the mains, is no average; nor is one channel's alone.
+    /// A notch at one frequency, as against the mains, is no average; nor is one in a single channel.
     #[test]
     fn one_notch_or_one_channel_is_no_average() {
         let [one, other] = [3, 4].map(|seed| channel(6000, 250.0, 0.02, seed));

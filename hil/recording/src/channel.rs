@@ -28,7 +28,7 @@ impl Channel {
         Self::Temperature,
     ];
 
-    /// As the column's name has it.
+    /// Its name in a column's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -39,7 +39,7 @@ impl Channel {
         }
     }
 
-    /// The code's unit of it.
+    /// Its unit in the code.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Time => "s",
@@ -61,7 +61,8 @@ impl Channel {
         }
     }
 
-    /// The unit of it that is written so: by its symbol, or as people and programs write it otherwise, as `newtons` and `µm`.
+    /// The unit of it with this spelling: by its symbol, or in another form that people and programs use, such as `newtons` and
+    /// `µm`.
     pub fn unit_written(self, written: &str) -> Option<Unit> {
         spelling::unit_of(self, written)
     }

@@ -1,4 +1,4 @@
-//! The clock behind a recording's times: equal steps, the tick that each sample belongs to, and how far times are off.
+//! The clock behind a recording's times: equal steps, the tick of each sample, and the error of the times.
 
 use std::f64::consts::TAU;
 
@@ -28,21 +28,21 @@ crate::numbers! {
     }
 }
 
-/// Equal steps that a recording's samples stand on or about.
+/// Equal time steps at which, or about which, a recording's samples lie.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Clock {
     /// Time between ticks, s.
     pub period: f64,
-    /// The tick of each sample from the first one's, increasing strictly.
+    /// The tick of each sample relative to the first one's, strictly increasing.
     pub ticks: Vec<usize>,
     /// Whether the samples were taken on the ticks, whatever their times say.
     pub on_ticks: bool,
-    /// RMS of the times from their ticks, periods; 0 where it is rounding.
+    /// RMS of the times from their ticks, periods; 0 if it is only rounding.
     pub jitter: f64,
 }
 
 impl Clock {
-    /// The clock of `time`, s, increasing; `displacement`, smooth over it, says whether times that jitter are true.
+    /// The clock of `time`, s, increasing. `displacement`, which is smooth over time, shows whether jittering times are true.
     pub fn of(time: &[f64], displacement: &[f64]) -> Self {
         let period = mean_step(time);
         let positions: Vec<f64> = time.iter().map(|t| (t - time[0]) / period).collect();
@@ -60,7 +60,7 @@ impl Clock {
         if let Some(clock) = Self::jittering(time, displacement) {
             return clock;
         }
-        // Times that wander: gaps are long steps, and ticks are where the times lead.
+        // Times that wander: gaps are long steps, and ticks follow the times.
         let mut ticks = vec![0];
         for pair in time.windows(2) {
             let step = (pair[1] - pair[0]) / period;
@@ -85,7 +85,7 @@ impl Clock {
     /// A clock about which the times jitter.
     fn jittering(time: &[f64], displacement: &[f64]) -> Option<Self> {
         let (start, period) = lock(time)?;
-        // Ticks beyond the sample's number: those missing before it, and jitter. They can only grow.
+        // Ticks in excess of the sample's number, by samples missing before it and by jitter. They can only grow.
         let ahead: Vec<f64> = (0..time.len())
             .map(|index| (time[index] - start) / period - index as f64)
             .collect();
@@ -112,7 +112,7 @@ impl Clock {
             .fold(0.0_f64, |largest, a| largest.max(a.abs()));
         let rounded = largest * period <= policy().clock.rounded * rounding(time);
         let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
-        // Where the channels are interpolated anyway, the ticks end with the samples.
+        // The channels are interpolated anyway, so the ticks end with the samples.
         let span = time[time.len() - 1] - time[0];
         let period = if on_ticks {
             period
@@ -127,7 +127,7 @@ impl Clock {
         })
     }
 
-    /// Steps of more than one tick: the sample before each, and how many samples are missing there.
+    /// Steps of more than one tick: the sample before each, and the number of samples missing there.
     pub fn gaps(&self) -> Vec<(usize, usize)> {
         self.ticks
             .windows(2)
@@ -137,7 +137,7 @@ impl Clock {
             .collect()
     }
 
-    /// What is wrong with the times.
+    /// The faults of the times.
     pub fn faults(&self) -> Vec<ChannelFault> {
         let channel = Channel::Time;
         let mut faults = Vec::new();
@@ -160,7 +160,7 @@ impl Clock {
     }
 }
 
-/// Mean of the steps that are no gaps, so that the rounding of printed times does not bias it.
+/// Mean of the steps that are not gaps, so that the rounding of printed times does not bias it.
 fn mean_step(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
@@ -180,8 +180,8 @@ fn mean_step(time: &[f64]) -> f64 {
     }
 }
 
-/// First tick and period of a clock with jitter and gaps: regressed on a few samples, and on twice as many each time, so
-/// that the next ones' ticks are always known to less than half a period.
+/// First tick and period of a clock with jitter and gaps. The regression begins with a few samples and doubles their number each
+/// time, so that the ticks of the next ones are always known to less than half a period.
 fn lock(time: &[f64]) -> Option<(f64, f64)> {
     let stride = (time.len() / 4).clamp(1, 16);
     let mut steps: Vec<f64> = time
@@ -218,8 +218,8 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
     }
 }
 
-/// The tick next to the first of `time`, s: the direction of the mean of the times' phases, which half a tick of error in
-/// the first time cannot mislead.
+/// The tick nearest to the first of `time`, s: the direction of the mean of the times' phases, which tolerates an error of half a
+/// tick in the first time.
 fn phase(time: &[f64], period: f64) -> f64 {
     let (sin, cos) = time.iter().fold((0.0, 0.0), |(sin, cos), t| {
         let (s, c) = (TAU * (t - time[0]) / period).sin_cos();
@@ -228,7 +228,7 @@ fn phase(time: &[f64], period: f64) -> f64 {
     time[0] + sin.atan2(cos) / TAU * period
 }
 
-/// The least-squares fit of `values` that never falls: neighbours that fall are pooled.
+/// The least-squares fit of `values` that never falls: falling neighbours are pooled.
 fn isotonic(values: &[f64]) -> Vec<f64> {
     let mut pools: Vec<(f64, usize)> = Vec::new();
     for &value in values {
@@ -251,7 +251,7 @@ fn isotonic(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The decimal step to which all of `time` were rounded, s; 0 where there is none above a nanosecond.
+/// The decimal step to which all of `time` were rounded, s; 0 if there is none above a nanosecond.
 fn rounding(time: &[f64]) -> f64 {
     (0..=9)
         .map(|decimals| 10f64.powi(-decimals))
@@ -262,8 +262,7 @@ fn rounding(time: &[f64]) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// Whether each displacement is better foretold by the cubic through its four neighbours over the ticks than over the
-/// times.
+/// Whether the cubic through its four neighbours predicts each displacement better over the ticks than over the times.
 fn smoother_over_ticks(time: &[f64], ticks: &[usize], displacement: &[f64]) -> bool {
     let left_out = |at: &dyn Fn(usize) -> f64| {
         let mut errors: Vec<f64> = (2..time.len().saturating_sub(2))

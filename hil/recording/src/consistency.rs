@@ -1,4 +1,4 @@
-//! Recordings that cannot all be of one specimen.
+//! Detects recordings that cannot all be of one specimen.
 
 use super::Recording;
 use crate::error::InputError;
@@ -36,13 +36,13 @@ crate::numbers! {
 /// Comments that declare what was tested.
 const DECLARATIONS: [&str; 2] = ["specimen", "device"];
 
-/// Refuses recordings of which two contradict each other: they declare different specimens, under the same motion they hold
-/// different forces, or under any motion one gives energy where the other takes it, or is a unit apart.
+/// Rejects recordings of which two contradict each other. Either they declare different specimens, or under the same motion their
+/// forces differ, or under any motion one supplies energy where the other dissipates it, or their units differ.
 ///
 /// Motions are compared from each recording's start over the time that both cover.
 ///
 /// # Errors
-/// The later recording of the first such pair, the earlier one, and by how much the forces differ.
+/// The later recording of the first such pair, the earlier one, and the difference of the forces.
 pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
     for (index, later) in recordings.iter().enumerate() {
         for earlier in &recordings[..index] {
@@ -54,8 +54,8 @@ pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Refuses a pair of which one dissipates energy and the other gives it, or whose forces per displacement are a unit apart,
-/// whatever their motions.
+/// Rejects a pair of which one dissipates energy and the other supplies it, or whose ratios of force to displacement differ by a
+/// unit, whatever their motions.
 fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
     let (a, b) = (Character::of(earlier), Character::of(later));
     if a.dissipation.min(b.dissipation) < -policy().consistency.dissipates
@@ -85,11 +85,11 @@ fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputEr
     Ok(())
 }
 
-/// What a specimen keeps from one motion to another, roughly.
+/// Rough properties of a specimen that stay from one motion to another.
 struct Character {
-    /// Work done on the specimen over the most that such a force could take on such a path, −1…1.
+    /// Work done on the specimen divided by the most that such a force could do on such a path, −1…1.
     dissipation: f64,
-    /// RMS of the force over RMS of the displacement, about their means; kN/mm.
+    /// RMS of the force divided by RMS of the displacement, about their means; kN/mm.
     stiffness: f64,
 }
 
@@ -104,7 +104,7 @@ impl Character {
             about_mean(&recording.force),
         );
         let (mut work, mut most) = (0.0, 0.0);
-        // Over strides, so that the displacement's noise is small beside its steps.
+        // Over strides, so that the displacement's noise is small compared with its steps.
         for index in policy().consistency.stride..y.len() {
             let step = y[index] - y[index - policy().consistency.stride];
             let force = f[index - policy().consistency.stride / 2];
@@ -147,7 +147,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     let Some(pairs) = common_stretch(earlier, later) else {
         return Ok(());
     };
-    // About the means: on a plateau that both begin with, noise alone moves, and says nothing of what went before.
+    // About the means: on a plateau with which both begin, only noise moves, and the earlier motion is unknown.
     let mean_of = |of: fn(&(f64, f64)) -> f64| -> f64 {
         pairs.iter().map(|pair| of(&pair.displacement)).sum::<f64>() / pairs.len() as f64
     };
@@ -195,7 +195,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     ))
 }
 
-/// Whether a control input that both have is another one.
+/// Whether a control input in both differs.
 fn are_controlled_otherwise(earlier: &Recording, later: &Recording) -> bool {
     earlier.controls.iter().any(|before| {
         let mut controls = later.controls.iter();
@@ -243,7 +243,7 @@ fn sum_of_squares(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).sum()
 }
 
-/// RMS of the difference over the RMS of the larger of the two, 0…2.
+/// RMS of the difference divided by the RMS of the larger of the two, 0…2.
 fn difference(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let apart = sum_of_squares(pairs.clone().map(|(a, b)| a - b));
     let first = sum_of_squares(pairs.clone().map(|(a, _)| a));
@@ -256,13 +256,13 @@ fn difference(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     }
 }
 
-/// The factor by which the second values are the first, where they are that to within a tenth.
+/// The factor from the second values to the first, if it describes them to within a tenth.
 fn scale_between(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
     let product: f64 = pairs.clone().map(|(a, b)| a * b).sum();
     let first = sum_of_squares(pairs.clone().map(|(a, _)| a));
     let second = sum_of_squares(pairs.map(|(_, b)| b));
     let correlation = product / (first * second).sqrt();
-    // sin of the angle between them is what a factor leaves.
+    // sin of the angle between them is the part that a factor cannot explain.
     (1.0 - correlation * correlation < policy().consistency.is_factor).then_some(product / first)
 }
 
@@ -316,7 +316,7 @@ mod tests {
         check_consistency(&[&cold, &turned]).unwrap_err();
     }
 
-    /// What stands on a plateau says nothing of the way there: a force that relaxes is another one each time.
+    /// A plateau does not show how it was reached: a relaxing force differs each time.
     #[test]
     fn a_common_plateau_is_no_common_motion() {
         let on_plateau = |name: &str, force: f64, noise: f64, seed: usize| {

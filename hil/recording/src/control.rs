@@ -1,8 +1,8 @@
-//! What a specimen was controlled by while it was recorded.
+//! Control inputs of a specimen during a recording.
 
 use super::channel::Channel;
 
-/// Units of a control input: of what sets a force, and not of a motion or a time.
+/// Units of a control input: of quantities that set a force, unlike a motion or a time.
 pub(super) const UNITS: &[&str] = &[
     "A", "mA", "V", "mV", "kV", "bar", "mbar", "Pa", "kPa", "MPa", "psi", "N", "kN", "lbf", "kip",
     "T", "mT", "W",
@@ -13,7 +13,7 @@ pub(super) const UNITS: &[&str] = &[
 pub struct ControlChannel {
     /// Its column's name, with the unit: `current_A`.
     pub name: String,
-    /// In that unit, one per sample.
+    /// Values in that unit, one per sample.
     pub values: Vec<f64>,
 }
 
@@ -23,14 +23,14 @@ impl ControlChannel {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }
 
-    /// Whether it is not the same all the time.
+    /// Whether it varies.
     pub fn changes(&self) -> bool {
         self.values.windows(2).any(|pair| pair[0] != pair[1])
     }
 }
 
-/// Whether a column of this name is a control input. What has a word of a channel in its name, as `displacement_command_V`, says
-/// something of that channel, and what was predicted says nothing of the specimen.
+/// Whether a column of this name is a control input. A name with a word for a channel, such as `displacement_command_V`, belongs to
+/// that channel, and a predicted value says nothing about the specimen.
 pub(super) fn is_control(name: &str) -> bool {
     let Some((quantity, unit)) = name.rsplit_once('_') else {
         return false;

@@ -1,4 +1,4 @@
-//! Text and cells of the CSV files that the harness is given.
+//! Text and cells of the CSV files given to the harness.
 
 use std::collections::HashMap;
 use std::io::{self, Read};
@@ -7,37 +7,36 @@ use std::path::{Path, PathBuf};
 use crate::error::{InputError, Place, quoted};
 use crate::read_limit::{ReadLimit, open};
 
-/// The two bytes with which every gzip member begins (RFC 1952, 2.3.1).
+/// The first two bytes of every gzip member (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-/// What some programs write before the text.
+/// Bytes that some programs write before the text.
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
-/// Bytes that are read at a time.
+/// Number of bytes read at a time.
 const CHUNK: usize = 1 << 16;
 
-/// The text of a CSV file as it is read: unzipped where it is gzip, without a byte order mark, and never held as a whole.
+/// The text of a CSV file as it is read: unzipped if it is gzip, without a byte order mark, and never held as a whole.
 ///
-/// What is wrong with the file comes out of [`Read::read`] as an [`InputError`] within an [`io::Error`]; [`broken_csv`] takes
-/// it out again.
+/// An error in the file comes out of [`Read::read`] as an [`InputError`] within an [`io::Error`]; [`broken_csv`] extracts it.
 pub struct CsvText<'a> {
     path: PathBuf,
     limit: ReadLimit,
     source: Box<dyn Read + 'a>,
     is_gzip: bool,
-    /// Unpacked bytes that were read ahead, and how many of them were taken.
+    /// Unpacked bytes that were read ahead, and the number of them already taken.
     ahead: Vec<u8>,
     taken: usize,
-    /// What makes UTF-8 of the bytes; none where they are that.
+    /// Decoder to UTF-8; `None` if the bytes are UTF-8.
     decoder: Option<encoding_rs::Decoder>,
-    /// Whether bytes that are no UTF-8, where all before were ASCII, are taken for Windows-1252.
+    /// Whether bytes that are not UTF-8 are taken for Windows-1252, if all before were ASCII.
     may_guess: bool,
-    /// The line from which on they were.
+    /// The first line for which they were.
     guessed_from: Option<u64>,
     is_ascii: bool,
-    /// What was read and not handed on. Behind its first `whole` bytes begins a character that is not read to its end.
+    /// Text read and not handed on. After its first `whole` bytes an incomplete character begins.
     chunk: Vec<u8>,
     next: usize,
     whole: usize,
-    /// Bytes read of the file, unpacked, and bytes handed on.
+    /// Number of unpacked bytes read from the file, and number of bytes handed on.
     read: u64,
     handed: u64,
     last: Option<u8>,
@@ -48,16 +47,16 @@ pub struct CsvText<'a> {
 /// The lines of a text so far.
 #[derive(Default)]
 struct Lines {
-    /// Line ends that were passed.
+    /// Number of line ends passed.
     ends: u64,
     /// Bytes of this line so far.
     length: u64,
     /// Bytes of all comment lines so far.
     of_comments: u64,
     comments: Vec<String>,
-    /// The bytes of this line, where it is a comment.
+    /// The bytes of this line, if it is a comment.
     comment: Option<Vec<u8>>,
-    /// Whether a quoted cell has begun and not ended.
+    /// Whether a quoted cell is open.
     quoted: bool,
     is_within: bool,
 }
@@ -66,12 +65,12 @@ impl<'a> CsvText<'a> {
     /// Opens a file.
     ///
     /// # Errors
-    /// The file and why it cannot be read: there is none, or it is a folder.
+    /// The file and why it cannot be read: it does not exist, or is a folder.
     pub fn open(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         Self::of(path, open(path)?, limit)
     }
 
-    /// What `source` gives; `path` is what errors call it.
+    /// The text of `source`; `path` is its name in errors.
     pub(crate) fn of(
         path: &Path,
         mut source: impl Read + 'a,
@@ -115,7 +114,7 @@ impl<'a> CsvText<'a> {
         self.path.display().to_string()
     }
 
-    /// Its rows, those of different lengths included; comment lines are left out.
+    /// Its rows, also those of different lengths; comment lines are left out.
     pub fn rows(self) -> csv::Reader<Self> {
         csv::ReaderBuilder::new()
             .comment(Some(b'#'))
@@ -126,15 +125,15 @@ impl<'a> CsvText<'a> {
             .from_reader(self)
     }
 
-    /// The texts of the lines read so far that begin with `#` and do not stand within a quoted cell.
+    /// The lines read so far that begin with `#`, outside quoted cells.
     pub fn comments(self) -> Vec<String> {
         self.lines.comments
     }
 
-    /// The first unpacked bytes, before any is handed on: `count` of them, or all there are.
+    /// The first unpacked bytes, before any is handed on: `count` of them, or all.
     ///
     /// # Errors
-    /// What the file system says, damaged gzip, and a file beyond the limit.
+    /// An error of the file system, damaged gzip, or a file beyond the limit.
     pub(crate) fn ahead(&mut self, count: usize) -> Result<&[u8], InputError> {
         while self.ahead.len() < count && !self.has_ended {
             let mut bytes = std::mem::take(&mut self.ahead);
@@ -145,29 +144,29 @@ impl<'a> CsvText<'a> {
         Ok(&self.ahead)
     }
 
-    /// Whether [`CsvText::ahead`] gave all that there is.
+    /// Whether [`CsvText::ahead`] returned the whole file.
     pub(crate) fn is_all_ahead(&self) -> bool {
         self.has_ended
     }
 
-    /// Has the bytes decoded; without an encoding they are UTF-8, and Windows-1252 from the first that is not, as long as all before
+    /// Sets the encoding. Without one the bytes are UTF-8, and Windows-1252 from the first byte that is not UTF-8, if all before
     /// were ASCII.
     pub(crate) fn decode(&mut self, encoding: Option<&'static encoding_rs::Encoding>) {
         self.decoder = encoding.map(encoding_rs::Encoding::new_decoder_with_bom_removal);
         self.may_guess = encoding.is_none();
     }
 
-    /// The line from which on the text was taken for Windows-1252.
+    /// The line from which the text was taken for Windows-1252.
     pub(crate) fn guessed_from(&self) -> Option<u64> {
         self.guessed_from
     }
 
-    /// Whether all was read of the file that there is.
+    /// Whether the whole file was read.
     fn is_read(&self) -> bool {
         self.has_ended && self.taken == self.ahead.len()
     }
 
-    /// Reads on, and takes what it reads as far as its last character goes.
+    /// Reads on, and takes the bytes up to their last complete character.
     fn fill(&mut self) -> Result<(), InputError> {
         self.chunk.drain(..self.whole);
         (self.next, self.whole) = (0, 0);
@@ -204,7 +203,7 @@ impl<'a> CsvText<'a> {
         Ok(())
     }
 
-    /// Takes what is no UTF-8, and all behind it, for Windows-1252.
+    /// Takes the bytes from the first that is not UTF-8 for Windows-1252.
     fn guess(&mut self) {
         let ends = self.chunk[..self.whole].iter().filter(|&&b| b == b'\n');
         self.guessed_from = Some(1 + self.lines.ends + ends.count() as u64);
@@ -218,7 +217,7 @@ impl<'a> CsvText<'a> {
     /// Some more text of the file, or its end.
     fn more(&mut self) -> Result<(), InputError> {
         if self.taken < self.ahead.len() {
-            // What was read ahead is taken in the parts in which a file is read.
+            // The bytes read ahead are taken in the parts in which a file is read.
             let end = self.ahead.len().min(self.taken + CHUNK);
             let ahead = std::mem::take(&mut self.ahead);
             let from = std::mem::replace(&mut self.taken, end);
@@ -253,12 +252,12 @@ impl<'a> CsvText<'a> {
         let held = self.chunk.len();
         self.chunk
             .resize(held + most.unwrap_or(3 * bytes.len() + 16), 0);
-        // There is room for all of it, and what is malformed becomes a sign that says so.
+        // There is room for all of it, and malformed bytes become a replacement character.
         let (_, _, written, _) = decoder.decode_to_utf8(bytes, &mut self.chunk[held..], is_last);
         self.chunk.truncate(held + written);
     }
 
-    /// Appends some more unpacked bytes of the file; none is its end.
+    /// Appends some more unpacked bytes of the file; none at its end.
     fn unpack(&mut self, to: &mut Vec<u8>) -> Result<usize, InputError> {
         let held = to.len();
         to.resize(held + CHUNK, 0);
@@ -278,7 +277,7 @@ impl<'a> CsvText<'a> {
     }
 
     fn failed(&self, error: &io::Error) -> InputError {
-        // What is wrong with the gzip has no number of the operating system.
+        // An error in the gzip has no error number of the operating system.
         if !self.is_gzip || error.raw_os_error().is_some() {
             return InputError::io(&self.path, "read", error);
         }
@@ -306,7 +305,7 @@ impl Read for CsvText<'_> {
 }
 
 impl Lines {
-    /// Counts the lines of `text` and keeps those that are comments.
+    /// Counts the lines of `text` and keeps the comments among them.
     fn pass(&mut self, text: &[u8], name: &str, limit: ReadLimit) -> Result<(), InputError> {
         for &byte in text {
             if !self.is_within && byte == b'#' && !self.quoted {
@@ -316,7 +315,7 @@ impl Lines {
             match &mut self.comment {
                 Some(comment) if byte != b'\n' => {
                     comment.push(byte);
-                    // Each takes more memory than its text, so that many short ones take many times the file.
+                    // Each takes more memory than its text, so that many short ones take many times the size of the file.
                     if self.of_comments + comment.len() as u64 >= limit.line().saturating_add(1) {
                         return Err(limit.exceeded_by(name, "has comments of", "all comments"));
                     }
@@ -349,14 +348,14 @@ impl Lines {
     }
 }
 
-/// Whether the record that was read last has no line end: its last cell may have been cut.
+/// Whether the last record has no line end, so that its last cell may have been cut.
 pub fn is_cut(rows: &csv::Reader<CsvText>) -> bool {
     let text = rows.get_ref();
     let has_end = matches!(text.last, Some(b'\n' | b'\r'));
-    // A record without a line end is one only once there is nothing more.
+    // A record without a line end counts only once the text is complete.
     text.is_read() && !has_end && rows.position().byte() == text.handed
 }
-/// The first name in a header that stands there twice, with both of its columns, counted from 0.
+/// The first name that a header contains twice, with both of its columns, counted from 0.
 pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
     let mut known = HashMap::with_capacity(header.len());
     (header.iter().enumerate()).find_map(|(index, name)| {
@@ -368,7 +367,7 @@ pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
 /// The finite number in a cell.
 ///
 /// # Errors
-/// What is wrong with it, and how to mend it.
+/// Its error, and its correction.
 pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
     const MEND: &str = "remove the row or mend the value";
     if cell.is_empty() {
@@ -389,17 +388,17 @@ pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
     Ok(value)
 }
 
-/// Whether a cell says that there is no number.
+/// Whether a cell means a missing number.
 pub(crate) fn is_blank(cell: &str) -> bool {
     cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
 }
 
-/// What [`CsvText`] found wrong with the file, where that is why it could not be read.
+/// The error that [`CsvText`] found in the file, if that is the cause.
 pub(crate) fn found_wrong(error: &io::Error) -> Option<InputError> {
     error.get_ref()?.downcast_ref::<InputError>().cloned()
 }
 
-/// What the CSV reader could not read, with its line; or what is wrong with the file, which [`CsvText`] found.
+/// The error of the CSV reader, with its line, or the error in the file that [`CsvText`] found.
 pub fn broken_csv(file: &str, error: &csv::Error) -> InputError {
     if let csv::ErrorKind::Io(error) = error.kind()
         && let Some(found) = found_wrong(error)

@@ -1,4 +1,4 @@
-//! Cycles of a recorded motion, and the blocks of like cycles that a test is made of.
+//! Cycles of a recorded motion, and the blocks of equal cycles in a test.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct Cycle {
     pub period: f64,
     /// Half of the difference between the largest and the smallest displacement, mm.
     pub amplitude: f64,
-    /// Largest distance from the mid level, mm: more than the amplitude where that grows within the cycle.
+    /// Largest distance from the mid level, mm: more than the amplitude if that grows within the cycle.
     pub reach: f64,
 }
 
@@ -38,23 +38,23 @@ impl Cycle {
     }
 }
 
-/// Consecutive cycles of like amplitude and frequency.
+/// Consecutive cycles of nearly equal amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundBlock {
     /// Samples of the block. Blocks follow each other without a gap and cover the recording.
     pub samples: Range<usize>,
     /// Its whole cycles.
     pub cycles: Vec<Range<usize>>,
-    /// Median amplitude of its cycles, mm; of a single one its reach, which is the amplitude that it grows to.
+    /// Median amplitude of its cycles, mm; of a single cycle its reach, which is the amplitude to which it grows.
     pub amplitude: f64,
     /// Median frequency of its cycles, Hz.
     pub frequency: f64,
 }
 
-/// The cycles of a recording and what follows from them.
+/// The cycles and blocks of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycles {
-    /// Whole cycles in order. Empty when the displacement never swings through its mid level twice.
+    /// Whole cycles in order. Empty if the displacement does not swing through its mid level twice.
     pub cycles: Vec<Cycle>,
     /// Blocks in order; at least one.
     pub blocks: Vec<FoundBlock>,
@@ -63,9 +63,9 @@ pub struct Cycles {
 impl Cycles {
     /// Finds the cycles of `displacement` in mm, sampled every `tick` s.
     ///
-    /// A crossing of the level about which the motion swings counts when the displacement then leaves a band of ±`hysteresis` mm
-    /// around it on the other side. Cycles run from upward crossing to upward crossing, or from downward to downward in a test that sets out
-    /// downwards from there: that is where it changes its blocks.
+    /// A crossing of the mid level counts if the displacement then leaves a band of ±`hysteresis` mm around it on the other side.
+    /// Cycles run from upward crossing to upward crossing, or from downward to downward in a test that starts downwards from there,
+    /// because the test changes its blocks at such crossings.
     pub fn find(displacement: &[f64], tick: f64, hysteresis: f64) -> Self {
         let level = level_of(displacement, hysteresis);
         let leaves = displacement
@@ -105,7 +105,7 @@ impl Cycles {
         Self { cycles, blocks }
     }
 
-    /// The dominant period around every one of `count` samples, s: that of the cycle the sample is in, or of the nearest.
+    /// The dominant period around every one of `count` samples, s: that of the cycle that contains the sample, or of the nearest.
     pub fn period_per_sample(&self, count: usize, tick: f64) -> Vec<f64> {
         let mut period = vec![count as f64 * tick; count];
         let (Some(first), Some(last)) = (self.cycles.first(), self.cycles.last()) else {
@@ -132,7 +132,8 @@ impl Cycles {
             .collect()
     }
 
-    /// The amplitude of the block that each of `count` samples is in, mm; of a block of one cycle the [level](levels) of such.
+    /// The amplitude of the block that contains each of `count` samples, mm; for a block of one cycle the [level](levels) of such
+    /// amplitudes.
     pub fn amplitude_per_sample(&self, count: usize) -> Vec<f64> {
         let is_single = |block: &&FoundBlock| block.cycles.len() == 1;
         let single = self.blocks.iter().filter(is_single);
@@ -147,8 +148,8 @@ impl Cycles {
         amplitude
     }
 
-    /// Moves the boundaries of blocks and of their cycles onto the kinks that lie within two samples of them: a programme
-    /// changes block where the velocity jumps, and a crossing found through noise may be a sample off.
+    /// Moves the boundaries of blocks and of their cycles onto kinks within two samples of them: a programme changes blocks where
+    /// the velocity jumps, and a crossing found in noise may be off by a sample.
     pub fn snap_to(&mut self, kinks: &[usize]) {
         let snapped = |boundary: usize| {
             let near = kinks
@@ -165,8 +166,8 @@ impl Cycles {
     }
 }
 
-/// The level about which a motion swings, mm: the middle of its range; or zero, where the first sample is nearer to that, as a test sets
-/// out from there and the largest swing may be on one side.
+/// The level about which a motion swings, mm. It is the middle of its range, or zero if the first sample is nearer to that: a test
+/// starts from there, and its largest swing may be on one side.
 fn level_of(displacement: &[f64], hysteresis: f64) -> f64 {
     let (low, high) = least_and_largest(displacement);
     let middle = 0.5 * (low + high);
@@ -199,7 +200,8 @@ fn upward_crossings(displacement: &[f64], level: f64, hysteresis: f64) -> Vec<f6
     crossings
 }
 
-/// The end of a recording where it ends a cycle: at the level, one period after the last of `crossings`. It is not seen to go on upwards.
+/// The end of a recording if it ends a cycle: at the level, one period after the last of `crossings`. Its upward continuation is
+/// not in the recording.
 fn ends_a_cycle(
     displacement: &[f64],
     level: f64,
@@ -214,12 +216,12 @@ fn ends_a_cycle(
     (is_there && alike(last - before, end - last)).then_some(end)
 }
 
-/// Whether two periods, frequencies or amplitudes are those of one block.
+/// Whether two periods, frequencies or amplitudes belong to one block.
 pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() < policy().cycles.alike * a.abs().max(b.abs())
 }
 
-/// Whether two amplitudes in mm are one: those at which the law has coefficients of its own lie further apart.
+/// Whether two amplitudes in mm are the same: amplitudes with separate coefficients of the law lie further apart.
 pub fn same_amplitude(a: f64, b: f64) -> bool {
     (a - b).abs() < policy().cycles.same_amplitude * a.max(b)
 }
@@ -239,8 +241,8 @@ pub fn levels(amplitudes: impl Iterator<Item = f64>) -> Vec<f64> {
     levels.iter().map(mean).collect()
 }
 
-/// Groups cycles into blocks. A cycle that is like neither neighbour is the transition into the block after it; but where most are like
-/// none, each is a block.
+/// Groups cycles into blocks. A cycle that differs from both neighbours is the transition into the next block. If most cycles do,
+/// each is a block.
 fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<FoundBlock> {
     let mut runs = runs_of_like(cycles);
     if !are_mostly_single(&runs) {
@@ -278,7 +280,7 @@ fn group(cycles: &[Cycle], count: usize, tick: f64, half_range: f64) -> Vec<Foun
         .collect()
 }
 
-/// Runs of cycles of which each is like the one before; one empty run of none.
+/// Runs of cycles, each equal to the one before; one empty run for no cycles.
 fn runs_of_like(cycles: &[Cycle]) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     starts.extend((1..cycles.len()).filter(|&index| !cycles[index - 1].is_like(&cycles[index])));
@@ -286,7 +288,7 @@ fn runs_of_like(cycles: &[Cycle]) -> Vec<Range<usize>> {
     starts.windows(2).map(|pair| pair[0]..pair[1]).collect()
 }
 
-/// Whether at least half of the cycles are like neither neighbour.
+/// Whether at least half of the cycles differ from both neighbours.
 fn are_mostly_single(runs: &[Range<usize>]) -> bool {
     let single = runs.iter().filter(|run| run.len() == 1).count();
     2 * single >= runs.last().map_or(0, |last| last.end)
@@ -311,7 +313,7 @@ fn without_transitions(all: Vec<Range<usize>>) -> Vec<Range<usize>> {
     runs
 }
 
-/// The upper one of two in the middle; `None` of none.
+/// The upper one of two in the middle; `None` for no values.
 pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     let middle = values.len() / 2;

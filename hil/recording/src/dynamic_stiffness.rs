@@ -8,12 +8,12 @@
 //! K′ = (F_s·Y_s + F_c·Y_c)/Y²       K″ = (F_c·Y_s − F_s·Y_c)/Y²       Y² = Y_s² + Y_c²       η = K″/K′
 //! ```
 //!
-//! A spring k beside a dashpot c has K′ = k, K″ = c·ω and η = c·ω/k. Coulomb friction of ±F has K″ = 4F/(π·Y). The fundamentals do
-//! the work π·K″·Y² in a cycle, which is eq 5 of the paper; its loss factor of eq 4 is K″ over the stiffness of eq 3, between the force's
-//! extremes, and is less than η.
+//! A spring k parallel to a dashpot c has K′ = k, K″ = c·ω and η = c·ω/k. Coulomb friction of ±F has K″ = 4F/(π·Y). The
+//! fundamentals do the work π·K″·Y² in a cycle, which is eq 5 of the paper. The paper's loss factor of eq 4 is K″ divided by the
+//! stiffness of eq 3, between the force's extremes, and is less than η.
 //!
-//! Fundamentals are fitted by least squares beside a mean and two harmonics: samples need not fill a cycle to its very end. A force that
-//! drifts by D in a cycle has a fundamental of its own of D/π, which is not told from the specimen's.
+//! Fundamentals are fitted by least squares together with a mean and two harmonics, so that samples need not fill a cycle exactly.
+//! A force that drifts by D in a cycle has a fundamental of D/π, which cannot be distinguished from the specimen's.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,7 +21,7 @@ use nalgebra::{Cholesky, SMatrix, SVector};
 
 /// Terms of the fit: the mean, and cosine and sine of three harmonics.
 const TERMS: usize = 7;
-/// Fewest samples of a cycle: some more than twice as many as there are terms.
+/// Fewest samples of a cycle: more than twice the number of terms.
 pub const FEWEST: usize = 16;
 
 /// Storage and loss stiffness of a cycle.
@@ -31,16 +31,16 @@ pub struct DynamicStiffness {
     pub amplitude: f64,
     /// Storage stiffness K′, kN/mm.
     pub storage: f64,
-    /// Loss stiffness K″, kN/mm; below 0 where the specimen gives energy.
+    /// Loss stiffness K″, kN/mm; below 0 if the specimen supplies energy.
     pub loss: f64,
 }
 
 impl DynamicStiffness {
-    /// Of the samples of a cycle, or of several alike: displacement in mm, force in kN, and the length of a cycle in samples, fractions
-    /// included.
+    /// From the samples of a cycle, or of several equal ones: displacement in mm, force in kN, and the length of a cycle in
+    /// samples, fractions included.
     ///
-    /// `None` where there are fewer samples than [`FEWEST`] or than a cycle has, where one is not finite, the lengths differ, or nothing
-    /// moves.
+    /// `None` for fewer samples than [`FEWEST`] or than a cycle has, for a sample that is not finite, for different lengths, or
+    /// without motion.
     pub fn of(displacement: &[f64], force: &[f64], cycle: f64) -> Option<Self> {
         let count = displacement.len();
         // A cycle may end between two samples.
@@ -62,7 +62,7 @@ impl DynamicStiffness {
         let factor = Cholesky::new(gram)?;
         let [y, f] = right.map(|right| factor.solve(&right));
         let square = y[0] * y[0] + y[1] * y[1];
-        // Of what stands still, rounding leaves a fundamental.
+        // At standstill rounding leaves a small fundamental.
         if square.sqrt() <= 1e-9 * y[2].abs() {
             return None;
         }
@@ -90,10 +90,11 @@ mod tests {
     use super::*;
 
     const AMPLITUDE: f64 = 0.12;
-    /// Samples of a cycle, which do not fill it.
+    /// Length of a cycle in samples, not a whole number.
     const CYCLE: f64 = 203.7;
 
-    /// A cycle of a sine from this phase on with what `force` makes of displacement and of velocity over ω·amplitude.
+    /// A cycle of a sine from this phase on, with the force that `force` returns for displacement and for velocity divided by
+    /// ω·amplitude.
     fn cycle(phase: f64, force: impl Fn(f64, f64) -> f64) -> DynamicStiffness {
         let at = |i: usize| (TAU * i as f64 / CYCLE + phase).sin_cos();
         let samples = 0..CYCLE.ceil() as usize;
@@ -124,15 +125,15 @@ mod tests {
         let friction = 0.05;
         let found = cycle(0.3, |_, v| friction * v.signum());
         let loss = 4.0 * friction / (PI * AMPLITUDE);
-        // A jump is found up to half a step beside where it is, π/N in phase; the force turns with the displacement, so that moves K′
-        // by up to π/N of K″, and K″ by the square of that, beside what harmonics above the third leave in a cycle not filled.
+        // A jump is located to half a step, π/N in phase. The force turns with the displacement, so that this moves K′ by up to π/N
+        // of K″, and K″ by the square of that. Harmonics above the third add an error in an incomplete cycle.
         let step = PI / CYCLE;
         assert!(
             (found.loss / loss - 1.0).abs() < 0.2 * step,
             "{found:?} {loss}"
         );
         assert!(found.storage.abs() < step * loss, "{found:?}");
-        // The work of friction is 4·F·A, all of it the fundamental's, as the motion is a sine.
+        // The work of friction is 4·F·A, all of it by the fundamental, because the motion is a sine.
         assert!((found.energy() / (4.0 * friction * AMPLITUDE) - 1.0).abs() < 0.2 * step);
     }
 
@@ -153,7 +154,7 @@ mod tests {
         let f = (0..2000).map(|i| 2.0 * amplitude * phase(i).sin() + drift * phase(i) / TAU);
         let found = DynamicStiffness::of(&y, &f.collect::<Vec<f64>>(), 2000.0).unwrap();
         let storage = 2.0 - drift / (PI * amplitude);
-        // Samples begin the steps that they stand for: half a step of the tooth is D/(N·Y) of stiffness.
+        // Each sample begins its step: half a step of the tooth is D/(N·Y) of stiffness.
         let step = drift / (2000.0 * amplitude);
         let apart = (found.storage - storage).abs();
         assert!(apart < 2.0 * step, "{found:?} {storage}");

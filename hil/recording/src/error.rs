@@ -1,21 +1,21 @@
-//! Bad input or bad usage, said in one line.
+//! Invalid input or usage, described in one line.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Input that was refused: the file, the place in it, what is wrong there and how to mend it.
+/// Input that was rejected: the file, the place in it, the problem and its correction.
 ///
-/// Its rendering is always a single line, whatever the file's name or its cells contain.
+/// Its text is always a single line, whatever the file's name or its cells contain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.line())]
 pub struct InputError {
-    /// The file as the user named it, or the option where there is no file.
+    /// The file as the user named it, or the option if there is no file.
     pub source_name: String,
-    /// Where in it.
+    /// Place in it.
     pub place: Place,
-    /// What is wrong there.
+    /// The problem.
     pub problem: String,
-    /// How to mend it.
+    /// Its correction.
     pub mend: String,
 }
 

@@ -1,8 +1,8 @@
-//! The least and the largest of some values.
+//! The smallest and the largest of some values.
 
 use std::borrow::Borrow;
 
-/// The least and the largest of `values`; +∞ and −∞ of none. What is no number does not count.
+/// The smallest and the largest of `values`; +∞ and −∞ for no values. NaN is ignored.
 pub fn least_and_largest(values: impl IntoIterator<Item: Borrow<f64>>) -> (f64, f64) {
     values
         .into_iter()

@@ -1,8 +1,8 @@
-//! The motion of sines, from all the samples of several half cycles at once.
+//! Sinusoidal motion, estimated from all the samples of several half cycles at once.
 //!
-//! Where a sine goes on, a sum of harmonics fits it down to the noise over several half cycles, and gives velocities
-//! many times more accurate than a local cubic. So does a sine with a growing amplitude over the half cycle in which a
-//! block begins. Each is used where it leaves no more than the noise; whatever is no sine keeps the local estimate.
+//! Where a sine continues over several half cycles, a sum of harmonics fits it down to the noise, and gives velocities many times
+//! more accurate than a local cubic. So does a sine with a growing amplitude over the half cycle in which a block begins. Each is
+//! used where its residual is only noise; elsewhere the local estimate stays.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -22,9 +22,9 @@ crate::numbers! {
 }
 
 impl MotionEstimate {
-    /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm,
-    /// every `tick` s) follow them down to the noise. Returns those samples in
-    /// blocks of several cycles: of one alone a sine is but a form that fits.
+    /// Replaces the local estimate by that of sines, half cycle by half cycle, where the samples of `displacement` (mm, every
+    /// `tick` s) follow them down to the noise. Returns those samples in blocks of several cycles; in a single cycle the fit does
+    /// not prove a sine.
     pub fn refine_sines(
         &mut self,
         displacement: &[f64],
@@ -56,7 +56,7 @@ impl MotionEstimate {
                     if let Some(fit) =
                         ramp.filter(|fit| fit.leaves_only_noise(displacement, own, self.noise))
                     {
-                        // A start from rest is known better by its own form.
+                        // A start from rest is estimated better by its own function.
                         let own = own.start.max(self.start_from_rest)..own.end;
                         self.take(&fit, &own, tick);
                         refined.extend(is_sine.then_some(own));
@@ -115,7 +115,7 @@ fn half_cycles(block: &FoundBlock, kinks: &[usize]) -> Vec<Range<usize>> {
     halves
 }
 
-/// Runs of four half cycles that hold the half cycle `index`: centred, after it and before it.
+/// Runs of four half cycles that contain the half cycle `index`: centred, after it and before it.
 fn windows_around(index: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
     let centred = index.saturating_sub(2)..(index + 3).min(count);
     let after = index..(index + 4).min(count);
@@ -133,15 +133,15 @@ trait Waveform<const N: usize> {
     fn basis(&self, index: usize) -> [SVector<f64, N>; 3];
 }
 
-/// 1, t; cos, sin, t·cos, t·sin of the period; cos, sin of the second and third harmonic. The terms with t take up a slow
-/// change of amplitude and an error of the period.
+/// 1, t; cos, sin, t·cos, t·sin of the period; cos, sin of the second and third harmonic. The terms with t describe a slow change
+/// of amplitude and an error of the period.
 struct Steady {
     samples: Range<usize>,
     /// rad per sample
     step: f64,
 }
 
-/// 1; cos, and sin times a cubic of t: the amplitude on its way from one block's to the next.
+/// 1; cos, and sin times a cubic of t: the amplitude during the change from one block's to the next.
 struct Ramp {
     samples: Range<usize>,
     /// rad per sample
@@ -223,7 +223,7 @@ impl Waveform<6> for Ramp {
     }
 }
 
-/// Least squares of a shape.
+/// Least squares of a function of this kind.
 struct Fit<S, const N: usize> {
     shape: S,
     coefficients: SVector<f64, N>,
@@ -231,7 +231,7 @@ struct Fit<S, const N: usize> {
 }
 
 impl<S: Waveform<N>, const N: usize> Fit<S, N> {
-    /// `None` where the samples are too few.
+    /// `None` if there are too few samples.
     fn of(displacement: &[f64], shape: S) -> Option<Self> {
         if shape.samples().len() < 2 * N {
             return None;
@@ -251,7 +251,7 @@ impl<S: Waveform<N>, const N: usize> Fit<S, N> {
         })
     }
 
-    /// Whether noise alone is left, of all samples and of those in `own`.
+    /// Whether the residual is only noise, for all samples and for those in `own`.
     fn leaves_only_noise(&self, displacement: &[f64], own: &Range<usize>, noise: f64) -> bool {
         let error = |range: &Range<usize>| -> f64 {
             let value = |index: usize| self.shape.basis(index)[0].dot(&self.coefficients);

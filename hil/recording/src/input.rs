@@ -1,4 +1,4 @@
-//! One channel over time: the force or the motion that drives something, of which nothing else was recorded.
+//! One channel over time: the force or the motion that drives something, without other channels.
 
 use std::path::Path;
 
@@ -20,24 +20,24 @@ pub struct InputSignal {
     pub tick: f64,
     /// In the code's unit of the channel: mm or kN.
     pub values: Vec<f64>,
-    /// °C, one per sample, where the file has it.
+    /// Temperature in °C, one per sample, if the file has it.
     pub temperature: Option<Vec<f64>>,
-    /// Control inputs, where the file has them.
+    /// Control inputs, if the file has them.
     pub controls: Vec<ControlChannel>,
-    /// What was taken for what in the file without being sure, in words.
+    /// Uncertain choices of columns in the file, in words.
     pub guesses: Vec<String>,
-    /// Units that were assumed, in words; none where all are said.
+    /// Assumed units, in words; `None` if all are stated.
     pub assumed: Option<String>,
-    /// What is wrong with the file's times, in words; none where nothing is.
+    /// Faults of the file's times, in words; `None` without faults.
     pub warning: Option<String>,
 }
 
 impl InputSignal {
-    /// Reads time and `channel` of a recording, which needs no other column. Times that jitter are brought to equal steps and gaps
-    /// are bridged as [`Recording::uniform`] does it.
+    /// Reads time and `channel` of a recording; no other column is needed. Jittering times are converted to equal steps and gaps
+    /// are bridged as in [`Recording::uniform`].
     ///
     /// # Errors
-    /// As [`Recording::read`], but that the channel may be constant.
+    /// As [`Recording::read`], except that the channel may be constant.
     ///
     /// ```no_run
     /// use mesh_damper_recording::faults::Channel;
@@ -61,11 +61,11 @@ impl InputSignal {
         )
     }
 
-    /// The same of columns in memory, whose names are taken as those of a file are. A channel of which nothing says the unit is
-    /// `unmarked`.
+    /// The same for columns in memory, whose names are interpreted like those of a file. `unmarked` gives the unit of a channel
+    /// without a stated one.
     ///
     /// # Errors
-    /// As [`Recording::of_columns`], but that the channel may be constant.
+    /// As [`Recording::of_columns`], except that the channel may be constant.
     pub fn of_columns(
         name: impl Into<String>,
         columns: impl IntoIterator<Item = impl Into<GivenColumn>>,
@@ -94,7 +94,7 @@ impl InputSignal {
                 .at(Place::Column(channel.name().into())));
             }
         };
-        // The clock sees by the displacement whether times that jitter are true: here, by the channel itself.
+        // The clock judges by the displacement whether jittering times are true: here, by the channel itself.
         let values = values.clone();
         recording.displacement.clone_from(&values);
         recording.force = values;
@@ -117,8 +117,8 @@ impl InputSignal {
         })
     }
 
-    /// About what part of the channel's rate is noise, RMS over RMS: noise of a displacement is noise of a velocity, multiplied by
-    /// the sampling rate.
+    /// About which part of the channel's rate is noise, RMS divided by RMS: noise of a displacement becomes noise of a velocity,
+    /// multiplied by the sampling rate.
     pub fn noise_of_rate(&self) -> f64 {
         let rate = (self.values.windows(2)).map(|pair| (pair[1] - pair[0]).powi(2));
         let size = (rate.sum::<f64>() / self.values.len() as f64).sqrt();

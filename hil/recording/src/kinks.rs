@@ -1,4 +1,4 @@
-//! Where the velocity of a recorded displacement jumps.
+//! Kinks: jumps in the velocity of a recorded displacement.
 
 use std::ops::Range;
 
@@ -34,12 +34,12 @@ crate::numbers! {
     }
 }
 
-/// First samples after the displacement's slope jumps, increasing; between two of them lie enough samples for a velocity.
+/// First samples after jumps of the displacement's slope, increasing; between two of them there are enough samples for a velocity.
 ///
-/// At each sample a quadratic is fitted to the samples before and another to those after. Their slopes differ by noise
-/// where the motion is smooth. A kink is where the difference stands out from the noise, is not small beside the
-/// velocities around it, and is the largest within a window's length. The slopes differ too where a smooth motion bends more
-/// within a window than a quadratic does: that is no kink, and one polynomial of as many coefficients describes it as well.
+/// At each sample a quadratic is fitted to the samples before and another to those after. In a smooth motion their slopes differ
+/// only by noise. A kink is where the difference exceeds the noise, is not small compared with the velocities around it, and is the
+/// largest within a window's length. The slopes also differ where a smooth motion bends more within a window than a quadratic. That
+/// is not a kink, and a single polynomial with as many coefficients describes it as well.
 pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
     let count = samples.len();
     let [shortest, longest] = policy().kinks.windows;
@@ -82,9 +82,9 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
             index += 1;
         }
     }
-    // One that is located may lie before one that was located earlier.
+    // A kink, once located, may lie before one that was located earlier.
     kinks.sort_unstable_by_key(|&(kink, _)| kink);
-    // Of two without a window between them one is the other's shadow.
+    // Of two without a window between them one is an artefact of the other.
     kinks.dedup_by(|next, kept| {
         let is_shadow = next.0 - kept.0 <= policy().motion.shortest;
         if is_shadow && next.1 > kept.1 {
@@ -95,8 +95,8 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
     kinks.into_iter().map(|(kink, _)| kink).collect()
 }
 
-/// Whether two quadratics that meet at the first sample after a kink describe the motion around it clearly better than one
-/// smooth polynomial does.
+/// Whether two quadratics that meet at the first sample after a kink describe the motion around it clearly better than one smooth
+/// polynomial.
 fn is_sharp(samples: &[f64], kink: usize, before: usize, after: usize, noise: f64) -> bool {
     let start = kink.saturating_sub(before);
     let end = (kink + after).min(samples.len());
@@ -112,13 +112,13 @@ struct Jump {
     /// Its standard deviation.
     deviation: f64,
     largest_slope: f64,
-    /// Where the two meet, in ticks after the sample.
+    /// Position where the two meet, in ticks after the sample.
     meeting: f64,
 }
 
 impl Jump {
-    /// Polynomials of `degree` through `before` samples before `index` and `after` samples after it; `None` where there are
-    /// not so many.
+    /// Polynomials of `degree` through `before` samples before `index` and `after` samples after it; `None` if there are not enough
+    /// samples.
     fn at(
         samples: &[f64],
         index: usize,
@@ -133,7 +133,7 @@ impl Jump {
             degree,
         );
         let right = fit_polynomial(samples.get(index + 1..=index + after)?, -1.0, degree);
-        // A window that a kink falls into leaves much, and its slope is worth little.
+        // A window that contains a kink has a large residual, and its slope is uncertain.
         let variance = |fit: &Cubic, length: usize| {
             (noise * noise).max(fit.error / (length - degree - 1) as f64) * fit.slope_variance
         };
@@ -146,14 +146,14 @@ impl Jump {
         })
     }
 
-    /// What of the difference is surely there.
+    /// Lower bound of the difference, given its uncertainty.
     fn surely(&self) -> f64 {
         self.difference - policy().kinks.surely * self.deviation
     }
 }
 
-/// The first sample after the kink near `near`: cubics through `before` and `after` samples are moved past it until their
-/// slopes differ most; the kink is where they then meet.
+/// The first sample after the kink near `near`: cubics through `before` and `after` samples are moved past it until their slopes
+/// differ most; the kink is where they then meet.
 fn locate_kink(
     samples: &[f64],
     near: usize,
@@ -164,8 +164,8 @@ fn locate_kink(
     let (index, jump) = (near.saturating_sub(before)..near + after)
         .filter_map(|index| Some((index, Jump::at(samples, index, before, after, 3, noise)?)))
         .max_by(|a, b| a.1.surely().total_cmp(&b.1.surely()))?;
-    // Again with the sample at the kink left out, which would bend the side that it is not on. The first may lie some samples
-    // off: of a long window on the other side they are a small part.
+    // Again without the sample at the kink, which would bend the wrong side. The first location may be off by some samples, which
+    // are a small part of a long window on the other side.
     let mut at = index;
     let mut meeting = jump.meeting;
     for _ in 0..policy().kinks.meetings {
@@ -176,7 +176,7 @@ fn locate_kink(
             break;
         }
     }
-    // The sample at the kink itself belongs to what comes after.
+    // The sample at the kink itself belongs to the part after it.
     let first_after = (at as f64 + meeting - policy().kinks.at_kink).ceil();
     (meeting.abs() <= policy().kinks.closest).then_some(first_after as usize)
 }

@@ -1,22 +1,22 @@
 //! A recording of a rig test: motion and force over time, with the file that it came from.
 //!
-//! Files are CSV or CSV.gz: `#` comment lines, a header whose names carry their unit, then samples. `time_s`, a
-//! displacement and a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used when
-//! there; a column of another quantity with a unit, such as `current_A`, is a [control input](ControlChannel); any other is kept
-//! and ignored. See [`units`] for the units known. Every row ends with a line end: a last one
-//! without it may have been cut within its last number, and is left out.
+//! Files are CSV or CSV.gz: `#` comment lines, a header whose names contain their unit, then samples. `time_s`, a displacement and
+//! a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used if present. A column of another
+//! quantity with a unit, such as `current_A`, is a [control input](ControlChannel); any other is kept and ignored. See [`units`]
+//! for the known units. Every row ends with a line end. A last row without it may have been cut within its last number, and is left
+//! out.
 //!
 //! | module | for |
 //! |---|---|
 //! | the root | [`Recording`]: its channels, read from a file and written to one; [`Uniform`]: the same at even times |
-//! | [`units`] | what a column's name says |
-//! | [`faults`] | what is wrong with a channel, and what can be mended of it |
-//! | [`noise`], [`averaging`], [`spectrum`] | what a channel's noise is, and how it was smoothed |
-//! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all that a law needs of it |
+//! | [`units`] | units in a column's name |
+//! | [`faults`] | channel faults, and their repair |
+//! | [`noise`], [`averaging`], [`spectrum`] | the noise of a channel, and its smoothing |
+//! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all inputs of a law |
 //! | [`dynamic_stiffness`] | storage and loss stiffness of a cycle |
-//! | [`input`] | one channel alone: what drives something |
-//! | [`mod@policy`] | the numbers that decide all this, each with where it comes from |
-//! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | files in, how much of them, files out whole or not at all, what is wrong in one line, two numbers |
+//! | [`input`] | a single channel that drives something |
+//! | [`mod@policy`] | the numbers that decide all this, each with its source |
+//! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | reading files, limits of their size, writing files completely or not at all, errors in one line, two extremes |
 //!
 //! ```
 //! use mesh_damper_recording::Recording;
@@ -92,31 +92,31 @@ use rows::{RowLines, TextRows};
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
 
-/// The fewest samples that a recording may have: what estimating its motion needs.
+/// The fewest samples of a recording: the number needed to estimate its motion.
 pub const FEWEST_SAMPLES: usize = 8;
 
-/// Motion and force over time, in the code's units, with the units and rows of the file it was read from.
+/// Motion and force over time, in the code's units, with the units and rows of the file from which it was read.
 ///
 /// All channels have as many samples as `time`, which increases strictly; every number is finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// The file's path as the user gave it, or a name of the test that made the recording.
     pub name: String,
-    /// s, increasing strictly.
+    /// Time, s, strictly increasing.
     pub time: Vec<f64>,
-    /// mm
+    /// Displacement, mm
     pub displacement: Vec<f64>,
-    /// kN
+    /// Force, kN
     pub force: Vec<f64>,
-    /// mm/s, where it was measured.
+    /// Velocity, mm/s, if it was measured.
     pub velocity: Option<Vec<f64>>,
-    /// °C, where it was measured.
+    /// Temperature, °C, if it was measured.
     pub temperature: Option<Vec<f64>>,
-    /// What the specimen was controlled by, in the order of the file's columns.
+    /// Control inputs of the specimen, in the order of the file's columns.
     pub controls: Vec<ControlChannel>,
     /// The comment lines without their `#` and the blanks around the text.
     pub comments: Vec<String>,
-    /// The units that the file has or shall have.
+    /// The units of the file, read or to be written.
     pub units: Units,
     source: Option<Source>,
     lines: RowLines,
@@ -125,7 +125,7 @@ pub struct Recording {
     faults: Vec<ChannelFault>,
 }
 
-/// The file that a recording was read from, cell by cell.
+/// The file from which a recording was read, cell by cell.
 #[derive(Clone, Debug, PartialEq)]
 struct Source {
     header: csv::StringRecord,
@@ -133,11 +133,11 @@ struct Source {
 }
 
 impl Recording {
-    /// A recording made here, not read: `time` in s, `displacement` in mm, `force` in kN.
+    /// A recording made in memory: `time` in s, `displacement` in mm, `force` in kN.
     ///
     /// # Errors
-    /// As for a file that is read: lengths that differ, too few samples, a value that is not finite, time that does
-    /// not increase, a displacement that does not change.
+    /// As for a file: different lengths, too few samples, a value that is not finite, time that does not increase, a displacement
+    /// that does not change.
     pub fn new(
         name: impl Into<String>,
         time: Vec<f64>,
@@ -167,7 +167,7 @@ impl Recording {
     /// The recording with a measured velocity, mm/s.
     ///
     /// # Errors
-    /// As many samples as `time` has are needed, all finite.
+    /// The length differs from that of `time`, or a value is not finite.
     pub fn with_velocity(mut self, velocity: Vec<f64>) -> Result<Self, InputError> {
         self.velocity = Some(velocity);
         self.check()?;
@@ -177,17 +177,17 @@ impl Recording {
     /// The recording with a measured temperature, °C.
     ///
     /// # Errors
-    /// As many samples as `time` has are needed, all finite.
+    /// The length differs from that of `time`, or a value is not finite.
     pub fn with_temperature(mut self, temperature: Vec<f64>) -> Result<Self, InputError> {
         self.temperature = Some(temperature);
         self.check()?;
         Ok(self)
     }
 
-    /// The recording with one more control input. `name` is the column's, with the unit, such as `current_A`.
+    /// The recording with one more control input. `name` is the column's name with the unit, such as `current_A`.
     ///
     /// # Errors
-    /// As many samples as `time` has are needed, all finite.
+    /// The length differs from that of `time`, or a value is not finite.
     pub fn with_control(
         mut self,
         name: impl Into<String>,
@@ -234,21 +234,21 @@ impl Recording {
         self.time.len()
     }
 
-    /// Whether there is no sample; never so for a recording that was constructed.
+    /// Whether there are no samples; never true for a constructed recording.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// What the comment `key: text` declares, such as `specimen` or `device`.
+    /// Text of the comment `key: text`, for keys such as `specimen` or `device`.
     pub fn declared(&self, key: &str) -> Option<&str> {
         let of_key = |comment| declaration(comment, key);
         self.comments.iter().map(String::as_str).find_map(of_key)
     }
 
-    /// Refuses a recording of fewer than `samples` samples, for a work that needs that many.
+    /// Rejects a recording with fewer than `samples` samples, for a computation that needs that many.
     ///
     /// # Errors
-    /// The recording's name, how many samples it has and how many are needed.
+    /// The recording's name, its number of samples and the number needed.
     pub fn require_samples(&self, samples: usize) -> Result<(), InputError> {
         if self.len() >= samples {
             return Ok(());
@@ -260,12 +260,12 @@ impl Recording {
         ))
     }
 
-    /// The line of the file in which sample `index` stands, or `index` + 1 where there is no file.
+    /// The line of sample `index` in the file, or `index` + 1 without a file.
     fn line(&self, index: usize) -> u64 {
         self.lines.line(index).unwrap_or(index as u64 + 1)
     }
 
-    /// The invariants that the type's documentation states.
+    /// Checks the invariants in the type's documentation.
     fn check(&self) -> Result<(), InputError> {
         if self.is_empty() {
             return Err(InputError::new(
@@ -346,7 +346,7 @@ impl Recording {
     }
 }
 
-/// The text of the comment `key: text`; none of a comment with another key.
+/// The text of the comment `key: text`; `None` for a comment with another key.
 fn declaration<'c>(comment: &'c str, key: &str) -> Option<&'c str> {
     let (name, text) = comment.split_once(':')?;
     name.trim().eq_ignore_ascii_case(key).then(|| text.trim())

@@ -1,9 +1,8 @@
 //! The motion behind a noisy displacement record: smoothed displacement, velocity and acceleration.
 //!
-//! Differences would multiply the noise by the sampling rate, and the law is steep where the velocity passes through
-//! zero. So every sample gets a cubic fitted to the samples around it. The window weighs the noise, which asks for a
-//! long one, against the curvature of the motion, which asks for a short one; no window reaches across a kink, where
-//! the velocity jumps.
+//! Differences would multiply the noise by the sampling rate, and the law is steep where the velocity passes through zero. So a
+//! cubic is fitted around every sample. The length of its window is a compromise between the noise, which requires a long window,
+//! and the curvature of the motion, which requires a short one. No window reaches across a kink, where the velocity jumps.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -49,22 +48,22 @@ pub struct MotionEstimate {
     pub velocity: Vec<f64>,
     /// Acceleration, mm/s².
     pub acceleration: Vec<f64>,
-    /// Standard deviation of the velocity that the displacement's noise leaves, mm/s.
+    /// Standard deviation of the velocity due to the displacement's noise, mm/s.
     pub velocity_deviation: Vec<f64>,
-    /// Samples in which the displacement stands still, in order.
+    /// Ranges of samples in which the displacement stands still, in order.
     pub rests: Vec<Range<usize>>,
     /// First samples after a jump of velocity, increasing.
     pub kinks: Vec<usize>,
     /// Standard deviation of the displacement's noise, mm.
     pub noise: f64,
-    /// So many first samples are those of a start from rest; 0 when the recording begins in motion.
+    /// Number of samples in a start from rest; 0 if the recording begins in motion.
     pub start_from_rest: usize,
 }
 
 impl MotionEstimate {
-    /// Velocities that are 0 as far as the data show become 0: a friction whose direction is not known is then taken as
-    /// none, and not as one that may be the wrong way. But a start from rest goes one way: before its direction is certain the
-    /// velocity grows evenly to the first that is.
+    /// Sets velocities to 0 that cannot be distinguished from 0: a friction with unknown direction is then taken as none, rather
+    /// than possibly with the wrong sign. A start from rest has one direction, however: before that direction is certain, the
+    /// velocity grows linearly to the first certain one.
     pub(super) fn rest_at_reversals(&mut self) {
         let largest = self
             .velocity
@@ -85,9 +84,9 @@ impl MotionEstimate {
         }
     }
 
-    /// Takes a measured velocity in mm/s in, as far as it is more certain than the estimated one: each counts by the inverse of its
-    /// variance. Where it differs from the estimated one by more than twice the error of that, it is left out: most often it was
-    /// differentiated from the same displacement.
+    /// Combines the estimate with a measured velocity in mm/s, each weighted by the inverse of its variance. If the measured one
+    /// differs from the estimated one by more than twice the error of that, it is left out, because it was probably differentiated
+    /// from the same displacement.
     pub(super) fn weigh_in(&mut self, measured: &[f64], error: &mut MotionError) {
         let mean = |squares: &mut dyn Iterator<Item = f64>| {
             squares.map(|x| x * x).sum::<f64>() / measured.len() as f64
@@ -114,7 +113,7 @@ impl MotionEstimate {
         }
     }
 
-    /// The first sample of a start from rest from which on its direction is certain; 0 where it is nowhere.
+    /// The first sample of a start from rest with a certain direction; 0 if there is none.
     fn certain_start(&self) -> usize {
         let start = self.start_from_rest;
         let Some(last) = start.checked_sub(1) else {
@@ -132,7 +131,7 @@ impl MotionEstimate {
     /// is `period` s.
     ///
     /// # Panics
-    /// When the two slices differ in length; when there are fewer than 8 samples.
+    /// If the two slices differ in length, or there are fewer than 8 samples.
     pub fn estimate(displacement: &[f64], tick: f64, period: &[f64]) -> Self {
         assert_eq!(displacement.len(), period.len());
         assert!(displacement.len() >= 8, "a motion needs 8 samples");
@@ -161,7 +160,7 @@ impl MotionEstimate {
             let (start, end) = (segment[0], segment[1]);
             let amplitude = half_range(&displacement[start..end]);
             for index in start..end {
-                // A crossing found through noise may be a sample off, and so may the change of period.
+                // A crossing found in noise may be off by a sample, and so may the change of period.
                 let period = period[index].min(period[(index + 2).min(end - 1)]);
                 let half = half.best(period, amplitude);
                 let cubic = match &start_from_rest {
@@ -180,10 +179,10 @@ impl MotionEstimate {
         motion
     }
 
-    /// [`MotionEstimate::estimate`] of a displacement with the periods that it shows by itself.
+    /// [`MotionEstimate::estimate`] with the periods found in the displacement itself.
     ///
     /// # Panics
-    /// When there are fewer than 8 samples.
+    /// If there are fewer than 8 samples.
     pub fn of(displacement: &[f64], tick: f64) -> Self {
         let cycles = Cycles::find(displacement, tick, hysteresis(displacement));
         let period = cycles.period_per_sample(displacement.len(), tick);
@@ -198,7 +197,7 @@ impl MotionEstimate {
             .is_some_and(|rest| rest.contains(&index))
     }
 
-    /// Gives the samples of rests no velocity and their mean for displacement.
+    /// Sets the velocity of rests to 0 and their displacement to its mean.
     fn stand_still(&mut self, displacement: &[f64]) {
         for rest in &self.rests {
             let count = rest.len() as f64;
@@ -211,7 +210,7 @@ impl MotionEstimate {
     }
 }
 
-/// The window that balances noise against curvature, remembered per period and amplitude.
+/// The best window for noise and curvature, stored per period and amplitude.
 struct HalfWindow {
     tick: f64,
     noise: f64,
@@ -227,10 +226,10 @@ impl HalfWindow {
         }
     }
 
-    /// Half width in samples that minimizes variance + bias² of the slope of a sine of this period and amplitude.
+    /// Half width in samples that minimizes variance + bias² of the slope of a sine with this period and amplitude.
     ///
-    /// With n samples to each side and m = 2n+1, the slope of a cubic has the variance 75/(4 n³)·σ² per tick² (for large
-    /// n: Savitzky–Golay, degree 3), and a sine of θ rad per tick shrinks by (θn)⁴/280 of its slope.
+    /// With n samples to each side and m = 2n+1, the slope of a cubic has the variance 75/(4 n³)·σ² per tick² (for large n:
+    /// Savitzky–Golay, degree 3), and a sine of θ rad per tick loses (θn)⁴/280 of its slope.
     fn best(&mut self, period: f64, amplitude: f64) -> usize {
         if let Some((p, a, half)) = self.last
             && p == period
@@ -269,9 +268,9 @@ fn segment_bounds(kinks: &[usize], count: usize) -> Vec<usize> {
 
 /// A recording that begins at rest: y = a + b·t² + c·t³ + d·t⁴, whose slope is 0 at the first sample.
 ///
-/// The velocity there is smaller than the noise lets a free cubic see, but the law's |v|^α is not.
+/// The velocity there is too small for a free cubic to detect in the noise, but not for the law's |v|^α.
 struct StartFromRest {
-    /// Samples that it holds for.
+    /// Number of samples for which it is valid.
     length: usize,
     /// a, b, c, d with time in units of the window.
     coefficients: Vector4<f64>,
@@ -280,8 +279,7 @@ struct StartFromRest {
 }
 
 impl StartFromRest {
-    /// Fits the first `longest` samples, or fewer as long as more than noise is left; `None` when the motion does not
-    /// begin at rest.
+    /// Fits the first `longest` samples, or fewer if the residual exceeds the noise; `None` if the motion does not begin at rest.
     fn fit(samples: &[f64], longest: usize, noise: f64) -> Option<Self> {
         let mut length = longest.min(samples.len());
         while length >= 4 * policy().motion.shortest {
@@ -336,9 +334,9 @@ impl StartFromRest {
     }
 }
 
-/// Fits a cubic to the 2·half+1 samples around `index` that lie in `segment`; at an end the window keeps its length and
-/// moves inwards. While the cubic leaves clearly more than the noise, the window is shortened: so it is after a start from
-/// rest and in a ramp of amplitude. A segment shorter than five samples gets a line.
+/// Fits a cubic to the 2·half+1 samples around `index` that lie in `segment`; at an end the window keeps its length and moves
+/// inwards. While the residual clearly exceeds the noise, as after a start from rest or in a ramp of amplitude, the window is
+/// shortened. A segment shorter than five samples gets a line.
 fn fit_window(
     samples: &[f64],
     segment: Range<usize>,
@@ -372,8 +370,7 @@ fn fit_window(
     }
 }
 
-/// Whether a sum of squares is no more than white noise of deviation `noise` would leave with so many degrees of
-/// freedom, but for a chance.
+/// Whether a sum of squares is consistent with white noise of deviation `noise` with this many degrees of freedom.
 pub(super) fn leaves_only_noise(error: f64, freedom: f64, noise: f64) -> bool {
     error <= noise * noise * (freedom + policy().motion.only_noise * (2.0 * freedom).sqrt())
 }

@@ -1,9 +1,9 @@
-//! How far an estimated motion may be off: the estimate of a motion that is known, from a displacement as noisy.
+//! The possible error of an estimated motion, from an estimate of a known motion with an equally noisy displacement.
 //!
-//! An estimate errs by what is left of the noise and by what was smoothed away of the motion. Of a cubic in a window the former
-//! has a formula; the latter depends on what the motion would be without noise. So the motion that was estimated is taken for
-//! the truth, what it left of the recorded displacement is added at other places, and all is estimated again (a bootstrap of
-//! residuals, Efron 1979). That holds for whatever an estimate is made of: windows, sines, rests and kinks.
+//! The error of an estimate has two parts: remaining noise, and motion that was smoothed away. For a cubic in a window the first
+//! has a formula; the second depends on the motion without noise. So the estimated motion is taken as the true one, the residual of
+//! the recorded displacement is added to it at other positions, and the estimate is repeated (a bootstrap of residuals, Efron
+//! 1979). This works for any kind of estimate: windows, sines, rests and kinks.
 
 use super::motion::MotionEstimate;
 use crate::policy::policy;
@@ -16,23 +16,23 @@ crate::numbers! {
     }
 }
 
-/// An error that an estimated motion may have: one draw of it for every sample.
+/// A possible error of an estimated motion: one draw of it for every sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotionError {
-    /// mm
+    /// Displacement, mm
     pub displacement: Vec<f64>,
-    /// mm/s
+    /// Velocity, mm/s
     pub velocity: Vec<f64>,
-    /// mm/s²
+    /// Acceleration, mm/s²
     pub acceleration: Vec<f64>,
 }
 
-/// By this part of a recording what was left is moved: it meets nothing like its own place, whatever the period of the motion.
+/// Part of a recording by which the residual is shifted, so that it meets no similar position, whatever the period of the motion.
 /// Derived: the golden section, which is furthest from all ratios of small numbers.
 const MOVED: f64 = 0.381_966;
 
-/// The step between the places of `count` samples that are scattered: about that part of a recording, without a divisor in common
-/// with its length, so that each sample has a place of its own.
+/// The step between the positions of `count` samples that are scattered: about that part of a recording, without a common divisor
+/// with its length, so that each sample gets its own position.
 fn stride(count: usize) -> usize {
     let divisor = |mut a: usize, mut b: usize| {
         while b > 0 {
@@ -46,11 +46,11 @@ fn stride(count: usize) -> usize {
         .unwrap_or(1)
 }
 
-/// A displacement as noisy as the recorded one about the motion that was `estimated` from it, mm, whose `noise` has this deviation, mm: an
-/// estimate may leave less than there was.
+/// A displacement as noisy as the recorded one about the motion that was `estimated` from it, mm, with noise of the deviation
+/// `noise`, mm, because the residual of an estimate may be smaller than the noise.
 ///
-/// What was left is moved as it is. `is_banded` tells where the estimate knows the band of the motion: there it leaves nothing of the
-/// noise in that band, and what was left is scattered, which makes it white again.
+/// The residual is shifted unchanged. `is_banded` marks samples where the estimate knows the band of the motion. There the residual
+/// has no noise in that band; it is scattered, which makes it white again.
 pub(super) fn as_noisy(
     estimated: &[f64],
     displacement: &[f64],
@@ -81,8 +81,8 @@ pub(super) fn as_noisy(
 }
 
 impl MotionError {
-    /// Of `motion`, which was estimated from `displacement` in mm, as `estimate` does it; `is_banded` tells where that knows
-    /// the band of the motion.
+    /// The error of `motion`, which was estimated from `displacement` in mm by `estimate`; `is_banded` marks samples where that
+    /// knows the band of the motion.
     pub(super) fn of(
         motion: &MotionEstimate,
         displacement: &[f64],
@@ -102,14 +102,14 @@ impl MotionError {
         }
     }
 
-    /// Variance of what is `off` by one draw at each sample.
+    /// Variance of a quantity whose error is `off` in one draw at each sample.
     ///
-    /// One draw is no variance, but the mean square of those samples about it that are telling is about one. Others are near a
-    /// standstill, where the force of |v|^α may be off by much more: they count for themselves alone.
+    /// One draw is no variance, but the mean square of the informative samples about it nearly is. Samples near a standstill, where
+    /// the force of |v|^α may have a much larger error, are not informative: they count only for themselves.
     pub(super) fn variance(off: &[f64], is_telling: impl Fn(usize) -> bool) -> Vec<f64> {
         let count = off.len();
         let telling: Vec<bool> = (0..count).map(is_telling).collect();
-        // Of the telling samples before each.
+        // For the informative samples before each.
         let mut sums = vec![(0.0, 0.0)];
         let (mut sum, mut told) = (0.0, 0.0);
         for (off, telling) in off.iter().zip(&telling) {

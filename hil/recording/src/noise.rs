@@ -1,4 +1,4 @@
-//! How much noise a channel has.
+//! Standard deviation of a channel's noise.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -32,14 +32,14 @@ crate::numbers! {
     }
 }
 
-/// Standard deviation of white noise on a smooth signal, from its sixth differences: a smooth signal's vanish, white
-/// noise's have the variance Σ binomial(6, k)² = 924. Their median magnitude is blind to a few jumps.
+/// Standard deviation of white noise on a smooth signal, from its sixth differences: those of a smooth signal vanish, and those of
+/// white noise have the variance Σ binomial(6, k)² = 924. The median magnitude ignores a few jumps.
 pub fn noise_deviation(samples: &[f64]) -> f64 {
     deviation(&sixth_differences(samples).collect::<Vec<_>>())
 }
 
-/// The same where tones may lie beside the noise, which sixth differences take for it where they are above a sixth of the
-/// sampling rate.
+/// The same if there may be tones in addition to the noise. Sixth differences take tones above a sixth of the sampling rate for
+/// noise.
 pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     let mut rest: Vec<f64> = sixth_differences(samples).collect();
     let seen = deviation(&rest);
@@ -61,7 +61,7 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     }
 }
 
-/// The same over several runs of samples; tones are those of the longest. 0 where none is long enough for a difference.
+/// The same over several runs of samples; tones are those of the longest. 0 if none is long enough for a difference.
 pub fn noise_of_runs(samples: &[f64], runs: &[Range<usize>]) -> f64 {
     let each = runs
         .iter()
@@ -79,24 +79,24 @@ pub fn noise_of_runs(samples: &[f64], runs: &[Range<usize>]) -> f64 {
     }
 }
 
-/// Of the noise that leaves these sixth differences.
+/// Deviation of the noise with these sixth differences.
 fn deviation(differences: &[f64]) -> f64 {
     let magnitudes = differences.iter().map(|d| d.abs());
     // The median magnitude of a normal variable is 0.6745 of its deviation.
     median(magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
 }
 
-/// `differences` with 0 in the place of those that noise of this deviation, or a tone, would hardly make: a force that jumps at
-/// reversals has lines too, which would hide a tone's.
+/// `differences` with 0 in place of those that are too large for noise of this deviation or a tone: a force that jumps at reversals
+/// has spectral lines too, which would hide a tone's.
 fn without_jumps(differences: &[f64], deviation: f64) -> Vec<f64> {
     let most = policy().noise.jump * deviation * POWER.sqrt();
     let quiet = |d: &f64| if d.abs() > most { 0.0 } else { *d };
     differences.iter().map(quiet).collect()
 }
 
-/// The bin that stands out most of these powers of so many sixth differences.
+/// The most prominent bin in these powers of this many sixth differences.
 fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
-    // Of white noise they have (2 sin(ω/2))¹².
+    // For white noise they are proportional to (2 sin(ω/2))¹².
     let half_turn = |bin: usize| bin as f64 / count as f64 * PI;
     let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
     let first = ((policy().noise.lowest * count as f64) as usize).max(1);
@@ -114,12 +114,12 @@ fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
         .filter(|&bin| ratio(bin) > policy().noise.stands_out)
 }
 
-/// Takes the tone of about so many radians a sample off `rest`, as `samples` have it, by least squares.
+/// Removes the tone of about this many radians per sample from `rest`, as `samples` contain it, by least squares.
 fn take_off(rest: &mut [f64], samples: &[f64], turn: f64) {
     let mut turn = turn;
     let mut tone = Tone::fitted(samples, turn);
     for _ in 0..policy().noise.rounds {
-        // A tone that turns a little faster leaves what grows to either side of the middle.
+        // With a slightly wrong frequency the residual grows to either side of the middle.
         let (mut product, mut square) = (0.0, 0.0);
         let mut time = -0.5 * samples.len() as f64;
         for (y, at) in samples.iter().zip(turning(turn)) {
@@ -169,8 +169,8 @@ impl Tone {
     }
 }
 
-/// Sine and cosine of x, which grows by so many radians a sample: each turned on from the one before, as a million sines take
-/// longer than all else here.
+/// Sine and cosine of x, which grows by a fixed number of radians per sample. Each is rotated from the one before, because
+/// computing a million sines would take longer than everything else here.
 fn turning(turn: f64) -> impl Iterator<Item = [f64; 2]> {
     let (sin, cos) = turn.sin_cos();
     std::iter::successors(Some([0.0, 1.0]), move |&[s, c]| {
@@ -205,7 +205,7 @@ mod tests {
         samples.map(|(n, value)| value + signal(n as f64)).collect()
     }
 
-    /// Neither what is louder between the runs nor where they meet counts, nor a short run that is loud.
+    /// Neither louder parts between the runs nor the joints count, nor a short run that is loud.
     #[test]
     fn noise_between_runs_is_not_seen() {
         let mut samples = noise(6000, 4);
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(noise_of_runs(&samples, std::slice::from_ref(&(0..3))), 0.0);
     }
 
-    /// Whatever their frequency and however strong, between bins and on them.
+    /// For any frequency and strength, between bins and on them.
     #[test]
     fn tones_are_no_noise() {
         for (seed, count) in [(1, 1500), (2, 6000), (3, 14_000)] {
@@ -237,13 +237,13 @@ mod tests {
                     );
                 }
             }
-            // They are what sixth differences alone take for it.
+            // Sixth differences alone take them for noise.
             let strong = with(&noise, |n| 5.0 * (TAU * 0.4 * n).sin());
             assert!(noise_deviation(&strong) > 4.0);
         }
     }
 
-    /// A force that jumps at every reversal, as friction does, hides none.
+    /// A force that jumps at every reversal, as friction does, does not hide a tone.
     #[test]
     fn a_tone_shows_beside_jumps() {
         let noise = noise(6000, 7);
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Without tones it is what sixth differences show, to the bit: a motion with corners, or with jumps, has none.
+    /// Without tones it equals the estimate by sixth differences, to the bit: a motion with corners, or with jumps, has no tones.
     #[test]
     fn what_has_no_tones_is_judged_as_before() {
         for seed in 0..40 {

@@ -1,7 +1,7 @@
-//! Noise that grows towards low frequencies as 1/f: quick changes show little of it.
+//! Noise that grows towards low frequencies as 1/f, of which fast changes show little.
 //!
-//! It is looked for in what a law leaves, where the motion is no more. What a law lacks follows the motion and has its band: it does not
-//! lie on one line over all octaves.
+//! It is searched for in the residual of a law, which no longer contains the motion. The residual of a missing effect follows the
+//! motion and has its band, so it does not lie on one line over all octaves.
 
 use super::spectrum::density;
 use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
@@ -22,8 +22,8 @@ crate::numbers! {
     }
 }
 
-/// Standard deviation of what is `left`, when it is noise of that kind, with white noise beside it; `None` when it is not, or too
-/// short to tell.
+/// Standard deviation of the residual `left`, if it is noise of this kind together with white noise; `None` if it is not, or is too
+/// short.
 pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     let PinkPolicy {
         longest,
@@ -35,7 +35,7 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     while length * stretches > left.len() {
         length /= 2;
     }
-    // The lowest has the four bins that a line at 0 does not reach.
+    // The lowest has the four bins that a constant does not affect.
     let octaves = (length / 8).checked_ilog2()? as usize;
     if octaves < fewest {
         return None;
@@ -45,7 +45,7 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
     let powers: Vec<f64> = (2..2 + octaves)
         .map(|octave| mean(&density[1 << octave..2 << octave]).log2())
         .collect();
-    // 2^−octave + white, and the level that fits best.
+    // 2^−octave + white, with the level that fits best.
     let fit = |white: f64| {
         let shape = (0..octaves).map(|octave| (0.5_f64.powi(octave as i32) + white).log2());
         let off: Vec<f64> = powers.iter().zip(shape).map(|(p, s)| p - s).collect();
@@ -54,18 +54,18 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
             .map(|off| (off - level).abs())
             .fold(0.0, f64::max)
     };
-    // White noise above that of the highest octaves, by quarters of octaves.
+    // White noise up to that of the highest octaves, in quarters of octaves.
     let highest = 0.5_f64.powi(fewest as i32 - 1);
     let worst = (0..4 * octaves)
         .map(|quarters| fit(highest * 0.5_f64.powf(0.25 * quarters as f64)))
         .fold(f64::INFINITY, f64::min);
-    // A constant has the first two bins.
+    // A constant affects the first two bins.
     let noise = density[2..].iter().sum::<f64>() / density.len() as f64;
     (worst < straight).then(|| noise.sqrt())
 }
 
 impl Trajectory {
-    /// Takes the force's noise to have a deviation of `noise` kN, of which quick changes show a part only.
+    /// Sets the deviation of the force's noise to `noise` kN, of which fast changes show only a part.
     pub fn take_pink_noise(&mut self, noise: f64) {
         let times = noise / self.force_noise;
         self.noise_beside = times;
@@ -114,7 +114,7 @@ mod tests {
             let noise = pink(seed);
             let rms = (noise.iter().map(|x| x * x).sum::<f64>() / COUNT as f64).sqrt();
             let found = pink_deviation(&noise).unwrap();
-            // The slowest of it moves by less than a period in a stretch.
+            // Its slowest part moves by less than a period in a stretch.
             assert!((found / rms - 1.0).abs() < 0.25, "{found} {rms}");
         }
     }
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn what_is_no_pink_noise_is_not_taken_for_it() {
         assert!(pink_deviation(&white(1)).is_none());
-        // A force that jumps, as friction does at a reversal, and a motion's band over white noise.
+        // A force that jumps, as friction does at a reversal, and a motion's band above white noise.
         let mut level = 1.0;
         let jumps: Vec<f64> = white(2)
             .iter()

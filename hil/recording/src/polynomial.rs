@@ -7,15 +7,15 @@ pub(super) struct Cubic {
     pub curvature: f64,
     /// Variance of the slope for noise of variance 1.
     pub slope_variance: f64,
-    /// Sum of squares that the polynomial leaves.
+    /// Sum of squares of the residual.
     pub error: f64,
 }
 
 /// Least-squares polynomial of `degree` ≤ 3 through equidistant samples, evaluated at position `at` in ticks from the
 /// first.
 ///
-/// The abscissa is scaled to −1…1 and the basis made orthogonal by the three-term recurrence of the discrete Legendre
-/// (Gram) polynomials, so that no normal equations have to be solved.
+/// The abscissa is scaled to −1…1, and the three-term recurrence of the discrete Legendre (Gram) polynomials makes the basis
+/// orthogonal, so that no normal equations have to be solved.
 pub(super) fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
     let count = samples.len() as f64;
     let centre = 0.5 * (count - 1.0);
@@ -59,15 +59,16 @@ pub(super) fn fit_polynomial(samples: &[f64], at: f64, degree: usize) -> Cubic {
     cubic
 }
 
-/// Sum of squares that the least-squares polynomial of `degree`, any, leaves of equidistant samples; 0 where there are no more
-/// samples than coefficients.
+/// Sum of squares of the residual of the least-squares polynomial of any `degree` through equidistant samples; 0 if there are no
+/// more samples than coefficients.
 pub(super) fn left_by_polynomial(samples: &[f64], degree: usize) -> f64 {
     if samples.len() <= degree + 1 {
         return 0.0;
     }
     let centre = 0.5 * (samples.len() as f64 - 1.0);
     let place = |index: usize| index as f64 / centre - 1.0;
-    // The Gram polynomials' values, by the same recurrence as above; what is left is taken along, so that nothing cancels.
+    // The Gram polynomials' values, by the same recurrence as above; the residual is updated along the way, so that nothing
+    // cancels.
     let mut before = vec![0.0; samples.len()];
     let mut now = vec![1.0; samples.len()];
     let mut left = samples.to_vec();

@@ -12,21 +12,21 @@ use crate::error::{InputError, Place};
 use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {
-    /// Reads a file of any format of [`files::FORMATS`], gzipped text included: its content says which, not its name. A row whose
-    /// displacement or force is empty or `NaN` is a sample that is missing: it is left out. So is a row that is the one before once
-    /// more, and of a text a last row without a line end: its last number may have been cut, and nothing tells 1.2 from the beginning
-    /// of 1.25. Of rows that repeat, and of one that may have been cut, [`Recording::faults`] tells.
+    /// Reads a file of any format of [`files::FORMATS`], gzipped text included; its content determines the format, not its name. A
+    /// row whose displacement or force is empty or `NaN` is a missing sample and left out. So is a row that repeats the one before,
+    /// and the last row of a text without a line end: its last number may have been cut, and 1.2 may be the beginning of 1.25.
+    /// [`Recording::faults`] reports repeated rows and one that may have been cut.
     ///
     /// # Errors
-    /// The file, the line or column, what is wrong and how to mend it: no such file, a directory, damaged, empty, beyond the default
-    /// [`ReadLimit`](crate::read_limit::ReadLimit), no header, a channel that is missing or that two columns could be, an unknown unit, a row too short
-    /// or too long, a cell that is no finite number or, but for a missing sample's, empty, time that does
-    /// not increase from one row to another, too few samples, a constant displacement.
+    /// The file, the line or column, the problem and its correction: a missing file, a directory, a damaged or empty file, one
+    /// beyond the default [`ReadLimit`](crate::read_limit::ReadLimit), no header, a channel that is missing or that two columns
+    /// match, an unknown unit, a row too short or too long, a cell that is not a finite number or, except in a missing sample,
+    /// empty, time that does not increase from row to row, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         Self::read_as(path, &Reading::default())
     }
 
-    /// [`Recording::read`] of a file of which the user says what is in it.
+    /// [`Recording::read`] with the user's settings for the file.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -34,7 +34,8 @@ impl Recording {
         Self::whole(path.as_ref(), reading, Kept::Cells)
     }
 
-    /// [`Recording::read_as`] for who does not write the recording again: other columns, and the cells as text, are not kept.
+    /// [`Recording::read_as`] for callers that do not write the recording again: other columns, and the cells as text, are not
+    /// kept.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -42,8 +43,7 @@ impl Recording {
         Self::whole(path.as_ref(), reading, Kept::Channels)
     }
 
-    /// [`Recording::read_channels`] of a file that needs no force, because only its motion counts: without a force column
-    /// the force is 0.
+    /// [`Recording::read_channels`] for a file whose motion alone is needed: without a force column the force is 0.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -51,7 +51,8 @@ impl Recording {
         Self::read_for(path, reading, &Needs::motion())
     }
 
-    /// [`Recording::read_channels`] for who says what the recording must have. Without a force, where none is needed, it is 0.
+    /// [`Recording::read_channels`] for callers with their own requirements on the recording. Without a force, if none is needed,
+    /// it is 0.
     ///
     /// # Errors
     /// As [`Recording::read`], and a control input that is needed and not there.
@@ -74,10 +75,10 @@ impl Recording {
         Ok(self)
     }
 
-    /// [`Recording::read`] of a file's bytes; `path` is what errors call it.
+    /// [`Recording::read`] from a file's bytes; `path` is its name in errors.
     ///
     /// # Errors
-    /// As [`Recording::read`], but for what the file system says.
+    /// As [`Recording::read`], without errors of the file system.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
         let reading = Reading::default();
         let source = files::Source::of(path, bytes.as_slice(), reading.limit)?;
@@ -85,8 +86,8 @@ impl Recording {
         Self::of(path, file, &reading, Kept::Cells, &Needs::default())?.checked()
     }
 
-    /// What was taken for what in the file without being sure, and what else was found out about it, each in words for who has to
-    /// know: `force is read from column "Load" in N`. None for a file of our own format.
+    /// Uncertain choices of columns, and other findings about the file, in words: `force is read from column "Load" in N`. Empty
+    /// for a file of our own format.
     pub fn guesses(&self) -> &[String] {
         &self.guesses
     }
@@ -97,7 +98,7 @@ impl Recording {
         guesses.map(|guess| format!("{}: {guess}", self.name))
     }
 
-    /// Units that nothing says and that were assumed, in words, where [`Unmarked::Assumed`](files::Unmarked) allows that.
+    /// Assumed units, in words, if [`Unmarked::Assumed`](files::Unmarked) permits assumptions.
     pub fn assumed(&self) -> Option<&str> {
         self.assumed.as_deref()
     }
@@ -107,8 +108,7 @@ impl Recording {
         Self::of(path, file, reading, kept, &Needs::default())?.checked()
     }
 
-    /// The channels of an opened file, of which those that are not needed may be missing, which leaves them empty. They are still to be
-    /// checked.
+    /// The channels of an opened file. Channels that are not needed may be missing, and are empty then. They are not checked yet.
     pub(super) fn of(
         path: &Path,
         file: Box<dyn Tables + '_>,
@@ -148,8 +148,8 @@ impl Recording {
     }
 }
 
-/// The names of a file's columns, of which those of channels are our own, with the unit of their cells: what was found out about a file
-/// need not be found out again of what is written.
+/// The names of a file's columns, with our own names, including the unit of their cells, for channels, so that a file written from
+/// them needs no interpretation.
 fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
     let channels = chosen.used.iter().map(|used| {
         let name = format!("{}_{}", used.channel.name(), used.unit.symbol);
@@ -161,7 +161,7 @@ fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
     let named = header.iter().enumerate().map(|(column, name)| {
         match ours.iter().find(|(place, _)| *place == column) {
             Some((_, own)) => own.clone(),
-            // A column that would have been the channel, had the user not said another.
+            // A column that would have been the channel without the user's setting.
             None if ours.iter().any(|(_, own)| own == name) => format!("other_{name}"),
             None => name.to_owned(),
         }
@@ -169,11 +169,11 @@ fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
     named.collect()
 }
 
-/// The values of a recording while it is made.
+/// The values of a recording under construction.
 struct Samples {
     name: String,
     chosen: Chosen,
-    /// Of the columns, channels first.
+    /// Names of the columns, channels first.
     column_names: Vec<String>,
     channels: Vec<Vec<f64>>,
     inputs: Vec<Option<Vec<f64>>>,
@@ -188,7 +188,7 @@ impl Samples {
         mut values: Values,
     ) -> Result<Self, InputError> {
         let inputs = values.columns.split_off(chosen.used.len());
-        // Those of channels are numbers, or were refused.
+        // Columns of channels are numbers, or were rejected.
         let channels = std::mem::take(&mut values.columns)
             .into_iter()
             .map(Option::unwrap_or_default);
@@ -204,8 +204,8 @@ impl Samples {
         Ok(samples)
     }
 
-    /// A logger that has nothing new to say of an input: it is as it was, be the row itself left out or not. Before it was first
-    /// written it was as it was then; of one that never was, nothing is known.
+    /// A logger without a new value of an input: the input keeps its value, even if the row itself is left out. Before the first
+    /// value it is that value; an input without any value is unknown.
     fn hold_inputs(&mut self) {
         for input in &mut self.inputs {
             let Some(values) = input else { continue };
@@ -242,7 +242,7 @@ impl Samples {
                 is_kept[row] = false;
                 continue;
             }
-            // A logger that writes a sample twice; the same time with anything else is refused.
+            // A logger that writes a sample twice; the same time with other values is rejected.
             let is_same =
                 |before: usize| self.channels.iter().all(|each| each[before] == each[row]);
             if self.chosen.clock.is_none() && last.is_some_and(is_same) {
@@ -282,7 +282,7 @@ impl Samples {
         ))
     }
 
-    /// A cell that has no number and needs one.
+    /// A required cell without a number.
     fn blank(&self, row: usize, index: usize) -> InputError {
         let (problem, place) = (
             "the cell is empty or \"NaN\"",

@@ -1,6 +1,6 @@
-//! How much of a file is read: a few megabytes of gzip may unpack to more than the machine has memory for.
+//! Limit of the size of a file: a few megabytes of gzip may unpack to more than the machine's memory.
 //!
-//! Reading stops at the first byte beyond a limit, so that what is refused takes no more memory than what is read.
+//! Reading stops at the first byte beyond a limit, so that a rejected file takes no more memory than an accepted one.
 
 use std::fmt;
 use std::fs::File;
@@ -10,8 +10,8 @@ use std::str::FromStr;
 
 use crate::error::InputError;
 
-/// Part of the limit of a file that one line may take, all comments, or a JSON file. Convention: a row of measured channels has
-/// some hundred bytes and a model file some ten thousand; at the default a header of 5e5 columns still passes.
+/// Part of a file's limit for one line, for all comments, or for a JSON file. Convention: a row of measured channels has some
+/// hundred bytes and a model file some ten thousand; at the default a header of 5e5 columns is still accepted.
 const PART: u64 = 64;
 /// Units of a size, the largest first.
 const UNITS: [(&str, u64); 7] = [
@@ -24,10 +24,10 @@ const UNITS: [(&str, u64); 7] = [
     ("B", 1),
 ];
 
-/// The most bytes that are read of a file, unpacked where it is gzip.
+/// The largest number of bytes read from a file, unpacked if it is gzip.
 ///
-/// A line, all comments together, and a JSON file, which is read as a whole, may have a 64th of that. The columns of a table
-/// need no limit of their own: each takes a byte of the header's line at least.
+/// A line, all comments together, and a JSON file, which is read as a whole, may have a 64th of that. The columns of a table need
+/// no separate limit: each takes a byte of the header's line at least.
 ///
 /// ```
 /// use mesh_damper_recording::read_limit::ReadLimit;
@@ -42,8 +42,8 @@ pub struct ReadLimit {
 }
 
 impl Default for ReadLimit {
-    /// Derived from memory: reading a recording takes two bytes of memory for each byte of the file, and at most twelve, where a
-    /// row has no more than six; that is 1 GiB and at most 6. At 10 kHz and 40 bytes to the row it is 22 minutes.
+    /// Derived from memory: reading a recording takes two bytes of memory for each byte of the file, and at most twelve, if a row
+    /// has no more than six. This is 1 GiB and at most 6. At 10 kHz and 40 bytes per row it is 22 minutes.
     fn default() -> Self {
         Self { file: 512 << 20 }
     }
@@ -53,22 +53,22 @@ impl ReadLimit {
     /// The option of the command line that sets the limit.
     pub const OPTION: &str = "--max-read";
 
-    /// A limit of so many bytes of a file.
+    /// A limit of this many bytes per file.
     pub fn new(file: u64) -> Self {
         Self { file }
     }
 
-    /// Bytes of a file.
+    /// Bytes per file.
     pub fn file(self) -> u64 {
         self.file
     }
 
-    /// Bytes of a line, of all comments, of a JSON file.
+    /// Bytes per line, for all comments, or for a JSON file.
     pub fn line(self) -> u64 {
         self.file / PART
     }
 
-    /// What exceeds the limit `of` a part of a file.
+    /// Error for exceeding the limit `of` a part of a file.
     pub(crate) fn exceeded_by(self, name: &str, what: &str, of: &str) -> InputError {
         let limit = Self::new(self.line());
         self.refused(
@@ -80,7 +80,7 @@ impl ReadLimit {
         )
     }
 
-    /// A file that exceeds the limit.
+    /// Error for a file that exceeds the limit.
     pub(crate) fn exceeded(self, name: &str) -> InputError {
         self.refused(name, format!("holds more than {self}, the limit of a file"))
     }
@@ -99,7 +99,7 @@ impl ReadLimit {
 }
 
 impl fmt::Display for ReadLimit {
-    /// As [`ReadLimit::from_str`] reads it.
+    /// In the form that [`ReadLimit::from_str`] reads.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_whole =
             |&&(_, bytes): &&(&str, u64)| self.file >= bytes && self.file.is_multiple_of(bytes);
@@ -108,7 +108,7 @@ impl fmt::Display for ReadLimit {
     }
 }
 
-/// A text that is no size.
+/// A text that is not a size.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("write a whole number of bytes with or without a unit, such as 800MB or 2GiB")]
 pub struct NoSize;
@@ -143,7 +143,7 @@ pub(crate) fn open(path: &Path) -> Result<File, InputError> {
 /// The bytes of a JSON file.
 ///
 /// # Errors
-/// What the file system says, and a file beyond the limit.
+/// An error of the file system, or a file beyond the limit.
 pub fn read_json(path: &Path, limit: ReadLimit) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     open(path)?

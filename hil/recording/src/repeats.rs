@@ -1,17 +1,17 @@
-//! Recordings that are given twice.
+//! Recordings given twice.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
 
-/// Refuses a file that is given twice: it would be held out and fitted, or counted twice.
+/// Rejects a file that is given twice: it would be both test data and training data, or be counted twice.
 ///
 /// # Errors
 /// The second path to one file.
 pub fn refuse_repeats(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<(), InputError> {
     let mut known: Vec<PathBuf> = Vec::new();
     for path in paths {
-        // What cannot be resolved is refused when it is read.
+        // A path that cannot be resolved is rejected when it is read.
         let Ok(resolved) = path.as_ref().canonicalize() else {
             continue;
         };

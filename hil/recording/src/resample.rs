@@ -25,19 +25,19 @@ pub struct Uniform {
     pub start: f64,
     /// Time between ticks, s.
     pub period: f64,
-    /// mm, one per tick.
+    /// Displacement, mm, one per tick.
     pub displacement: Vec<f64>,
-    /// kN, one per tick.
+    /// Force, kN, one per tick.
     pub force: Vec<f64>,
-    /// mm/s, one per tick, where the recording has it.
+    /// Velocity, mm/s, one per tick, if the recording has it.
     pub velocity: Option<Vec<f64>>,
-    /// °C, one per tick, where the recording has it.
+    /// Temperature, °C, one per tick, if the recording has it.
     pub temperature: Option<Vec<f64>>,
     /// Control inputs, one value per tick.
     pub controls: Vec<ControlChannel>,
-    /// Whether samples stand about this tick; false inside a gap, where the channels are straight lines.
+    /// Whether there are samples about this tick; false inside a gap, where the channels are straight lines.
     pub measured: Vec<bool>,
-    /// Whether the recording's own samples were off the ticks, so that the channels are interpolated.
+    /// Whether the recording's samples were off the ticks, so that the channels are interpolated.
     pub interpolated: bool,
     clock: Clock,
 }
@@ -48,7 +48,7 @@ impl Uniform {
         self.displacement.len()
     }
 
-    /// Whether there is no tick; never so for what [`Recording::uniform`] returns.
+    /// Whether there are no ticks; never true for a result of [`Recording::uniform`].
     pub fn is_empty(&self) -> bool {
         self.displacement.is_empty()
     }
@@ -58,7 +58,7 @@ impl Uniform {
         self.start + tick as f64 * self.period
     }
 
-    /// `values`, one per tick, at the recording's own times: the way back from [`Recording::uniform`].
+    /// `values`, one per tick, converted back from [`Recording::uniform`] to the recording's own times.
     pub fn at_samples_of(&self, recording: &Recording, values: &[f64]) -> Vec<f64> {
         if self.interpolated {
             let ticks: Vec<f64> = (0..values.len()).map(|tick| self.time(tick)).collect();
@@ -75,19 +75,19 @@ impl Uniform {
         }
     }
 
-    /// What is wrong with the recording's times.
+    /// The faults of the recording's times.
     pub(super) fn faults(&self) -> Vec<ChannelFault> {
         self.clock.faults()
     }
 }
 
 impl Recording {
-    /// Time between samples, s, whatever jitter, gaps and the rounding of printed times.
+    /// Time between samples, s, independent of jitter, gaps and the rounding of printed times.
     pub fn sample_period(&self) -> f64 {
         self.clock().period
     }
 
-    /// Where samples are missing: the index of the sample before each gap, and how many are missing there.
+    /// Gaps: the index of the sample before each, and the number of samples missing there.
     pub fn gaps(&self) -> Vec<(usize, usize)> {
         self.clock().gaps()
     }
@@ -98,12 +98,12 @@ impl Recording {
 
     /// The recording at equal steps of [`Recording::sample_period`].
     ///
-    /// Samples that stand on the ticks are taken as they are, and so are those that the displacement shows to have been
-    /// taken on them though their times jitter; where the samples themselves jitter, the channels are interpolated by a
-    /// cubic through each tick's neighbours, temperature and control inputs by straight lines. Gaps are bridged by straight lines and marked.
+    /// Samples on the ticks are used directly, and so are those that according to the displacement were taken on the ticks although
+    /// their times jitter. If the samples themselves jitter, the channels are interpolated by a cubic through each tick's
+    /// neighbours, and temperature and control inputs linearly. Gaps are bridged by straight lines and marked.
     ///
     /// # Errors
-    /// The line of the longest gap where the recording is mostly gaps.
+    /// The line of the longest gap, if the recording is mostly gaps.
     pub fn uniform(&self) -> Result<Uniform, InputError> {
         let clock = self.clock();
         let period = clock.period;
@@ -133,7 +133,7 @@ impl Recording {
             policy().resample.longest
         } * period;
         let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
-        // A cubic overshoots where an input is switched. By lines it goes only where it was.
+        // A cubic overshoots where an input is switched; a line stays between the values.
         let by_lines = |values: &[f64]| interpolate(&nodes, values, time.clone(), 0.0);
         let mut measured = vec![true; ticks];
         for (before, _) in clock.gaps() {
@@ -180,10 +180,10 @@ impl Recording {
     }
 }
 
-/// `values` at `nodes` (increasing strictly, at least two) interpolated at the times `at` (increasing).
+/// `values` at `nodes` (strictly increasing, at least two) interpolated at the times `at` (increasing).
 ///
-/// A cubic Hermite whose slope at a node is that of the parabola through it and its neighbours, so that cubics' error
-/// is of third order and noise is not amplified beyond a quarter; a straight line across steps above `longest`.
+/// A cubic Hermite whose slope at a node is that of the parabola through it and its neighbours. Its error is of third order, and it
+/// amplifies noise by no more than a quarter. Linear across steps above `longest`.
 fn interpolate(
     nodes: &[f64],
     values: &[f64],
@@ -193,7 +193,7 @@ fn interpolate(
     let secant = |i: usize| (values[i + 1] - values[i]) / (nodes[i + 1] - nodes[i]);
     let close = |i: usize| nodes[i + 1] - nodes[i] <= longest;
     let last = nodes.len() - 2;
-    // Slope at node `i` as seen from the step `from`; a step beyond a gap does not take part.
+    // Slope at node `i` seen from the step `from`; a step beyond a gap is not used.
     let slope = |i: usize, from: usize| {
         let other = if i == from {
             i.checked_sub(1)
@@ -249,7 +249,7 @@ mod tests {
             .map(|i| (f64::from(i) / 300.0 * 1e4).round() / 1e4)
             .collect();
         let recording = sine(&times);
-        // The last printed time is off by at most 5e-5 s in 10 s.
+        // The last printed time has an error of at most 5e-5 s in 10 s.
         assert!((recording.sample_period() * 300.0 - 1.0).abs() < 1e-5);
         let uniform = recording.uniform().unwrap();
         assert!(!uniform.interpolated);

@@ -1,7 +1,7 @@
-//! Where a recorded displacement stands still.
+//! Rests: where a recorded displacement stands still.
 //!
-//! A velocity that noise leaves of a standstill has a sign, and friction takes that for a direction: at a thousandth of the
-//! largest speed |v|^0.3 is an eighth of what it is there. So what is known to stand still has no velocity at all.
+//! The noise at a standstill gives a velocity with a sign, which friction takes for a direction: at a thousandth of the largest
+//! speed |v|^0.3 is an eighth of its value there. So the velocity is exactly 0 where the displacement is known to stand still.
 
 use std::ops::Range;
 
@@ -20,12 +20,12 @@ crate::numbers! {
     }
 }
 
-/// Runs of samples in which the displacement stands still but for noise of deviation `noise`, in order.
+/// Runs of samples in which the displacement stands still except for noise of deviation `noise`, in order.
 ///
-/// A turn stands still for a while too, as far as noise shows: there one cubic describes the run and as much again about it.
+/// Within the noise a turn stands still for a while too. There one cubic describes the run and as much again about it.
 pub(super) fn find_rests(samples: &[f64], noise: f64) -> Vec<Range<usize>> {
     let shortest = policy().rest.shortest;
-    // What rounding leaves is not white: at a turn it may be half a step for long.
+    // Rounding errors are not white: at a turn the error may be half a step for a long time.
     let noise = noise + 0.5 * step_of(samples);
     let mut rests = Vec::new();
     let mut from = 0;
@@ -48,7 +48,7 @@ pub(super) fn find_rests(samples: &[f64], noise: f64) -> Vec<Range<usize>> {
     rests
 }
 
-/// The smallest difference of two neighbours that differ: the step of a converter, and next to nothing where there is none.
+/// The smallest difference of two neighbours that differ: the step of a converter, and almost 0 without one.
 fn step_of(samples: &[f64]) -> f64 {
     let differences = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let step = differences
@@ -57,17 +57,17 @@ fn step_of(samples: &[f64]) -> f64 {
     if step.is_finite() { step } else { 0.0 }
 }
 
-/// Whether a constant leaves no more than noise.
+/// Whether the residual of a constant is no more than noise.
 fn stands_still(samples: &[f64], noise: f64) -> bool {
     let error = left_by_polynomial(samples, 0);
     leaves_only_noise(error, samples.len() as f64 - 1.0, noise)
 }
 
-/// How many of the first samples stand still with those that begin them.
+/// Number of samples, from the first on, that stand still.
 fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
     let RestPolicy { shortest, same } = policy().rest;
     let mut recent = std::collections::VecDeque::with_capacity(shortest);
-    // Of those before the recent ones, and of these.
+    // Sums for the samples before the recent ones, and for these.
     let (mut sum, mut count, mut recent_sum) = (0.0, 0.0, 0.0);
     let mut taken = 0;
     for sample in samples {
@@ -85,7 +85,7 @@ fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
             let change = recent_sum / recent_count - sum / count;
             let deviation = noise * (1.0 / recent_count + 1.0 / count).sqrt();
             if change.abs() > same * deviation {
-                // What moves is among the recent ones.
+                // The motion begins among the recent ones.
                 return departure(recent.make_contiguous(), sum / count) + taken - shortest;
             }
         }
@@ -93,7 +93,7 @@ fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
     taken
 }
 
-/// How many of `samples` stand still at `level` before they move off: what follows is a quadratic from there.
+/// Number of `samples` that stand still at `level` before they move off on a quadratic.
 fn departure(samples: &[f64], level: f64) -> usize {
     let left = |at: usize| -> f64 {
         let before: f64 = samples[..at].iter().map(|y| (y - level).powi(2)).sum();
@@ -178,7 +178,8 @@ mod tests {
             };
             let found = find_rests(&noisy(length + 2 * ramp, seed, at), NOISE);
             prop_assert_eq!(found.len(), 1, "{:?}", found);
-            // A smooth ramp moves by 3 noises within this many samples: none that moves by more is called still.
+            // A smooth ramp moves by 3 deviations of the noise within this many samples: a sample that moves by more is not counted
+            // as still.
             let near = 4.0 + (12.0 * NOISE / 0.1).sqrt() * start * 2.0 / TAU;
             let rest = &found[0];
             let beyond = [start - rest.start as f64, rest.end as f64 - end];
@@ -187,7 +188,7 @@ mod tests {
             prop_assert!(missed <= 2 * policy().rest.shortest, "{:?} of {} {}", rest, start, end);
         }
 
-        /// Neither does a sine stand still at its turns, however slow, nor what goes on at a constant speed.
+        /// A sine does not stand still at its turns, however slow, nor does a motion at constant speed.
         #[test]
         fn a_turn_is_no_standstill(period in 40.0..20_000.0_f64, phase in 0.0..TAU, seed: u64) {
             let sine = noisy(4000, seed, |index| 0.1 * (TAU * index / period + phase).sin());

@@ -1,16 +1,16 @@
-//! The rows of a recording as the file has them.
+//! The rows of a recording as in the file.
 
-/// What ends a cell: a byte that no UTF-8 text holds.
+/// End of a cell: a byte that no UTF-8 text contains.
 const END: u8 = 0xff;
 
-/// Rows of equally many cells, in one text: with an allocation for each row they would take many times the file's size.
+/// Rows with equal numbers of cells, in one text: with one allocation per row they would take many times the file's size.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TextRows {
     cells: Vec<u8>,
 }
 
 impl TextRows {
-    /// One more row, which has as many cells as every other.
+    /// Adds a row, which must have as many cells as every other.
     pub(super) fn push(&mut self, row: &csv::StringRecord) {
         for cell in row {
             self.cells.extend_from_slice(cell.as_bytes());
@@ -30,7 +30,7 @@ impl TextRows {
 
     /// All cells, row after row.
     pub(super) fn cells(&self) -> impl Iterator<Item = &str> {
-        // They were text when they came.
+        // They were text when they were added.
         let text = |cell| std::str::from_utf8(cell).unwrap_or_default();
         self.cells.split(|&byte| byte == END).map(text)
     }
@@ -40,24 +40,24 @@ impl TextRows {
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowLines {
     rows: usize,
-    /// Rows that do not stand one line below the row before, each with its line.
+    /// Rows that are not one line below the row before, each with its line.
     jumps: Vec<(usize, u64)>,
 }
 
 impl PartialEq for RowLines {
-    /// Always: rows are the same on whatever lines they stand.
+    /// Always equal: rows are the same regardless of their lines.
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
 impl RowLines {
-    /// Whether there is a row.
+    /// Whether there are rows.
     pub(super) fn has_rows(&self) -> bool {
         self.rows > 0
     }
 
-    /// One more row.
+    /// Adds one row.
     pub(super) fn push(&mut self, line: u64) {
         if self.line_of(self.rows) != Some(line) {
             self.jumps.push((self.rows, line));
@@ -80,7 +80,7 @@ impl RowLines {
         (index < self.rows).then(|| self.line_of(index)).flatten()
     }
 
-    /// The same where row `index` stands one line below the row before unless that is known not to be so.
+    /// The same, assuming that row `index` is one line below the row before unless it is listed otherwise.
     fn line_of(&self, index: usize) -> Option<u64> {
         let after = self.jumps.partition_point(|&(row, _)| row <= index);
         let &(row, line) = self.jumps.get(after.checked_sub(1)?)?;

@@ -1,9 +1,10 @@
-//! The motion behind a displacement of few samples to the cycle: the best linear estimate from the samples around each.
+//! The motion behind a displacement with few samples per cycle: the best linear estimate from the samples around each.
 //!
-//! A cubic follows a sine of ten samples and more. A record of fewer can be differentiated where it is known how its motion is spread
-//! over frequency, and the spectrum tells: white noise is flat, so what stands above its floor is motion. With the motion's power S(ω) its
-//! covariance is r(τ) = ∫ S cos ωτ, that of its velocity with it r′(τ), that of its acceleration r″(τ). The estimate of least variance
-//! from samples at tᵢ is Σ wᵢ·yᵢ with (R + σ²·1)·w = r(t − tᵢ), or r′ and r″ in its place, R = r(tᵢ − tⱼ) (Wiener 1949).
+//! A cubic can follow a sine of ten samples and more per cycle. A record with fewer can be differentiated if the spectrum of its
+//! motion is known, and it follows from the record: white noise is flat, so power above its floor is motion. With the motion's
+//! power S(ω) its covariance is r(τ) = ∫ S cos ωτ, that of its velocity with it r′(τ), that of its acceleration r″(τ). The estimate
+//! with the least variance from samples at tᵢ is Σ wᵢ·yᵢ with (R + σ²·1)·w = r(t − tᵢ), or r′ and r″ in its place, R = r(tᵢ − tⱼ)
+//! (Wiener 1949).
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -65,7 +66,7 @@ pub(super) struct Smoother {
     mean: f64,
     /// Deviation of the noise, mm.
     noise: f64,
-    /// The same as the weights take it, mm: never 0.
+    /// Deviation that the weights assume, mm: never 0.
     taken: f64,
 }
 
@@ -79,7 +80,7 @@ pub(super) struct Smoothed {
 }
 
 impl Smoother {
-    /// For the motion that `displacement` in mm shows; `None` where it has samples enough for a cubic, or too few for a spectrum.
+    /// For the motion in `displacement` in mm; `None` if there are enough samples for a cubic, or too few for a spectrum.
     pub(super) fn of(displacement: &[f64]) -> Option<Self> {
         let SmootherPolicy {
             bins,
@@ -185,8 +186,8 @@ impl Smoother {
         (weights, deviations)
     }
 
-    /// By how much each of the three errs over what the noise alone leaves: what lies beside the noise in the band, and is not told from
-    /// it, is missing from the estimate too.
+    /// Ratio of the error of each of the three to the part due to noise: power of the motion below the noise in the band is not
+    /// distinguished from it, and is missing from the estimate too.
     fn excess(&self) -> [f64; 3] {
         let (weights, deviations) = self.weights(self.reach);
         [0, 1, 2].map(|derivative| {
@@ -231,16 +232,16 @@ impl Smoother {
     }
 }
 
-/// The samples at which a smoother does better than windows of cubics.
+/// The samples at which a smoother is better than windows of cubics.
 pub(super) struct Band {
     smoother: Smoother,
     holds: Vec<bool>,
 }
 
 impl Band {
-    /// Where it does so in `displacement` in mm, but for the samples whose motion is `known` better, and what it makes of that: it
-    /// leaves the noise alone, and of a motion as it has been found a displacement as noisy is estimated better than by `estimate`,
-    /// whose own estimate `motion` is. `None` where it does nowhere.
+    /// Where it is better in `displacement` in mm, without the samples whose motion is `known` better, and its result there. Two
+    /// conditions must hold: its residual is only noise, and it estimates the motion found, with an equally noisy displacement,
+    /// better than `estimate`, whose own estimate is `motion`. `None` if it is better nowhere.
     pub(super) fn find(
         displacement: &[f64],
         tick: f64,
@@ -254,7 +255,7 @@ impl Band {
         let mut holds = smoother.leaves_only_noise(&left);
         holds[..motion.start_from_rest].fill(false);
         for kink in smoother.corners(displacement, motion, &left) {
-            // No window may lie across one; at an end all lie across the same samples.
+            // No window may lie across a kink; at an end all windows use the same samples.
             let (reach, count) = (smoother.reach, displacement.len());
             let low = if kink <= 2 * reach { 0 } else { kink - reach };
             let high = if kink + 2 * reach >= count {
@@ -285,12 +286,12 @@ impl Band {
         is_better.then_some((Self { smoother, holds }, smoothed))
     }
 
-    /// Whether it holds at a sample.
+    /// Whether it applies at a sample.
     pub(super) fn holds_at(&self, index: usize) -> bool {
         self.holds[index]
     }
 
-    /// Enlarges the part of an error that noise leaves in a motion to all of it.
+    /// Scales the part of a motion's error due to noise to the whole error.
     pub(super) fn complete(&self, error: &mut MotionError) {
         let excess = self.smoother.excess();
         let channels = [
@@ -307,12 +308,12 @@ impl Band {
         }
     }
 
-    /// Takes its estimate of `displacement` in mm, every `tick` s, into `motion` where it holds.
+    /// Puts its estimate of `displacement` in mm, every `tick` s, into `motion` where it applies.
     pub(super) fn refine(&self, motion: &mut MotionEstimate, displacement: &[f64], tick: f64) {
         self.take(&self.smoother.smooth(displacement), motion, tick);
     }
 
-    /// Takes what was `smoothed` into `motion` where it holds, with samples every `tick` s.
+    /// Puts `smoothed` into `motion` where it applies, with samples every `tick` s.
     pub(super) fn take(&self, smoothed: &Smoothed, motion: &mut MotionEstimate, tick: f64) {
         for index in (0..self.holds.len()).filter(|&index| self.holds[index]) {
             motion.displacement[index] = smoothed.displacement[index];
@@ -320,7 +321,7 @@ impl Band {
             motion.acceleration[index] = smoothed.curvature[index] / (tick * tick);
             motion.velocity_deviation[index] = smoothed.slope_deviation[index] / tick;
         }
-        // Where noise alone is left of a smooth motion there is none.
+        // If the residual of a smooth motion is only noise, there is no kink.
         motion
             .kinks
             .retain(|&kink| !(self.holds[kink] && self.holds[kink.saturating_sub(1)]));
@@ -330,7 +331,7 @@ impl Band {
     }
 }
 
-/// What an estimate leaves of a displacement.
+/// The residual of an estimate of a displacement.
 fn left_by(displacement: &[f64], estimated: &[f64]) -> Vec<f64> {
     let pairs = displacement.iter().zip(estimated);
     pairs
@@ -339,7 +340,7 @@ fn left_by(displacement: &[f64], estimated: &[f64]) -> Vec<f64> {
 }
 
 impl Smoother {
-    /// About which samples noise alone was `left`, mm.
+    /// The samples about which the residual `left`, mm, is only noise.
     fn leaves_only_noise(&self, left: &[f64]) -> Vec<bool> {
         let SmootherPolicy { about, exact, .. } = policy().smoother;
         let noise = self.noise.max(exact * self.variances[0].sqrt());
@@ -359,8 +360,8 @@ impl Smoother {
         (0..left.len()).map(is_noise).collect()
     }
 
-    /// The kinks of `motion` that are corners: the cubics about them leave noise alone, and about all of them together this estimate
-    /// leaves more than elsewhere; `left` is what it leaves, mm.
+    /// The kinks of `motion` that are corners: the residual of the cubics about them is only noise, and the residual of this
+    /// estimate, `left`, mm, is larger about all of them together than elsewhere.
     fn corners(&self, displacement: &[f64], motion: &MotionEstimate, left: &[f64]) -> Vec<usize> {
         let SmootherPolicy {
             corner, some_noise, ..

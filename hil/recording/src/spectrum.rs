@@ -2,7 +2,7 @@
 
 use realfft::RealFftPlanner;
 
-/// |X|² of each bin from 0 to half the sampling rate, X the transform of `samples` under a Hann window of mean 1, which
+/// |X|² of each bin from 0 to half the sampling rate, X the transform of `samples` with a Hann window of mean 1, which
 /// keeps a line within four bins.
 pub fn powers(mut samples: Vec<f64>) -> Vec<f64> {
     let count = samples.len();
@@ -21,8 +21,8 @@ pub fn powers(mut samples: Vec<f64>) -> Vec<f64> {
     }
 }
 
-/// Power of each bin from 0 to half the sampling rate, of which white noise has its variance in each: the mean of stretches of `length`
-/// samples that overlap by halves (Welch 1967), so that each part of a record counts.
+/// Power of each bin from 0 to half the sampling rate, scaled so that white noise has its variance in each. It is the mean of
+/// stretches of `length` samples that overlap by half (Welch 1967), so that each part of a record counts.
 pub fn density(samples: &[f64], length: usize) -> Vec<f64> {
     let mut sum = vec![0.0; length / 2 + 1];
     let (mut start, mut count) = (0, 0.0);
@@ -40,8 +40,8 @@ pub fn density(samples: &[f64], length: usize) -> Vec<f64> {
     sum
 }
 
-/// Where the line lies whose peak is at bin `peak`, neither the first nor the last, in bins. With a = |X(k+1)|/|X(k)| of its two
-/// largest bins it is k + (2a − 1)/(a + 1) (Grandke 1983).
+/// The position in bins of the line whose peak is at bin `peak`, which is neither the first nor the last. With a = |X(k+1)|/|X(k)|
+/// of its two largest bins it is k + (2a − 1)/(a + 1) (Grandke 1983).
 pub fn place_of_line(powers: &[f64], peak: usize) -> f64 {
     let (below, above) = (powers[peak - 1], powers[peak + 1]);
     let (side, sign) = if above > below {
@@ -53,11 +53,11 @@ pub fn place_of_line(powers: &[f64], peak: usize) -> f64 {
     peak as f64 + sign * (2.0 * ratio - 1.0) / (ratio + 1.0)
 }
 
-/// Parts of the upper half of a spectrum of which the quietest is noise. Convention: a part is narrow beside a band of motion, and
-/// wide enough for a mean.
+/// Number of parts of the upper half of a spectrum, of which the quietest is noise. Convention: a part is narrow compared with a
+/// band of motion, and wide enough for a mean.
 const PARTS: usize = 8;
 
-/// The power of white noise beside a motion whose band ends somewhere: the mean of the quietest part of the upper half of `powers`.
+/// The power of white noise next to a motion with a limited band: the mean of the quietest part of the upper half of `powers`.
 pub fn floor(powers: &[f64]) -> f64 {
     let upper = &powers[powers.len() / 2..];
     let parts = upper.chunks(upper.len().div_ceil(PARTS).max(1));

@@ -1,4 +1,4 @@
-//! A recording made ready for identification: uniform time base, estimated motion, cycles and blocks.
+//! A recording prepared for identification: uniform time base, estimated motion, cycles and blocks.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ crate::numbers! {
     }
 }
 
-/// Motion and force on a uniform time base, with what can be read off them.
+/// Motion and force on a uniform time base, with derived quantities.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     /// The recording's name.
@@ -54,8 +54,8 @@ pub struct Trajectory {
     pub tick: f64,
     /// Displacement, velocity and acceleration.
     pub motion: MotionEstimate,
-    /// What was taken off the recorded displacement, mm: the middle of the motion where that is a sensor's zero that was left in
-    /// and not where a specimen is held; 0 otherwise.
+    /// Offset subtracted from the recorded displacement, mm: the middle of the motion if it is a sensor's zero rather than the
+    /// position of the specimen; 0 otherwise.
     pub centre: f64,
     /// The middle of the recorded displacement, mm.
     pub middle: f64,
@@ -63,37 +63,37 @@ pub struct Trajectory {
     pub force: Vec<f64>,
     /// Measured temperature, °C.
     pub temperature: Option<Vec<f64>>,
-    /// Control inputs. Shared as the cycles are.
+    /// Control inputs. Shared like the cycles.
     pub controls: Arc<Vec<ControlChannel>>,
-    /// Blocks of like cycles; they cover the recording.
+    /// Blocks of equal cycles; they cover the recording.
     pub blocks: Vec<FoundBlock>,
-    /// Cycles since the first sample, fraction included. Shared by all that a fit [moves](Self::motion_alone), as the next is.
+    /// Cycles since the first sample, fraction included. Shared by all copies that a fit [moves](Self::motion_alone), like the next
+    /// field.
     pub cycles: Arc<Vec<f64>>,
-    /// Amplitude of the block that the sample is in, mm.
+    /// Amplitude of the block that contains the sample, mm.
     pub amplitude: Arc<Vec<f64>>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
     /// RMS of the force, kN.
     pub force_rms: f64,
-    /// An error that the motion may have.
+    /// A possible error of the motion.
     pub motion_error: MotionError,
-    /// Variance of the force that the error of the motion leaves, kN²; empty until [`Trajectory::carry_motion_error`] tells.
+    /// Variance of the force due to the error of the motion, kN²; empty until [`Trajectory::carry_motion_error`] sets it.
     pub carried: Vec<f64>,
-    /// Whether the force was measured about this tick; false inside a gap of the recording, and where a fault of a
-    /// channel was found.
+    /// Whether the force was measured about this tick; false inside a gap of the recording, and where a channel fault was found.
     pub measured: Vec<bool>,
-    /// What the channels were smoothed by before they were written.
+    /// The average that smoothed the channels before they were written.
     pub average: Option<MovingAverage>,
-    /// By how much the force's noise is larger than quick changes show; 1 where they show all of it.
+    /// Ratio of the force's noise to the noise in fast changes; 1 if they are equal.
     pub noise_beside: f64,
-    /// Time in s that the force was late by and was moved back, below 0 where it was early; 0 where it was not moved.
+    /// Delay of the force in s by which it was moved back, below 0 if it was early; 0 if it was not moved.
     pub late: f64,
     /// Faults of the recording's channels.
     pub faults: Vec<ChannelFault>,
 }
 
 impl Trajectory {
-    /// Conditions a recording, on a uniform time base.
+    /// Prepares a recording, on a uniform time base.
     ///
     /// # Errors
     /// Too few samples, a recording that is mostly gaps, or a displacement that is mostly noise.
@@ -101,7 +101,7 @@ impl Trajectory {
         Self::knowing(recording, Known::default())
     }
 
-    /// The same where something of its channels is known already.
+    /// The same if some properties of its channels are known already.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -129,13 +129,13 @@ impl Trajectory {
         Ok(trajectory)
     }
 
-    /// Whether the force, which was not moved, may be late by `late` s, as that of another recording of the rig is.
+    /// Whether the force, which was not moved, may be late by `late` s, like that of another recording of the rig.
     pub fn may_be_late_by(&self, late: f64) -> bool {
         self.late == 0.0 && Shift::may_be(self, (late / self.tick).round() as isize)
     }
 
-    /// The same with both channels as they were recorded, for who measures losses and not a law: an average takes as much of
-    /// the force as of the displacement, and a purely viscous specimen's force is as that of a spring that is early.
+    /// The same with both channels as recorded, for measuring losses rather than a law: an average affects force and displacement
+    /// equally, and the force of a purely viscous specimen looks like that of a spring that is early.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -143,7 +143,7 @@ impl Trajectory {
         Ok(Self::prepared(recording, None)?.0)
     }
 
-    /// With the average that its channels show, which is not seen through yet.
+    /// With the average found in its channels, which is not taken into account yet.
     fn prepared(
         recording: &Recording,
         known_off: Option<bool>,
@@ -171,7 +171,7 @@ impl Trajectory {
             ));
         }
         let average = MovingAverage::find(&uniform.displacement, &uniform.force);
-        // Nobody knows whether a velocity of its own went through it.
+        // It is unknown whether a measured velocity was averaged too.
         if average.is_some() {
             uniform.velocity = None;
         }
@@ -200,7 +200,7 @@ impl Trajectory {
                 "check the displacement's channel and unit",
             ));
         }
-        // The gaps between the harmonics of a motion with corners look like notches of an average over half a period and more.
+        // The gaps between the harmonics of a motion with corners look like the notches of an average over half a period or more.
         let fastest = trajectory.blocks.iter().map(|block| block.frequency);
         let shortest = 1.0 / fastest.fold(0.0, f64::max);
         let average = average.filter(|a| {
@@ -235,7 +235,7 @@ impl Trajectory {
         )
     }
 
-    /// The same with the middle of the motion taken for its zero, or not.
+    /// As [`Trajectory::new`]; `is_off` says whether to take the middle of the motion as its zero.
     fn about(
         is_off: bool,
         name: String,
@@ -307,7 +307,7 @@ impl Trajectory {
         }
     }
 
-    /// Takes noise and size of the force from the samples of `runs` alone, as nothing may be learned from the others.
+    /// Takes noise and size of the force from the samples of `runs` alone: nothing may be learned from the others.
     pub fn size_force_by(&mut self, runs: &[Range<usize>]) {
         let force = &self.force;
         let seen = runs.iter().flat_map(|run| &force[run.clone()]).copied();
@@ -320,8 +320,8 @@ impl Trajectory {
         self.force_noise = self.noise_beside * noise;
     }
 
-    /// Carries the error of the motion into what a law is held to: `force` is about what the law gives at a displacement in mm, a
-    /// velocity in mm/s and an acceleration in mm/s², kN.
+    /// Carries the error of the motion into the tolerance for a law's force. `force` is roughly the law's force, kN, at a
+    /// displacement in mm, a velocity in mm/s and an acceleration in mm/s².
     pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {
         let deviations = |error: &[f64]| -> Vec<f64> {
             let variances = self.variance_of(error).into_iter();
@@ -344,10 +344,10 @@ impl Trajectory {
         self.carried = (0..self.len()).map(carried).collect();
     }
 
-    /// The same with a motion that it may be as well: off by one draw of its error.
+    /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.
     #[must_use]
     pub fn as_it_may_be(&self) -> Self {
-        // Without the error itself, which takes a quarter of the memory.
+        // Without the error, which takes a quarter of the memory.
         let mut other = self.motion_alone();
         other
             .motion
@@ -373,19 +373,20 @@ impl Trajectory {
         other
     }
 
-    /// Variance at every sample of what is `off` by so much where the motion is [off by one draw](Self::as_it_may_be) of its error.
+    /// Variance at every sample of a quantity that changes by `off` when the motion is [off by one draw](Self::as_it_may_be) of its
+    /// error.
     pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
         MotionError::variance(off, |index| self.is_telling(index))
     }
 
-    /// Variance of what a perfect law leaves at a sample, kN²: of the force's noise, and of the error of the motion as far as that
-    /// was [carried](Trajectory::carry_motion_error) into the force.
+    /// Variance of the residual of a perfect law at a sample, kN²: the noise of the force, and the error of the motion if it was
+    /// [carried](Trajectory::carry_motion_error) into the force.
     pub fn tolerance(&self, index: usize) -> f64 {
         let carried = self.carried.get(index).copied().unwrap_or_default();
         self.force_noise.powi(2) + carried
     }
 
-    /// Moves the force back by `shift`; what lies beyond the recording's ends was not measured.
+    /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.
     fn undo(&mut self, shift: Shift) {
         self.late = shift.late * self.tick;
         self.faults.push(shift.fault(self.tick));
@@ -407,7 +408,7 @@ impl Trajectory {
         self.measured = moved;
     }
 
-    /// The motion before it was averaged, taken for a sine about its mean in every block.
+    /// The motion before it was averaged, assuming a sine about its mean in every block.
     fn see_through(&mut self, average: MovingAverage) {
         self.average = Some(average);
         self.force_noise = average.noise(self.force_noise);
@@ -443,7 +444,8 @@ impl Trajectory {
         }
     }
 
-    /// What laws and effects see of it, without force, deviations and faults: what a fit moves need not carry the rest.
+    /// The part that laws and effects see, without force, deviations and faults. A fit that moves the motion need not carry the
+    /// rest.
     #[must_use]
     pub fn motion_alone(&self) -> Self {
         Self {
@@ -481,8 +483,8 @@ impl Trajectory {
         self.motion.displacement.is_empty()
     }
 
-    /// Whether the law can be compared with the force at a sample: it was measured, it is not next to a kink, and its
-    /// velocity is certain enough for the law's steep |v|^α, or certainly none.
+    /// Whether the law can be compared with the force at a sample. The force was measured there, the sample is not next to a kink,
+    /// and its velocity is either certain enough for the law's steep |v|^α or certainly 0.
     pub fn is_telling(&self, index: usize) -> bool {
         let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
         let at_kink = self
@@ -495,7 +497,7 @@ impl Trajectory {
         self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
     }
 
-    /// What the channel shows of `force`, one value per sample.
+    /// The reading of the force channel for a true `force`, one value per sample.
     pub fn shown(&self, force: Vec<f64>) -> Vec<f64> {
         match &self.average {
             Some(average) => average.of(&force),
@@ -511,10 +513,10 @@ impl Trajectory {
     }
 }
 
-/// What is known of a recording's channels from others of the same rig.
+/// Facts about a recording's channels that are known from other recordings of the same rig.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known {
-    /// Time in s that the force is late by, below 0 where it is early.
+    /// Delay of the force, s; negative where it is early.
     pub late: Option<f64>,
     /// Whether the middle of the motion is its zero.
     pub is_off: Option<bool>,
@@ -530,13 +532,13 @@ fn middle(displacement: &[f64]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Whether the middle of the motion is a zero that was left in: it lies more than half an amplitude from 0, or the specimen does
-/// not feel it.
+/// Whether the middle of the motion is a zero that was left in. It is if it lies more than half an amplitude from 0, or if the
+/// specimen does not feel it.
 fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let (low, high) = least_and_largest(displacement);
     let middle = middle(displacement);
     let largest = 0.5 * (high - low);
-    // A motion that is not about its middle says nothing of a zero, nor does one without like cycles.
+    // A motion that is not about its middle says nothing about a zero, nor does a motion without similar cycles.
     let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
     let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
         && has_like_cycles(displacement);
@@ -546,15 +548,15 @@ fn is_off(displacement: &[f64], force: &[f64]) -> bool {
             && !feels_it(displacement, force, middle, largest)
 }
 
-/// Whether most samples are of cycles that are like a neighbour.
+/// Whether most samples belong to cycles that resemble a neighbour.
 fn has_like_cycles(displacement: &[f64]) -> bool {
     let cycles = Cycles::find(displacement, 1.0, hysteresis(displacement));
     let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
     2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
 }
 
-/// Whether the force at displacement `middle` is more than [`TrajectoryPolicy::felt`] of that of a spring of the stiffness that the channels show
-/// there, by a cubic through the force: what is stiffer on one side has none.
+/// Whether the force at displacement `middle` exceeds [`TrajectoryPolicy::felt`] of the force of a spring with the stiffness that
+/// the channels show there, by a cubic through the force. A specimen that is stiffer on one side has no such middle.
 fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
     let mut gram = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
@@ -572,8 +574,8 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
     (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
 }
 
-/// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, below the smallest
-/// amplitude that counts as motion.
+/// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, and below the smallest amplitude
+/// that counts as motion.
 pub(super) fn hysteresis(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
     let TrajectoryPolicy {

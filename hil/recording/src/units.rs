@@ -1,31 +1,31 @@
-//! The units that a recording's column names carry, and what one of each is in the code's own (mm, kN, s, °C).
+//! The units in a recording's column names, and their size in the code's units (mm, kN, s, °C).
 
 use serde::Serialize;
 
-/// A unit of a recording's file.
+/// A unit in a recording's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
-    /// As the column's name carries it, after the underscore.
+    /// As the column's name has it, after the underscore.
     pub symbol: &'static str,
-    /// How many of the code's units one of these is: mm, kN, s, mm/s or °C.
+    /// Size of one of these in the code's units: mm, kN, s, mm/s or °C.
     pub scale: f64,
-    /// What zero of it is in the code's unit: 0, but for temperatures.
+    /// The code's value at zero of this unit: 0 except for temperatures.
     pub zero: f64,
 }
 
 impl Unit {
-    /// A value in this unit in the code's.
+    /// Converts a value from this unit to the code's.
     pub fn to_code(self, value: f64) -> f64 {
         value * self.scale + self.zero
     }
 
-    /// Whether it is the same however it is written, as mm_s and mm/s are.
+    /// Whether both are the same unit, whatever the spelling: mm_s and mm/s are.
     pub(super) fn is_same(self, other: Self) -> bool {
         (self.scale, self.zero) == (other.scale, other.zero)
     }
 
-    /// A value in the code's unit in this one.
+    /// Converts a value from the code's unit to this one.
     pub fn from_code(self, value: f64) -> f64 {
         (value - self.zero) / self.scale
     }
@@ -39,7 +39,7 @@ const fn unit(symbol: &'static str, scale: f64) -> Unit {
     }
 }
 
-/// Millimetres in an inch are exact by definition, and so are newtons in a pound-force and in a kilogram-force.
+/// An inch is an exact number of millimetres by definition, and a pound-force and a kilogram-force are exact numbers of newtons.
 const MM_PER_IN: f64 = 25.4;
 const KN_PER_LBF: f64 = 4.448_221_615_260_5e-3;
 const KN_PER_KGF: f64 = 9.806_65e-3;
@@ -106,7 +106,7 @@ pub const TEMPERATURE: &[Unit] = &[
     },
 ];
 
-/// The units of a recording as its file has them.
+/// The units in a recording's file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Units {
@@ -134,7 +134,7 @@ impl Units {
 }
 
 impl Default for Units {
-    /// The code's own: s, mm, kN, mm/s, °C.
+    /// The code's units: s, mm, kN, mm/s, °C.
     fn default() -> Self {
         Self {
             time: TIME[0],
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(scale(DISPLACEMENT, "in"), 25.4);
         assert_eq!(scale(DISPLACEMENT, "um"), 0.001);
         assert!((scale(DISPLACEMENT, "mil") - 0.0254).abs() < 1e-15);
-        // A tonne-force is the metric one, of 1000 kgf.
+        // A tonne-force is the metric one: 1000 kgf.
         assert!((scale(FORCE, "tf") - 9.806_65).abs() < 1e-12);
         assert_eq!(scale(FORCE, "uN") * 1e9, 1.0);
         assert!((scale(FORCE, "lbf") * 1e3 - 4.448_221_615_260_5).abs() < 1e-15);

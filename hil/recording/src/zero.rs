@@ -1,7 +1,7 @@
-//! A zero of the load cell that steps: an amplifier was tared, a cable was touched.
+//! A step of the load cell's zero: someone tared an amplifier or touched a cable.
 //!
-//! It is looked for in what a law leaves. What a law lacks goes to and fro with the motion and changes about as fast in many places. A zero
-//! changes in one and stays.
+//! The search looks at the residual of a law. Deviations that the law lacks follow the motion back and forth, and change about as
+//! fast in many places. A zero changes in one place and stays.
 
 use std::ops::Range;
 
@@ -31,14 +31,14 @@ crate::numbers! {
 /// A step of the zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroStep {
-    /// The first sample after it.
+    /// The first sample after the step.
     pub sample: usize,
-    /// Change of the zero, in the unit of what was left.
+    /// Change of the zero, in the unit of the residual.
     pub change: f64,
 }
 
-/// The largest step in what laws left of one force, as the one shows it in which steps stand out most; `None` where nothing does. Where it was moved
-/// back, a law fits better, and the next shows.
+/// The largest step in the residuals of several laws for the same force, taken from the law whose residual shows steps most
+/// clearly. `None` if there is no step. After the force is moved back, a law fits better, and the next step shows.
 pub fn zero_step(left: &[&[f64]]) -> Option<ZeroStep> {
     let mut best = (policy().zero.stands_out, Vec::new());
     for left in left {
@@ -79,13 +79,13 @@ impl Sums {
         (self.0[samples.end] - self.0[samples.start]) / samples.len() as f64
     }
 
-    /// The mean of `width` samples after `place` less that of those before it.
+    /// The mean of the `width` samples after `place` minus the mean of those before it.
     fn change(&self, place: usize, width: usize) -> f64 {
         self.mean(place..place + width) - self.mean(place - width..place)
     }
 
-    /// The changes of means over `width` samples that stand out most from the rest, in order, and by how much the smallest of them is larger than the
-    /// largest elsewhere.
+    /// The changes of means over `width` samples that stand out most from the rest, in order, and the ratio of the smallest of them
+    /// to the largest elsewhere.
     fn outstanding(&self, width: usize) -> (f64, Vec<ZeroStep>) {
         let places = width..=self.count() - width;
         let mut largest: Vec<ZeroStep> = Vec::new();
@@ -108,7 +108,7 @@ impl Sums {
         let gaps = largest
             .windows(2)
             .map(|pair| (pair[0].change / pair[1].change).abs());
-        // Where nothing is left, 0/0 is none.
+        // Without a residual, 0/0 is no gap.
         let gaps = gaps.enumerate().filter(|(_, gap)| !gap.is_nan());
         let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
         let (place, stands_out) = widest.unwrap_or_default();
@@ -120,12 +120,12 @@ impl Sums {
         (stands_out, largest)
     }
 
-    /// Where two levels describe the samples within `width` of `place` best, then those within half of that, and on.
+    /// Where two levels describe the samples within `width` of `place` best, then those within half of `width`, and so on.
     fn edge(&self, place: usize, width: usize) -> usize {
         let (mut place, mut width) = (place, width);
         while width >= policy().zero.narrowest {
             let (start, end) = (place - width, place + width);
-            // What two means take off the sum of squares.
+            // The reduction of the sum of squares by two means.
             let taken = |edge: usize| {
                 let (before, after) = ((edge - start) as f64, (end - edge) as f64);
                 let change = self.mean(edge..end) - self.mean(start..edge);
@@ -139,8 +139,8 @@ impl Sums {
         place
     }
 
-    /// Whether each level lasts, the next is off by the step between them, and it comes at once, where what a law lacks comes with the motion;
-    /// with white noise of deviation `noise`.
+    /// Whether each level lasts, differs from the next one by the step between them, and begins at once. Deviations that the law
+    /// lacks come gradually with the motion. `noise` is the deviation of white noise.
     fn stay(&self, steps: &[ZeroStep], lasts: usize, noise: f64) -> bool {
         let edges: Vec<usize> = std::iter::once(0)
             .chain(steps.iter().map(|step| step.sample))
@@ -151,7 +151,7 @@ impl Sums {
             .windows(2)
             .map(|pair| self.mean(pair[1].clone()) - self.mean(pair[0].clone()));
         let narrow = policy().zero.narrowest;
-        // Of the change of two means less half of that of two others to either side.
+        // Deviation of the change of two means, minus half the change of two others on either side.
         let of_noise = policy().zero.noises * noise * (5.0 / narrow as f64).sqrt();
         let at_once = |place: usize| {
             let beside = self.change(place - narrow, narrow) + self.change(place + narrow, narrow);
@@ -170,7 +170,8 @@ impl Sums {
 }
 
 impl Trajectory {
-    /// Moves the force back from `sample` on, where its zero changed by `change` kN; or by so much more than was found before.
+    /// Moves the force back from `sample` on, where its zero changed by `change` kN. An earlier step at the same sample is added
+    /// to.
     pub fn take_zero_step(&mut self, sample: usize, change: f64) {
         for force in &mut self.force[sample..] {
             *force -= change;
@@ -205,7 +206,7 @@ mod tests {
 
     const COUNT: usize = 20_000;
 
-    /// Uniform, of deviation 0.58.
+    /// Uniform noise with a deviation of 0.58.
     fn white(seed: u64) -> Vec<f64> {
         let mut random = StdRng::seed_from_u64(seed);
         (0..COUNT).map(|_| random.random_range(-1.0..1.0)).collect()
@@ -220,7 +221,7 @@ mod tests {
         samples
     }
 
-    /// In noise, and beside a force that a law lacks, larger than the step.
+    /// In noise, and together with a force that a law lacks, which is larger than the step.
     #[test]
     fn the_largest_step_is_found_where_it_is() {
         let tone: Vec<f64> = (0..COUNT)
@@ -236,7 +237,7 @@ mod tests {
                 let samples = noise.iter().zip(&tone).map(|(a, b)| a + beside * b);
                 let found = zero_step(&[&with(steps, samples.collect())]).unwrap();
                 let (sample, change) = steps[0];
-                // Beside a force that a law lacks to half of its period.
+                // With a force that the law lacks: to half of its period.
                 let near = if beside > 0.0 { 65 } else { 16 };
                 assert!(found.sample.abs_diff(sample) < near, "{found:?}");
                 assert!((found.change / change - 1.0).abs() < 0.3, "{found:?}");

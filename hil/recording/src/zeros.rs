@@ -1,7 +1,7 @@
-//! A zero of the load cell that is another in one recording than in the others of the same specimen.
+//! A load cell zero that differs between recordings of the same specimen.
 //!
-//! It is looked for in the means of what a law leaves. What a law lacks differs from one recording to the next too, but there the means are
-//! spread, and here all but few are alike.
+//! The search looks at the means of the residuals. Deviations that a law lacks differ between recordings too, but their means are
+//! spread out. If zeros differ, all but a few of the means agree.
 
 use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
@@ -19,19 +19,19 @@ crate::numbers! {
     }
 }
 
-/// What laws left of one recording.
+/// The residual of a law for one recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOfOne {
     /// Its mean, kN.
     pub mean: f64,
-    /// Variance about it, kN².
+    /// Variance about the mean, kN².
     pub variance: f64,
-    /// RMS of the force, kN: every recording counts the same.
+    /// RMS of the force, kN. With it every recording counts equally.
     pub scale: f64,
 }
 
-/// By how much the zeros of some recordings lie from that of the others, with the place of each in `left`; none where they do not, or where a
-/// law leaves hardly less without them. `noise` is what a mean may err by, kN.
+/// How far the zeros of some recordings lie from the zeros of the others, with the place of each in `left`. Empty if none differ,
+/// or if the correction hardly reduces the residual of the law. `noise` is the possible error of a mean, kN.
 pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
     if left.len() < policy().zeros.fewest {
         return Vec::new();
@@ -72,7 +72,7 @@ pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
     if is_needed { odd } else { Vec::new() }
 }
 
-/// What is left about a common mean, which a law could have, as a part of the squared force.
+/// The residual about a common mean, which a law could have, as a fraction of the squared force.
 fn scattered(left: &[LeftOfOne]) -> f64 {
     let weight = |one: &LeftOfOne| one.scale.powi(-2);
     let weights: f64 = left.iter().map(weight).sum();
@@ -82,7 +82,7 @@ fn scattered(left: &[LeftOfOne]) -> f64 {
         .sum()
 }
 
-/// What is said of a force whose zero lies `change` kN from that of the other recordings.
+/// The message about a force whose zero lies `change` kN from that of the other recordings.
 pub fn fault(change: f64, mended: bool) -> ChannelFault {
     ChannelFault {
         channel: Channel::Force,
@@ -91,7 +91,7 @@ pub fn fault(change: f64, mended: bool) -> ChannelFault {
 }
 
 impl Trajectory {
-    /// Moves the force back whose zero lies `change` kN from that of the other recordings.
+    /// Moves back a force whose zero lies `change` kN from that of the other recordings.
     pub fn take_zero(&mut self, change: f64) {
         for force in &mut self.force {
             *force -= change;
@@ -143,7 +143,7 @@ mod tests {
         none(&[f64::NAN, 0.0, 0.0, 0.0, 1.0], 0.01);
     }
 
-    /// Means of what laws lack, as large as what is left about them.
+    /// Means of deviations that laws lack, as large as the scatter about them.
     #[test]
     fn means_drawn_at_random_are_seldom_odd() {
         let mut random = StdRng::seed_from_u64(1);

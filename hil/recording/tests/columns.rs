@@ -1,4 +1,4 @@
-//! Recordings of columns in memory are those of a file of the same rows.
+//! Columns in memory give the same recording as a file with the same rows.
 
 use std::path::Path;
 
@@ -72,7 +72,7 @@ proptest! {
         match both(&columns) {
             [Ok(read), Ok(made)] => {
                 prop_assert_eq!(channels(&read), channels(&made));
-                // The line of the header is the first of the file.
+                // The header is the first line of the file.
                 let rows: Vec<usize> = read.rows().map(|line| line - 1).collect();
                 prop_assert_eq!(rows, made.rows().collect::<Vec<_>>());
             }
@@ -157,7 +157,7 @@ fn names_of_a_lab_are_taken_as_in_a_file_and_guesses_are_said() {
         match both(&columns) {
             [Ok(read), Ok(made)] => {
                 assert_eq!(channels(&read), channels(&made), "{names:?}");
-                // The file says its separator too.
+                // The file also names its separator.
                 for guess in made.guesses() {
                     assert!(read.guesses().contains(guess), "{guess}");
                 }
@@ -193,7 +193,7 @@ fn a_unit_that_nothing_says_is_as_the_caller_has_it() {
     assert_eq!(assumed.units, Units::default());
     let words = "s for column \"time\", mm for column \"displacement\", kN for column \"force\"";
     assert!(assumed.assumed().unwrap().contains(words));
-    // What is not needed is not read on an assumption.
+    // A channel that is not needed is not read on an assumption.
     assert_eq!(assumed.velocity, None);
 }
 
@@ -295,7 +295,7 @@ fn words_are_no_channel_and_dates_of_the_table_are_its_times() {
     let columns = std::iter::once(index.clone()).chain(rest.clone());
     let made = Recording::of_columns("a test", columns, &Reading::default()).unwrap();
     assert_eq!((&made.time, made.guesses().len()), (time, 1));
-    // A column of seconds is surer than dates.
+    // A column of seconds is more reliable than dates.
     let late: Vec<f64> = time.iter().map(|time| time + 5.0).collect();
     let columns = [index, given("time_s", Ok(late.clone()))]
         .into_iter()

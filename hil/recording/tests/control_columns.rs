@@ -22,7 +22,7 @@ fn only(recording: &Recording) -> &[f64] {
     &control.values
 }
 
-/// A logger that writes an input where it changes, the first time in row 5, and the second in a row whose force is missing.
+/// A logger that writes an input only when it changes: first in row 5, then in a row whose force is missing.
 #[test]
 fn an_empty_cell_is_as_the_one_before() {
     let mut text = String::from("time_s,displacement_mm,force_kN,current_A\n");
@@ -43,12 +43,12 @@ fn an_empty_cell_is_as_the_one_before() {
     let recording = Recording::from_bytes(Path::new("rec.csv"), text.into_bytes()).unwrap();
     let current = only(&recording);
     assert_eq!(current.len(), 199);
-    // Before it was first written it was as it was then.
+    // Before its first value, the input is taken as equal to it.
     assert!(current[..50].iter().all(|&value| value == 0.5));
     assert!(current[50..].iter().all(|&value| value == 1.0));
 }
 
-/// A word in it says that it is a column of another kind; nothing at all says nothing.
+/// A word in the column shows that it is a column of another kind. An empty column shows nothing.
 #[test]
 fn what_is_no_number_is_no_control() {
     let word = |row: usize| if row == 7 { "off".into() } else { "1".into() };
@@ -70,7 +70,7 @@ fn it_is_written_and_read_again_and_goes_by_lines() {
     assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
 }
 
-/// One motion under two currents has two forces, also where their means are the same.
+/// The same motion under two currents gives two forces, even if their means are equal.
 #[test]
 fn two_forces_of_one_motion_under_two_inputs_are_no_contradiction() {
     let under = |order: [f64; 2], factor: f64| {

@@ -1,7 +1,7 @@
-//! Files of many formats, written by the programs that people use, hold the recording that was put into them.
+//! Files of many formats, written by widely used programs, hold the recording that was put into them.
 //!
-//! `tests/formats/write.py` wrote them; `.ci/formats` writes them anew and reads them by this test, from the folder that the variable
-//! `FORMATS` names.
+//! `tests/formats/write.py` wrote them. `.ci/formats` writes them again and reads them with this test from the folder in the
+//! variable `FORMATS`.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use serde::Deserialize;
 struct File {
     file: String,
     program: String,
-    /// The most that a value may be off, of the channel's largest; 0 is bit by bit.
+    /// The largest permitted error of a value, as a fraction of the channel's largest value; 0 requires equality in every bit.
     error: f64,
     #[serde(default)]
     channels: std::collections::BTreeMap<String, String>,
@@ -22,7 +22,7 @@ struct File {
     units: std::collections::BTreeMap<String, String>,
     table: Option<String>,
     rate: Option<f64>,
-    /// Words of what has to be said.
+    /// Words that the guesses must contain.
     #[serde(default)]
     guesses: Vec<String>,
     #[serde(default)]
@@ -32,7 +32,7 @@ struct File {
     /// Samples whose force is not in the file.
     #[serde(default)]
     missing: Vec<usize>,
-    /// Words of the message with which it is refused.
+    /// Words of the message when the file is refused.
     #[serde(default)]
     refused: Vec<String>,
 }
@@ -55,7 +55,7 @@ fn reading(file: &File) -> Reading {
     }
 }
 
-/// The greatest difference, of the channel's largest value.
+/// The greatest difference, as a fraction of the channel's largest value.
 fn error(read: &[f64], truth: &[f64]) -> f64 {
     let largest = truth
         .iter()
@@ -64,7 +64,7 @@ fn error(read: &[f64], truth: &[f64]) -> f64 {
     off.fold(0.0_f64, f64::max) / largest
 }
 
-/// Whether this build reads the format that the file's name is of.
+/// Whether this build reads the format of this file name.
 fn is_built(file: &str) -> bool {
     let ending = file.rsplit('.').next().unwrap_or_default();
     let hdf = ["h5", "hdf5", "nc"].contains(&ending) || file.starts_with("v73");

@@ -1,8 +1,9 @@
-//! Workbooks as Excel itself saves them, of hand-made parts: what its files have and those of other programs have not.
+//! Workbooks as Excel itself saves them, built by hand: features that Excel's files have and other programs' files lack.
 //!
-//! It keeps each text once in a table of its own, in pieces where its letters differ, with readings of Japanese words beside it; it says a
-//! date by a style alone, often one of its own numbers without a form; it keeps cells that are formatted and empty, values of formulas,
-//! and errors; it adds namespaces and attributes of its own; and it may count days from 1904 or write the strict form of the standard.
+//! Excel keeps each text once in a separate table, in pieces where the letters differ in style, with readings of Japanese words
+//! next to it. It marks a date by a style alone, often by one of its built-in numbers without a format code. It keeps cells that
+//! are formatted and empty, values of formulas, and errors. It adds its own namespaces and attributes. It may count days from 1904
+//! or write the strict form of the standard.
 #![cfg(feature = "xlsx")]
 
 use std::fmt::Write as _;
@@ -144,7 +145,7 @@ fn rows(head: &str, first: usize, time: &dyn Fn(usize, String) -> String) -> Str
     rows
 }
 
-/// Texts with pieces, readings and blanks that count.
+/// Texts with pieces, readings and significant blanks.
 const TEXTS: &str = "<si><t>Prüfstand</t></si>\
     <si><r><rPr><b/></rPr><t>Ti</t></r><r><t xml:space=\"preserve\">me [s]</t></r></si>\
     <si><t xml:space=\"preserve\"> Disp [mm] </t><phoneticPr fontId=\"1\"/></si>\
@@ -199,7 +200,7 @@ fn the_strict_form_is_read_or_said() {
     holds(&book.read().unwrap(), 0.0);
 }
 
-/// mm:ss.0, a date with a time of day, and a form of a country: each by a style alone.
+/// mm:ss.0, a date with a time of day, and a country's format, each marked by a style alone.
 #[test]
 fn dates_are_known_by_their_styles() {
     for style in [1, 2, 3] {
@@ -212,11 +213,11 @@ fn dates_are_known_by_their_styles() {
                 settings,
                 ..Book::of(TEXTS, rows(HEAD_OF_STAMPS, 4, &stamps))
             };
-            // A day of Excel has 2⁻³⁷ of it to the last bit: 0.6 µs.
+            // A date in Excel resolves 2⁻³⁷ of a day: 0.6 µs.
             holds(&book.read().unwrap(), 1e-6);
         }
     }
-    // Those from which only a time of day is left.
+    // Dates of which only the time of day remains.
     let times = |row: usize, place: String| {
         format!(
             "<c r=\"{place}\" s=\"1\"><v>{}</v></c>",

@@ -1,4 +1,4 @@
-//! The memory that files of all formats take, spoilt ones too, for which the process is this test's alone.
+//! The memory that reading takes for all formats, damaged files included. The process runs this test only.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -9,11 +9,11 @@ use mesh_damper_recording::read_limit::ReadLimit;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Spoilt copies of each file.
+/// Damaged copies of each file.
 const COPIES: usize = 40;
 const LIMIT: u64 = 1 << 20;
 
-/// The most memory that the process has had so far, bytes.
+/// The peak memory of the process so far, bytes.
 fn most_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -21,7 +21,7 @@ fn most_memory() -> u64 {
     1024 * kibibytes.parse::<u64>().unwrap()
 }
 
-/// Reads all that a file has.
+/// Reads everything in a file.
 fn read(bytes: &[u8]) {
     let reading = Reading::from(ReadLimit::new(LIMIT));
     let open = || {
@@ -41,7 +41,7 @@ fn read(bytes: &[u8]) {
     }
 }
 
-/// Twelve bytes for each of the limit, as of text, and what the libraries have of their own.
+/// Twelve bytes for each byte of the limit, as with text, and the libraries' own memory.
 #[test]
 fn is_in_proportion_to_the_limit() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");
@@ -59,7 +59,7 @@ fn is_in_proportion_to_the_limit() {
             let mut bytes = good.clone();
             for _ in 0..random.random_range(1..6) {
                 let at = random.random_range(0..bytes.len());
-                // Counts and places are large where their high bytes are.
+                // Counts and places are large if their high bytes are.
                 bytes[at] = [0, 1, 0x7f, 0xff, random.random()][random.random_range(0..5)];
             }
             read(&bytes);

@@ -1,4 +1,4 @@
-//! One channel alone, as it drives something.
+//! A single channel as an input that drives something.
 
 use std::fs;
 
@@ -31,7 +31,7 @@ fn a_force_needs_no_displacement_and_comes_in_kilonewtons() {
     assert_eq!(force.warning, None);
 }
 
-/// A load that is put on at once.
+/// A load that is applied at once.
 #[test]
 fn a_channel_may_be_constant() {
     let text = rows("time_s,force_kN", |i| {
@@ -70,7 +70,7 @@ fn what_is_missing_is_said() {
 #[test]
 fn noise_of_a_displacement_is_told_as_a_part_of_its_rate() {
     let base = |noise: f64| {
-        // Numerical Recipes' generator: a pattern that repeats would be a tone.
+        // The generator of Numerical Recipes: a repeating pattern would be a tone.
         let mut random = 1_u32;
         let rows: String = (0..400)
             .map(|i| {

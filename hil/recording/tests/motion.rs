@@ -1,4 +1,4 @@
-//! Motion, cycles and blocks read off displacements whose truth is known.
+//! Motion, cycles and blocks estimated from displacements with a known truth.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ const TICK: f64 = 2e-3;
 /// Amplitude mm, frequency Hz, cycles.
 type SineBlock = (f64, f64, u32);
 
-/// Displacement and velocity of blocks of sines; the amplitude changes over the first half cycle of each block, smoothly,
-/// and the frequency at once, so that the velocity jumps.
+/// Displacement and velocity of blocks of sines. The amplitude changes smoothly over the first half cycle of each block, and the
+/// frequency changes at once, so the velocity jumps.
 fn programme(blocks: &[SineBlock]) -> (Vec<f64>, Vec<f64>) {
     let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
     let mut before = 0.0;
@@ -69,7 +69,7 @@ const BLOCKS: [SineBlock; 4] = [
     (0.1, 10.0, 20),
 ];
 
-/// Displacement noise of 1e-4 mm through differences would be 0.035 mm/s.
+/// Differences would turn displacement noise of 1e-4 mm into 0.035 mm/s.
 #[test]
 fn velocity_is_known_a_hundred_times_better_than_by_differences() {
     let (clean, truth) = programme(&BLOCKS);
@@ -77,8 +77,8 @@ fn velocity_is_known_a_hundred_times_better_than_by_differences() {
     let error = |range: std::ops::Range<usize>| {
         rms(range.map(|n| trajectory.motion.velocity[n] - truth[n]))
     };
-    // Steady cycles, from the second of each block: ten coefficients over three half cycles or more of n samples have the
-    // deviation 1e-4·ω·√(10/1.5n) on the mean, and twice that at the ends of a block; four times is allowed.
+    // Steady cycles, from the second of each block. Ten coefficients over at least three half cycles of n samples have a mean
+    // deviation of 1e-4·ω·√(10/1.5n), and twice that at the ends of a block. The test allows four times.
     for (range, omega, samples) in [
         (500..3000, TAU, 1000.0),
         (3100..4000, 5.0 * TAU, 200.0),
@@ -96,7 +96,7 @@ fn velocity_is_known_a_hundred_times_better_than_by_differences() {
     assert!(error(4000..4500) < 0.01, "{}", error(4000..4500));
 }
 
-/// |v|^0.4 tells 1e-3 mm/s from 0: a start from rest must stay at rest.
+/// |v|^0.4 distinguishes 1e-3 mm/s from 0: a start from rest must stay at rest.
 #[test]
 fn a_start_from_rest_begins_with_no_velocity() {
     let (clean, truth) = programme(&BLOCKS);
@@ -123,7 +123,7 @@ fn a_start_from_rest_goes_one_way() {
     }
 }
 
-/// Where it stands still before it moves, no direction is made up: 2 deviations are passed in one of 22 samples.
+/// Where the specimen stands still before it moves, the estimate invents no direction. One in 22 samples exceeds 2 deviations.
 #[test]
 fn a_standstill_before_the_motion_has_no_direction() {
     let (clean, _) = programme(&BLOCKS);
@@ -180,7 +180,7 @@ fn blocks_are_those_of_the_programme() {
     );
 }
 
-/// A triangle has a kink at every turn, and a constant velocity between.
+/// A triangle has a kink at every turn, and a constant velocity in between.
 #[test]
 fn a_triangle_keeps_its_corners() {
     let wave: Vec<f64> = (0..4000)
@@ -198,7 +198,7 @@ fn a_triangle_keeps_its_corners() {
     assert!(wrong < 20, "{wrong} samples");
 }
 
-/// Corners two windows apart, of a 20th of a period each, are both found.
+/// Corners that are two windows of a 20th of a period apart are both found.
 #[test]
 fn a_trapezoid_keeps_its_corners() {
     for dwell in [60, 45] {
@@ -235,7 +235,7 @@ fn the_noise_is_read_off_the_samples() {
     assert!(noise_deviation(&clean) < 2e-6);
 }
 
-/// The same motion on a shifted and scaled axis has the same blocks: nothing depends on the unit or the zero.
+/// The same motion on a shifted and scaled axis has the same blocks: the result does not depend on the unit or the zero.
 #[test]
 fn blocks_do_not_depend_on_the_axis() {
     let (clean, _) = programme(&BLOCKS);
@@ -246,7 +246,7 @@ fn blocks_do_not_depend_on_the_axis() {
     assert_eq!(spans(&trajectory(&recorded)), spans(&trajectory(&moved)));
 }
 
-/// Sums of tones up to 10 Hz, and the same with holds: displacement and velocity.
+/// Sums of tones up to 10 Hz, with and without holds: displacement and velocity.
 fn tones_with_holds(holds: bool) -> (Vec<f64>, Vec<f64>) {
     let at = |index: usize| {
         let time = index as f64 * TICK;
@@ -270,8 +270,8 @@ fn tones_with_holds(holds: bool) -> (Vec<f64>, Vec<f64>) {
     (0..10_000).map(at).unzip()
 }
 
-/// The error that a motion is said to have is as large as the one that it has, whatever the noise and the motion; the variance of a
-/// window's slope alone, which knows nothing of what was smoothed away, says less.
+/// The stated error of a motion equals its true error, whatever the noise and the motion. The variance of a window's slope alone is
+/// smaller: it does not include the part that smoothing removed.
 #[test]
 fn the_error_of_a_motion_is_as_large_as_is_said() {
     for (holds, deviation, seed) in [(false, 5e-5, 1), (false, 5e-4, 2), (true, 1e-4, 3)] {
@@ -298,7 +298,7 @@ fn the_error_of_a_motion_is_as_large_as_is_said() {
     }
 }
 
-/// A velocity that somebody differentiated makes the motion no worse, and a good one makes it better.
+/// A velocity differentiated from the displacement makes the motion no worse, and a good velocity channel makes it better.
 #[test]
 fn a_measured_velocity_counts_by_its_noise() {
     let (clean, velocity) = tones_with_holds(false);
@@ -325,12 +325,12 @@ fn a_measured_velocity_counts_by_its_noise() {
     assert!(error(Some(noisy(&velocity, 1e-4, 6))) < 0.1 * without);
 }
 
-/// Tones of random phase at every line between two frequencies in cycles a sample, of RMS 1 mm in displacement, with each one's size
-/// as 1/f: displacement, slope and curvature per sample.
+/// Tones of random phase at every line between two frequencies in cycles a sample, with sizes falling as 1/f and an RMS of 1 mm in
+/// displacement: displacement, slope and curvature per sample.
 fn random_phases(count: usize, band: [f64; 2], seed: u64) -> [Vec<f64>; 3] {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let phase = rand::distr::Uniform::new(0.0, TAU).unwrap();
-    // More than the record holds, so that it is no whole number of periods.
+    // Longer than the record, so that the record holds no whole number of periods.
     let period = 1.37 * count as f64;
     let lines = (band[0] * period) as usize..(band[1] * period) as usize;
     let mut all = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
@@ -350,7 +350,7 @@ fn random_phases(count: usize, band: [f64; 2], seed: u64) -> [Vec<f64>; 3] {
     all.map(|values| values.into_iter().map(|value| scale * value).collect())
 }
 
-/// Five samples to the fastest period: what a cubic cannot follow is differentiated to the noise that lies in the band.
+/// Five samples in the fastest period. A cubic cannot follow this motion; differentiation reaches the noise within the band.
 ///
 /// White noise of deviation σ leaves at least σ·√(2B) of a motion of band B known exactly, and σ·√(∫₀ᴮ 2(2πf)² df) of its slope.
 #[test]
@@ -358,7 +358,7 @@ fn few_samples_to_the_cycle_are_differentiated_to_the_noise() {
     let (low, high) = (0.01, 0.2);
     let [clean, slope, curvature] = random_phases(20_000, [low, high], 1);
     let off = |estimated: &[f64], truth: &[f64], scale: f64| {
-        // The ends have samples to one side only.
+        // The ends have samples on one side only.
         let inner = 100..truth.len() - 100;
         rms(inner.map(|index| estimated[index] * scale - truth[index]))
     };
@@ -386,12 +386,12 @@ fn few_samples_to_the_cycle_are_differentiated_to_the_noise() {
         assert!(motion.kinks.is_empty());
         assert!((motion.noise / deviation - 1.0).abs() < 0.1);
     }
-    // Without noise to a thousandth, where a cubic over nine samples of five to the period is off by a third.
+    // Without noise the error is below a thousandth. A cubic over nine samples, with five in a period, is off by a third.
     let motion = trajectory(&clean).motion;
     assert!(off(&motion.velocity, &slope, TICK) < 2e-3 * rms(slope.iter().copied()));
 }
 
-/// Its own error is as large as it says, for each derivative.
+/// The true error is as large as the stated one, for each derivative.
 #[test]
 fn the_error_of_a_motion_of_few_samples_is_as_large_as_is_said() {
     let [clean, slope, curvature] = random_phases(20_000, [0.01, 0.15], 3);
@@ -412,7 +412,7 @@ fn the_error_of_a_motion_of_few_samples_is_as_large_as_is_said() {
     );
 }
 
-/// A triangle of a hundred samples to the period has a spectrum too, but its corners are corners.
+/// A triangle of a hundred samples in a period has a spectrum too, but its corners remain corners.
 #[test]
 fn corners_of_a_fast_triangle_stay_corners() {
     let triangle = |index: usize| {

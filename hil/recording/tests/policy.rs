@@ -1,4 +1,4 @@
-//! The numbers that decide: which file of them is taken, and when.
+//! The numbers that decide: which policy file is used, and when.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::policy::{AlreadyInUse, Field, Mark, Policy, install, policy};
@@ -40,7 +40,7 @@ fn every_number_says_what_it_decides_and_where_it_comes_from() {
     assert_eq!(sign.unwrap().1[0].mark, Mark::Tuned);
 }
 
-/// One test for both: a process has one policy.
+/// One test for both, because a process has one policy.
 #[test]
 fn a_policy_is_installed_before_any_work_and_then_decides() {
     let mut other = Policy::default();

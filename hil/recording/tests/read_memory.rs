@@ -1,4 +1,4 @@
-//! The memory that reading takes, for which the process is this test's alone.
+//! The memory that reading takes. The process runs this test only.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -6,7 +6,7 @@ use std::io::Write as _;
 
 use mesh_damper_recording::Recording;
 
-/// The most memory that the process has had so far, bytes.
+/// The peak memory of the process so far, bytes.
 fn most_memory() -> usize {
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -14,14 +14,14 @@ fn most_memory() -> usize {
     1024 * kibibytes.parse::<usize>().unwrap()
 }
 
-/// What the default of the read limit is derived from: at most twelve bytes for each of the file, however short its rows are.
+/// The basis of the default read limit: at most twelve bytes per byte of the file, however short its rows are.
 #[test]
 fn is_in_proportion_to_the_file() {
     let names: String = (0..1000).map(|n| format!(",c{n}")).collect();
     let empty = ",".repeat(1000);
     let at_first = most_memory();
     let own = "time_s,displacement_mm,force_kN";
-    // In another dialect, with the cells as they are written and without.
+    // In another dialect, with and without the cells as written.
     let (plain, foreign) = (
         "Time [s],Disp [mm],Load [kN]",
         "Time [s];Disp [mm];Load [kN]",

@@ -1,4 +1,4 @@
-//! Recordings written and read again.
+//! Recordings that are written and read again.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn unit_of(units: &[units::Unit], index: usize) -> &units::Unit {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the units and the packing, what is read is what was written, to the nine digits that are written.
+    /// Whatever the units and the packing, reading returns the values that were written, to the nine digits of the file.
     #[test]
     fn comes_back_in_any_unit(
         picks in prop::array::uniform4(0_usize..16),
@@ -53,11 +53,11 @@ proptest! {
             prop_assert!(close(recording.velocity.as_ref().unwrap(), read.velocity.as_ref().unwrap()));
             prop_assert!(close(recording.temperature.as_ref().unwrap(), read.temperature.as_ref().unwrap()));
         }
-        // What was read is written as it was read.
+        // A recording that was read is written back unchanged.
         prop_assert_eq!(read.to_file(&path), bytes);
     }
 
-    /// Bytes of any kind are refused or read, and never end in a panic or in a message of two lines.
+    /// Bytes of any kind are read or refused, without a panic and without a message of two lines.
     #[test]
     fn any_bytes_are_refused_in_one_line(
         head in prop::sample::select(vec![
@@ -117,7 +117,7 @@ fn read(text: &str) -> Recording {
     Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap()
 }
 
-/// What fuzzing found: each of them came back as another recording once it was written.
+/// Found by fuzzing: each of these came back as another recording after it was written.
 #[test]
 fn what_looks_like_a_comment_stays_what_it_is() {
     let rows: String = (0..9).map(|n| format!("{n},0.{n},1,a\n")).collect();
@@ -169,7 +169,7 @@ fn a_row_that_is_written_twice_is_read_once() {
     assert_eq!(read(&text).time, clean.time);
 }
 
-/// What a logger writes where it has no sample: an empty cell, or NaN. The rows are as if they were not there.
+/// A logger writes an empty cell or NaN where it has no sample. The rows count as absent.
 #[test]
 fn a_cell_without_a_number_is_a_missing_sample() {
     let row = |i: i32| {
@@ -214,7 +214,7 @@ fn a_motion_needs_no_force_and_a_recording_does() {
     assert_eq!(motion.force, vec![0.0; 20]);
     let error = Recording::read(file.path()).unwrap_err().to_string();
     assert!(error.contains("there is no force column"), "{error}");
-    // A force that is there is read, and no motion is made without a displacement.
+    // A force is read if it is there, and without a displacement there is no motion.
     fs::write(file.path(), format!("time_ms,force_kN\n{rows}")).unwrap();
     let error = Recording::read_motion(file.path(), &Reading::default()).unwrap_err();
     assert!(
@@ -225,7 +225,7 @@ fn a_motion_needs_no_force_and_a_recording_does() {
     );
 }
 
-/// Seconds since 1970, as some loggers write them, in a file of another dialect: nine digits would make them stand still.
+/// Seconds since 1970, as some loggers write them, in a file of another dialect: with nine digits they would stand still.
 #[test]
 fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
     let rows: String = (0..20)

@@ -1,4 +1,4 @@
-//! What is written is read again, bit by bit.
+//! A written recording reads back equal in every bit.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ fn again(recording: &Recording, name: &str) -> Recording {
     Recording::from_bytes(path, recording.to_file(path)).unwrap()
 }
 
-/// Those of the formats that this build writes and reads.
+/// The formats that this build writes and reads.
 fn names() -> Vec<&'static str> {
     let all = ["a.mat", "a.parquet"];
     all.into_iter()
@@ -141,7 +141,7 @@ fn no_column_is_lost_by_its_name() {
     let said = columns("a.mat", read.to_file(Path::new("a.mat")));
     let names: Vec<&str> = said.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[3..], ["A_1", "A_1_2", "units_2"]);
-    // A column that the user gave no part in the recording.
+    // A column that the user assigned to no channel.
     let rows: String = (0..20)
         .map(|n| format!("{n},{}.5,{n},{}\n", n % 3, n % 7))
         .collect();

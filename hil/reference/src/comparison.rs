@@ -1,9 +1,9 @@
-//! How far a simulated force is from a measured one: eq 21, and what the project uses instead; and how far a loop is from an
-//! ellipse.
+//! Measures of the difference between a simulated and a measured force: eq 21, and the one that the project uses instead. Also the
+//! difference between a loop and an ellipse.
 
 use std::f64::consts::TAU;
 
-/// Eq 21 and how much of the record it could be taken over.
+/// Eq 21, and the share of the record to which it could be applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeError {
     /// σ = √(1/N·Σ((F_sim − F_exp)/F_exp)²) over the samples kept.
@@ -14,10 +14,10 @@ pub struct RelativeError {
 
 /// Eq 21 over the samples whose measured force is at least `guard` times its largest magnitude.
 ///
-/// The equation divides by the measured force, which passes through 0 twice a cycle; without a guard (0) its value is
-/// set by the few samples next to those passages. The paper states none.
+/// The equation divides by the measured force, which passes through 0 twice a cycle. Without a guard (0) its value depends on the
+/// few samples next to those zeros. The paper states no guard.
 ///
-/// `None` when the lengths differ or no sample is kept.
+/// `None` if the lengths differ or no sample is kept.
 pub fn relative_error(simulated: &[f64], measured: &[f64], guard: f64) -> Option<RelativeError> {
     if simulated.len() != measured.len() {
         return None;
@@ -37,9 +37,9 @@ pub fn relative_error(simulated: &[f64], measured: &[f64], guard: f64) -> Option
     })
 }
 
-/// NRMSE: RMS of the error over RMS of the measured force.
+/// NRMSE: RMS of the error divided by RMS of the measured force.
 ///
-/// `None` when the lengths differ or nothing was measured but zeros.
+/// `None` if the lengths differ or all measured values are zero.
 pub fn nrmse(simulated: &[f64], measured: &[f64]) -> Option<f64> {
     let error: f64 = simulated
         .iter()
@@ -61,8 +61,8 @@ pub fn r_squared(pairs: &[(f64, f64)]) -> f64 {
     1.0 - left / total
 }
 
-/// What is left of a loop beside the ellipse that is nearest to it: RMS of a cycle under a sine, less its mean and first
-/// harmonic, over the RMS of the cycle. Samples are equally spaced.
+/// Deviation of a loop from the nearest ellipse: RMS of a cycle under a sine without its mean and first harmonic, divided by the
+/// RMS of the cycle. Samples are equally spaced.
 pub fn beside_ellipse(force: &[f64]) -> f64 {
     let count = force.len() as f64;
     let mean = force.iter().sum::<f64>() / count;

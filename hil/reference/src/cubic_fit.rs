@@ -17,14 +17,14 @@ pub struct Cubic {
     pub a3: f64,
 }
 
-/// The cubic nearest to the loop in the least squares sense: displacement in mm, force in kN.
+/// The least-squares cubic through the loop: displacement in mm, force in kN.
 ///
-/// `None` when the lengths differ, or the displacement takes fewer than four values.
+/// `None` if the lengths differ, or the displacement takes fewer than four values.
 pub fn cubic(displacement: &[f64], force: &[f64]) -> Option<Cubic> {
     if displacement.len() != force.len() {
         return None;
     }
-    // Normal equations in y/scale, so that the powers are of one size and the matrix is well conditioned (about 1e3).
+    // Normal equations in y/scale, so that all powers have a similar size and the matrix is well conditioned (about 1e3).
     let scale = displacement.iter().fold(0.0_f64, |s, y| s.max(y.abs()));
     let mut matrix = Matrix4::zeros();
     let mut right = Vector4::zeros();
@@ -47,7 +47,7 @@ pub fn cubic(displacement: &[f64], force: &[f64]) -> Option<Cubic> {
         .then_some(cubic)
 }
 
-/// Eq 15: the damping force F_c = f − k1·y − k3·y³, kN, that an elastic fit leaves.
+/// Eq 15: the damping force F_c = f − k1·y − k3·y³, kN, which remains after an elastic fit.
 pub fn remainder(displacement: &[f64], force: &[f64], k1: f64, k3: f64) -> Vec<f64> {
     displacement
         .iter()
@@ -56,11 +56,11 @@ pub fn remainder(displacement: &[f64], force: &[f64], k1: f64, k3: f64) -> Vec<f
         .collect()
 }
 
-/// c in kN·(s/mm)^α and α by Gauss–Newton on F_c ≈ c·|v|^α·sgn v, velocity in mm/s, from the start c, α.
+/// c in kN·(s/mm)^α and α by Gauss–Newton on F_c ≈ c·|v|^α·sgn v, velocity in mm/s, starting from the given c, α.
 ///
-/// A step that makes the squared error larger is halved. Samples at v = 0 say nothing and are left out.
+/// A step that increases the squared error is halved. Samples at v = 0 give no information and are left out.
 ///
-/// `None` when it has not converged to 1e-12 relative after 100 steps, or the two can't be told apart.
+/// `None` if it has not converged to 1e-12 relative after 100 steps, or the data cannot separate c and α.
 pub fn damping(velocity: &[f64], remainder: &[f64], start: (f64, f64)) -> Option<(f64, f64)> {
     let samples: Vec<(f64, f64)> = velocity
         .iter()
@@ -85,7 +85,7 @@ pub fn damping(velocity: &[f64], remainder: &[f64], start: (f64, f64)) -> Option
             matrix += gradient * gradient.transpose();
             right += gradient * (f - at.0 * power);
         }
-        // Parallel gradients: only one speed was seen.
+        // Parallel gradients: the data has only one speed.
         if matrix.determinant() <= 1e-10 * matrix[(0, 0)] * matrix[(1, 1)] {
             return None;
         }
@@ -107,7 +107,7 @@ pub fn damping(velocity: &[f64], remainder: &[f64], start: (f64, f64)) -> Option
         if improved {
             (at, error) = (next, next_error);
         }
-        // A step that can't be shortened into an improvement is rounding.
+        // If no shorter step is an improvement, the rest is rounding.
         if converged || !improved {
             return (at.0.is_finite() && at.1.is_finite()).then_some(at);
         }
@@ -115,9 +115,9 @@ pub fn damping(velocity: &[f64], remainder: &[f64], start: (f64, f64)) -> Option
     None
 }
 
-/// Eqs 14 and 15 in sequence, as the paper does: a0 and a2 fitted and dropped. mm, mm/s, kN.
+/// Eqs 14 and 15 in sequence, as in the paper: a0 and a2 are fitted and dropped. mm, mm/s, kN.
 ///
-/// `None` when either step fails.
+/// `None` if either step fails.
 pub fn identify(displacement: &[f64], velocity: &[f64], force: &[f64]) -> Option<Coefficients> {
     let cubic = cubic(displacement, force)?;
     let rest = remainder(displacement, force, cubic.a1, cubic.a3);

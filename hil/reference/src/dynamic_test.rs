@@ -2,14 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// What one cycle says.
+/// Results of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicResult {
     /// Largest force F_max, kN.
     pub force_max: f64,
     /// Smallest force F_min, kN.
     pub force_min: f64,
-    /// Peak motion amplitude X0, mm: half the distance between the displacement's extremes.
+    /// Peak motion amplitude X0, mm: half the difference between the displacement's extremes.
     pub amplitude: f64,
     /// Dynamic stiffness K, eq 3, kN/mm.
     pub stiffness: f64,
@@ -33,8 +33,7 @@ pub fn loss_factor(dissipated: f64, elastic_potential: f64) -> f64 {
 
 /// Eq 5: ΔW = −(2π·X0/N)·Σ Fᵢ·sin(2πi/N + α), J, over the N samples (kN, i = 1…N) of one cycle.
 ///
-/// The displacement that the equation stands for is X0·cos(2πi/N + α): for a sine that rises through 0 at i = 0,
-/// α = −π/2.
+/// The equation is for the displacement X0·cos(2πi/N + α): for a sine that rises through 0 at i = 0, α = −π/2.
 pub fn dissipated(force: &[f64], amplitude: f64, alpha: f64) -> f64 {
     -TAU * amplitude / force.len() as f64 * phase_sum(force, alpha)
 }
@@ -44,8 +43,8 @@ pub fn elastic_potential(stiffness: f64, amplitude: f64) -> f64 {
     0.5 * stiffness * amplitude * amplitude
 }
 
-/// Eq 7: η_d = −4f / (f0·(F_max − F_min))·Σ Fᵢ·sin(2πi/N + α), with the excitation frequency f and the sampling
-/// frequency f0, both Hz; eqs 4–6 in one, since N = f0/f.
+/// Eq 7: η_d = −4f / (f0·(F_max − F_min))·Σ Fᵢ·sin(2πi/N + α), with the excitation frequency f and the sampling frequency f0, both
+/// Hz. It combines eqs 4–6, because N = f0/f.
 pub fn loss_factor_from_samples(
     force: &[f64],
     excitation_frequency: f64,
@@ -56,7 +55,7 @@ pub fn loss_factor_from_samples(
     -4.0 * excitation_frequency / (sampling_frequency * (max - min)) * phase_sum(force, alpha)
 }
 
-/// The least and the largest of `values`.
+/// The smallest and the largest of `values`.
 fn extremes(values: &[f64]) -> (f64, f64) {
     values
         .iter()
@@ -79,7 +78,7 @@ fn phase_sum(force: &[f64], alpha: f64) -> f64 {
 ///
 /// α is the phase of the displacement's first harmonic.
 ///
-/// `None` with fewer than 3 samples, with unequal lengths or with no motion.
+/// `None` for fewer than 3 samples, for unequal lengths or without motion.
 pub fn characterize(displacement: &[f64], force: &[f64]) -> Option<DynamicResult> {
     if displacement.len() != force.len() || force.len() < 3 {
         return None;
@@ -106,7 +105,7 @@ pub fn characterize(displacement: &[f64], force: &[f64]) -> Option<DynamicResult
     })
 }
 
-/// ∮F dx over a closed loop by the trapezoidal rule, J: what eq 5 becomes when the motion is no sine.
+/// ∮F dx over a closed loop by the trapezoidal rule, J: the generalization of eq 5 to any motion.
 pub fn loop_area(displacement: &[f64], force: &[f64]) -> f64 {
     let count = displacement.len().min(force.len());
     (0..count)

@@ -1,4 +1,4 @@
-//! The mixed damping law, eq 13.
+//! The mixed damping law, eq 13: F = k1·y + k3·y³ + c·|v|^α·sgn v.
 
 use serde::Serialize;
 

@@ -1,4 +1,5 @@
-//! The paper's equations in `f64`, straight from its text. Shares no code with the crate, so that it can be its oracle.
+//! The paper's equations in `f64`, directly from its text. The crate shares no code with `mesh-damper`, so that it can be its
+//! oracle.
 //!
 //! Equations 8–12, the finite elements, are in `mesh_damper_studies::finite_element`.
 //!
@@ -8,8 +9,8 @@
 //! | [`surfaces`] | eqs 16–18: the coefficients over density and amplitude |
 //! | [`static_test`], [`dynamic_test`] | eqs 1–7: stiffness and loss factor |
 //! | [`cubic_fit`] | eqs 14 and 15: the coefficients of a loop |
-//! | [`orthogonal_test`], [`comparison`] | the published tests, and by how much two curves differ |
-//! | [`turn`], [`protocol`] | sines without a growing phase, and tests that are made of them |
+//! | [`orthogonal_test`], [`comparison`] | the published tests, and the difference between two curves |
+//! | [`turn`], [`protocol`] | sines whose phase does not accumulate rounding, and tests made of them |
 //!
 //! ```
 //! use mesh_damper_reference::tables;

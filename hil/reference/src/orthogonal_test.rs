@@ -1,4 +1,4 @@
-//! The orthogonal test of quasistatic compression: Tables 2 and 3 as printed, and what the text makes of them.
+//! The orthogonal test of quasistatic compression: Tables 2 and 3 as printed, and the conclusions of the text.
 
 /// The factors A, B, C and D of Table 2.
 pub const FACTORS: [&str; 4] = [
@@ -19,10 +19,10 @@ pub const LEVELS: [[f64; 3]; 4] = [
     [1.0, 1.5, 2.0],
 ];
 
-/// One of the two results of Table 3 with the range analysis that is printed below it.
+/// One of the two results of Table 3, with the range analysis printed below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Printed {
-    /// What was measured.
+    /// The measured quantity.
     pub name: &'static str,
     /// Its value in runs 1…9.
     pub runs: [f64; 9],

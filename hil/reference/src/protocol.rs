@@ -1,7 +1,7 @@
-//! Tests as blocks of sines, their ideal motion in closed form, and the one that a drawn specimen is put through.
+//! Tests as blocks of sines, their ideal motion in closed form, and the standard test for a drawn specimen.
 //!
-//! It stands beside the paper's equations since it needs nothing else: the simulated rig moves specimens by it, and a trace
-//! plans with it the test that would tell candidates apart, and neither has to know of the other.
+//! It is in the same crate as the paper's equations because it needs nothing else. The simulated rig moves specimens by it, and a
+//! trace uses it to plan the test that would distinguish candidates; neither has to know the other.
 
 use std::f64::consts::TAU;
 
@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TestBlock {
-    /// mm.
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// How many.
+    /// Number of cycles.
     pub cycles: u32,
 }
 
@@ -27,10 +27,10 @@ const fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
     }
 }
 
-/// 22 s that tell all nine effects apart.
+/// A test of 22 s that distinguishes all nine effects.
 ///
-/// Amplitude against frequency separates rate-dependent effects from rate-independent ones. Every amplitude but one
-/// returns later in the test, so that what changes with time can't pass for a dependence on amplitude.
+/// Varying amplitude and frequency independently separates rate-dependent effects from rate-independent ones. Every amplitude but
+/// one returns later in the test, so that a change with time cannot look like a dependence on amplitude.
 pub const PROTOCOL: [TestBlock; 8] = [
     block(0.10, 1.0, 4),
     block(0.20, 5.0, 8),
@@ -42,23 +42,23 @@ pub const PROTOCOL: [TestBlock; 8] = [
     block(0.10, 5.0, 8),
 ];
 
-/// A moment of a motion.
+/// One instant of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionSample {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// mm.
+    /// Displacement, mm.
     pub displacement: f64,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity: f64,
-    /// mm/s².
+    /// Acceleration, mm/s².
     pub acceleration: f64,
 }
 
-/// The ideal motion of `blocks`, `rate` times a second.
+/// The ideal motion of `blocks`, sampled at `rate` Hz.
 ///
-/// Over the first half cycle of a block the amplitude goes from the previous block's (0 at first) to its own as
-/// 3s² − 2s³. Displacement never jumps; velocity does where the frequency changes.
+/// Over the first half cycle of a block the amplitude changes from the previous block's (0 at first) to its own as 3s² − 2s³. The
+/// displacement is continuous; the velocity jumps where the frequency changes.
 pub fn motion(blocks: &[TestBlock], rate: f64) -> Vec<MotionSample> {
     let mut all = Vec::new();
     let mut start = 0.0;

@@ -1,6 +1,6 @@
 //! Quasistatic compression, eqs 1 and 2.
 
-/// What a load–unload curve says.
+/// Results of a load–unload curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticResult {
     /// Elastic potential U: area under the middle line of the loop, kN·mm = J.
@@ -13,13 +13,13 @@ pub struct StaticResult {
     pub loss_factor: f64,
 }
 
-/// Eqs 1 and 2 over a curve loaded from 0 mm to its largest displacement and unloaded again.
+/// Eqs 1 and 2 for a curve that is loaded from 0 mm to its largest displacement and unloaded again.
 ///
-/// `displacement` in mm and `force` in kN, in order of time; integrated by the trapezoidal rule. The middle line is the
-/// mean of the two branches at each displacement, so that U is the mean of the areas below them. Where the unloading
-/// curve ends before 0 mm (a residual set) its force counts as 0 from there.
+/// `displacement` in mm and `force` in kN, in order of time; integrated by the trapezoidal rule. The middle line is the mean of the
+/// two branches at each displacement, so that U is the mean of the areas below them. If the unloading curve ends before 0 mm (a
+/// residual set), its force counts as 0 from there.
 ///
-/// `None` when the two differ in length, nothing was displaced, or no elastic potential is left.
+/// `None` if the lengths differ, nothing was displaced, or the elastic potential is not positive.
 pub fn characterize(displacement: &[f64], force: &[f64]) -> Option<StaticResult> {
     if displacement.len() != force.len() {
         return None;

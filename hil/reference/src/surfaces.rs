@@ -4,13 +4,13 @@
 
 use super::law::Coefficients;
 
-/// Which reading of eq 18.
+/// The reading of eq 18.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Equation18 {
     /// As printed; gives a negative damping over the whole grid.
     Printed,
-    /// With the last three coefficients on A²ρ, Aρ², ρ³ instead of A³, A²ρ, Aρ²: the order of a fit of degree 2 in A
-    /// and 3 in ρ. Negative at 2.0 g/cm³, 0.05 mm even so.
+    /// With the last three coefficients on A²ρ, Aρ², ρ³ instead of A³, A²ρ, Aρ²: the order of a fit of degree 2 in A and 3 in ρ.
+    /// Still negative at 2.0 g/cm³, 0.05 mm.
     Corrected,
 }
 
@@ -19,7 +19,7 @@ pub fn k1(density: f64, amplitude: f64) -> f64 {
     3.137e-5 * amplitude.powf(0.05217) * density.powf(9.108)
 }
 
-/// The coefficients of eq 17, by [`terms_17`].
+/// The coefficients of eq 17, in the order of [`terms_17`].
 pub const EQUATION_17: [f64; 10] = [
     -836.7, -367.4, 975.6, -183.1, -327.3, -314.7, 2760.0, 1299.0, -69.43, 36.29,
 ];
@@ -46,12 +46,12 @@ pub fn k3(density: f64, amplitude: f64) -> f64 {
     sum(&EQUATION_17, &terms_17(density, amplitude))
 }
 
-/// The coefficients of eq 18, by [`terms_18`].
+/// The coefficients of eq 18, in the order of [`terms_18`].
 pub const EQUATION_18: [f64; 9] = [
     -6.705, 9.596, 6.924, 0.7754, -7.209, -2.286, 0.1469, 1.297, 0.2459,
 ];
 
-/// 1, A, ρ, A², Aρ, ρ², and the last three of the reading.
+/// 1, A, ρ, A², Aρ, ρ², and the last three terms of the reading.
 pub fn terms_18(density: f64, amplitude: f64, reading: Equation18) -> [f64; 9] {
     let (r, a) = (density, amplitude);
     let [x, y, z] = match reading {
@@ -66,7 +66,7 @@ pub fn c(density: f64, amplitude: f64, reading: Equation18) -> f64 {
     sum(&EQUATION_18, &terms_18(density, amplitude, reading))
 }
 
-/// The coefficients of eq 19, by [`terms_19`].
+/// The coefficients of eq 19, in the order of [`terms_19`].
 pub const EQUATION_19: [f64; 7] = [-0.8135, 0.6189, 1.188, -0.7935, -0.3195, 0.1205, 0.02337];
 
 /// 1, A, ρ, Aρ, ρ², Aρ², ρ³.
@@ -84,9 +84,9 @@ fn sum(coefficients: &[f64], terms: &[f64]) -> f64 {
     coefficients.iter().zip(terms).map(|(b, x)| b * x).sum()
 }
 
-/// The coefficients that eq 20 puts into eq 13.
+/// The coefficients that eq 20 inserts into eq 13.
 ///
-/// Of its exponent only the last three terms are printed; the whole of eq 19 is meant.
+/// Only the last three terms of its exponent are printed; the whole of eq 19 is meant.
 pub fn coefficients(density: f64, amplitude: f64, reading: Equation18) -> Coefficients {
     Coefficients {
         k1: k1(density, amplitude),

@@ -21,9 +21,9 @@ pub const K1: [[f64; 5]; 5] = [
 
 /// Table 7, k3 in kN/mm³ (the paper prints kN).
 ///
-/// The last row is scattered over the page in the text that this was typed from. Read left to right, every column but
-/// the last goes on falling with amplitude; eq 17 hardly tells the readings apart (R² = 0.779 with this one, 0.782 with
-/// the best of all 120).
+/// The last row is scattered over the page in the text from which this was typed. Read from left to right, every column but the
+/// last continues to fall with amplitude. Eq 17 hardly distinguishes the readings (R² = 0.779 with this one, 0.782 with the best of
+/// all 120).
 pub const K3: [[f64; 5]; 5] = [
     [86.7, 151.1, 131.9, 185.9, 160.9],
     [24.2, 105.4, 10.5, 125.6, 180.5],
@@ -53,7 +53,7 @@ pub const ALPHA: [[f64; 5]; 5] = [
 /// The coefficients in row `amplitude` and column `density`, both 0…4.
 ///
 /// # Panics
-/// Beyond the tables.
+/// An index beyond the tables.
 pub fn cell(amplitude: usize, density: usize) -> Coefficients {
     Coefficients {
         k1: K1[amplitude][density],
@@ -73,7 +73,7 @@ pub fn cells() -> impl Iterator<Item = (f64, f64, Coefficients)> {
     })
 }
 
-/// Coefficients bilinear between cells, at `density` g/cm³ and `amplitude` mm; outside the grid those of its edge.
+/// Coefficients at `density` g/cm³ and `amplitude` mm, bilinear between cells; outside the grid those of its edge.
 pub fn interpolate(density: f64, amplitude: f64) -> Coefficients {
     let (column, across) = place(&DENSITIES, density);
     let (row, down) = place(&AMPLITUDES, amplitude);
@@ -89,7 +89,7 @@ pub fn interpolate(density: f64, amplitude: f64) -> Coefficients {
     }
 }
 
-/// The interval of `nodes` that `value` falls in and where in it, 0…1.
+/// The interval of `nodes` that contains `value`, and the position in it, 0…1.
 fn place(nodes: &[f64; 5], value: f64) -> (usize, f64) {
     let value = value.clamp(nodes[0], nodes[4]);
     let interval = (0..4).rfind(|&i| value >= nodes[i]).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! The paper's equations against closed forms, and what its tables and surfaces come to when they are recomputed.
+//! The paper's equations against closed forms, and its tables and surfaces recomputed.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,8 +16,8 @@ fn close(value: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// Half a step at 1000 samples a cycle. Samples then lie mirrored about the extremes, none of them on v = 0, where
-/// rounding alone decides the sign of the damping force.
+/// Half a step at 1000 samples per cycle. The samples are then mirrored about the extremes, and none is at v = 0, where rounding
+/// alone decides the sign of the damping force.
 const HALF_STEP: f64 = PI / 1000.0;
 
 /// Displacement, velocity and force of `law` over one cycle of X·sin(θ + start), N samples.
@@ -49,7 +49,7 @@ fn static_loop_gives_stiffness_and_loss_of_its_closed_form() {
         .map(|i| (at(i), k * at(i) - b * at(i) * (x_max - at(i))));
     let (x, f): (Vec<f64>, Vec<f64>) = up.chain(down).unzip();
     let result = static_test::characterize(&x, &f).unwrap();
-    // The trapezoidal rule misses b·x_max³/(6·steps²) on each branch: below 1e-8 of either area.
+    // The error of the trapezoidal rule is b·x_max³/(6·steps²) on each branch: below 1e-8 of either area.
     close(result.equivalent_stiffness, k, 1e-7);
     close(result.elastic_potential, k * x_max * x_max / 2.0, 1e-8);
     close(result.dissipated, b * x_max.powi(3) / 3.0, 1e-7);
@@ -67,7 +67,7 @@ fn static_loop_that_says_nothing_is_refused() {
     assert_eq!(static_test::characterize(&[0.0, 0.0], &[0.0, 1.0]), None);
 }
 
-/// A residual set: what unloads to 0 force before 0 displacement has lost the area in between.
+/// A residual set: if unloading reaches 0 force before 0 displacement, the area in between is lost.
 #[test]
 fn unloading_that_ends_early_counts_as_no_force() {
     let result = static_test::characterize(&[0.0, 1.0, 0.5], &[0.0, 2.0, 0.0]).unwrap();
@@ -90,7 +90,7 @@ fn linear_damper_has_its_closed_form_at_every_phase() {
     for start in [0.0, 0.3, FRAC_PI_2, 2.0, -2.5] {
         let (y, _, force) = cycle(law, amplitude, frequency, count, start);
         let result = dynamic_test::characterize(&y, &force).unwrap();
-        // An extreme can fall between samples: a relative (π/N)²/2 = 1.2e-6 on force and amplitude.
+        // An extreme may fall between samples: a relative (π/N)²/2 = 1.2e-6 on force and amplitude.
         let tolerance = 4e-6;
         close(result.amplitude / amplitude, 1.0, tolerance);
         close(result.stiffness / k, 1.0, tolerance);
@@ -149,12 +149,12 @@ fn fractional_damping_dissipates_its_beta_integral() {
 }
 
 proptest! {
-    /// Eq 7 is eqs 4–6 put together; it holds for any sampling frequency that gives N samples a cycle.
+    /// Eq 7 is the combination of eqs 4–6; it holds for any sampling frequency with N samples per cycle.
     #[test]
     fn eq_7_is_eqs_4_to_6(
         row in 0..5_usize, column in 0..5_usize, frequency in 0.1..20.0_f64, quarter in 4..500_usize,
     ) {
-        // A multiple of 4, so that a sample falls on each extreme and the sampled amplitude is the amplitude.
+        // A multiple of 4, so that a sample falls on each extreme and the sampled amplitude is exact.
         let count = 4 * quarter;
         let (y, _, force) = cycle(tables::cell(row, column), AMPLITUDES[row], frequency, count, 0.0);
         let assembled = dynamic_test::characterize(&y, &force).unwrap().loss_factor;
@@ -172,8 +172,8 @@ fn a_cycle_without_motion_is_refused() {
     assert_eq!(dynamic_test::characterize(&[0.0, 1.0], &[0.0, 1.0]), None);
 }
 
-/// Loss factors and stiffness of the cells at 0.1 mm, 1 Hz: falling with density, but not monotonically as the paper
-/// says (3.0 g/cm³ is the highest).
+/// Loss factors and stiffness of the cells at 0.1 mm, 1 Hz: they fall with density, but not monotonically as the paper says (3.0
+/// g/cm³ is the highest).
 #[test]
 fn loss_factors_of_the_tables_at_the_papers_test() {
     let expected = [
@@ -191,8 +191,8 @@ fn loss_factors_of_the_tables_at_the_papers_test() {
     }
 }
 
-/// Eqs 14 and 15 get back what made the loop. Over whole cycles the damping force is orthogonal to every power of the
-/// displacement, so that nothing of it ends in the cubic.
+/// Eqs 14 and 15 recover the coefficients that made the loop. Over whole cycles the damping force is orthogonal to every power of
+/// the displacement, so that none of it enters the cubic.
 #[test]
 fn identification_recovers_every_cell_of_the_tables() {
     for (density, amplitude, law) in tables::cells() {
@@ -212,7 +212,7 @@ fn identification_recovers_every_cell_of_the_tables() {
     }
 }
 
-/// a0 and a2 are found, and dropping them, as the paper does, leaves them in the damping force.
+/// a0 and a2 are found. Dropping them, as the paper does, leaves them in the damping force.
 #[test]
 fn the_cubic_finds_an_asymmetry_and_eq_15_drops_it() {
     let law = tables::cell(1, 2);
@@ -235,7 +235,7 @@ fn the_cubic_finds_an_asymmetry_and_eq_15_drops_it() {
 fn identification_refuses_what_holds_no_answer() {
     assert_eq!(cubic_fit::cubic(&[0.1; 20], &[1.0; 20]), None);
     assert_eq!(cubic_fit::cubic(&[0.0, 0.1], &[1.0]), None);
-    // One speed says nothing about α.
+    // One speed gives no information about α.
     assert_eq!(cubic_fit::damping(&[2.0; 20], &[0.3; 20], (0.1, 0.5)), None);
     assert_eq!(cubic_fit::damping(&[], &[], (0.1, 0.5)), None);
 }
@@ -284,7 +284,7 @@ fn eq_18_generates_energy_as_printed_everywhere_and_as_corrected_in_one_corner()
     );
 }
 
-/// The best fit in the corrected basis of eq 18 reaches R² = 0.9226: the printed coefficients, read so, are nearly it.
+/// The best fit in the corrected basis of eq 18 reaches R² = 0.9226; the printed coefficients in that reading are nearly the same.
 #[test]
 fn the_corrected_basis_of_eq_18_is_the_one_it_was_fitted_in() {
     let rows: Vec<[f64; 9]> = tables::cells()
@@ -314,7 +314,7 @@ fn the_corrected_basis_of_eq_18_is_the_one_it_was_fitted_in() {
     close(r_squared(&pairs), 0.9226, 1e-4);
 }
 
-/// Eq 20 is eq 13 with eqs 16–19 in it, worked out by hand at 3.0 g/cm³, 0.1 mm.
+/// Eq 20 is eq 13 with eqs 16–19 inserted, calculated by hand at 3.0 g/cm³, 0.1 mm.
 #[test]
 fn eq_20_assembles_eqs_16_to_19() {
     let law = surfaces::coefficients(3.0, 0.1, Equation18::Corrected);

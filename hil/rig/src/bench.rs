@@ -30,54 +30,54 @@ use crate::actuator::{
 };
 use crate::specimen::DamperForce;
 
-/// A setup that one of its parts refused.
+/// A setup that one of its parts rejected.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// By the crate.
+    /// The crate rejected it.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// By a simulated part.
+    /// A simulated part rejected it.
     #[error(transparent)]
     Part(#[from] InvalidField),
     /// A simulated converter did not answer its driver.
     #[error("a simulated converter did not answer its driver: {0}")]
     Converter(String),
-    /// A motion that asks for more than the rig gives.
+    /// A motion that demands more than the rig can do.
     #[error(transparent)]
     Drive(InputError),
-    /// Of the law no coefficient pack can be made.
+    /// The law cannot be put into a coefficient pack.
     #[error(transparent)]
     Pack(#[from] PackError),
     /// The rig does not start.
     #[error("the rig does not start: {0}")]
     Start(#[from] StartRefused),
-    /// The link to a controller that runs elsewhere.
+    /// An error of the link to a controller that runs elsewhere.
     #[error(transparent)]
     Link(InputError),
-    /// Who watches the run could not go on.
+    /// The observer of the run failed.
     #[error(transparent)]
     Watch(#[from] InputError),
 }
 
-/// A test of a specimen, everything about it public and changeable before it runs.
+/// A test of a specimen. Every field is public and can be changed before the test runs.
 #[derive(Clone, Debug)]
 pub struct RigSetup<S, const B: usize, const N: usize> {
-    /// What is tested.
+    /// The specimen.
     pub specimen: S,
-    /// The law that runs beside it.
+    /// The law that is evaluated alongside it.
     pub law: AugmentedLaw<f32, N>,
-    /// Eq 13's coefficients for each block, where they are tabulated over amplitude; the law's own where there is none.
-    /// They take over within the ramp into their block.
+    /// Eq 13's coefficients for each block, if they are tabulated over amplitude; otherwise the law's own. They take over within
+    /// the ramp into their block.
     pub block_laws: Vec<Law<f32>>,
-    /// The motion that the law was fitted on, where ticks outside it are to be counted.
+    /// The motion on which the law was fitted, if ticks outside it are to be counted.
     pub operating_range: Option<OperatingRange<f32>>,
-    /// The excitation; its tick rate is that of everything.
+    /// The excitation. Its tick rate is that of all parts.
     pub programme: Programme<B>,
-    /// A motion to follow in the place of the programme's blocks, on a grid of the programme's tick rate.
+    /// A motion to follow in place of the programme's blocks, on a grid of the programme's tick rate.
     pub drive: Option<Motion>,
-    /// The limits that the rig itself holds a motion to; the ticks from knot to knot are the motion's.
+    /// The limits that the rig enforces for a motion; the motion gives the ticks from knot to knot.
     pub stream: StreamSettings,
-    /// Of the sensors' noise. The same seed gives the same run, bit for bit.
+    /// Seed of the sensors' noise. The same seed gives the same run, bit for bit.
     pub seed: u64,
     /// The actuator.
     pub servo: ServoConfig,
@@ -89,29 +89,29 @@ pub struct RigSetup<S, const B: usize, const N: usize> {
     pub command_range: f64,
     /// The controller's settings.
     pub settings: RigSettings,
-    /// Every how many ticks a sample is recorded.
+    /// Number of ticks between recorded samples.
     pub record_every: u64,
 }
 
-/// Noise of the force channel, as part of the RMS of the largest block's expected force.
+/// Noise of the force channel, as a part of the RMS of the largest block's expected force.
 const FORCE_NOISE: f64 = 0.004;
-/// Lag of both sensors, s: equal, as skew between them would look like damping.
+/// Lag of both sensors, s: equal, because skew between them would look like damping.
 const SENSOR_LAG: f64 = 1.5e-4;
-/// The load cell's range is chosen this many times the expected peak.
+/// Ratio of the load cell's range to the expected peak.
 const FORCE_MARGIN: f64 = 2.0;
 
 impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
-    /// The usual rig: ±1 mm and 1e-4 mm of noise in displacement, a load cell chosen for the force that the specimen
-    /// is expected to give, with 0.4 % of its RMS as noise, one sample in ten recorded.
+    /// The usual rig: ±1 mm and 1e-4 mm of noise in displacement, a load cell chosen for the specimen's expected force with 0.4 %
+    /// of its RMS as noise, and one sample recorded in ten.
     pub fn new(specimen: S, law: AugmentedLaw<f32, N>, programme: Programme<B>, seed: u64) -> Self {
         let force = expected(&specimen, &programme);
         Self::expecting(force, specimen, law, programme, seed)
     }
 
-    /// The same, with `motion` in the place of a programme's blocks.
+    /// The same, with `motion` in place of a programme's blocks.
     ///
     /// # Errors
-    /// A tick rate that the crate refuses.
+    /// A tick rate that the crate rejects.
     pub fn driven(
         specimen: S,
         law: AugmentedLaw<f32, N>,
@@ -126,10 +126,10 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
         Ok(setup)
     }
 
-    /// What the rig is to hold its motion to.
+    /// The limits and settings of a streamed motion.
     ///
     /// # Errors
-    /// A limit that the crate refuses.
+    /// A limit that the crate rejects.
     pub fn stream_config(&self) -> Result<StreamConfig, ConfigError> {
         StreamSettings {
             displacement_limit: self.settings.displacement_limit,
@@ -179,7 +179,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> RigSetup<S, B, N> {
     }
 }
 
-/// The sensors of a [`SimulatedRig`], with an input that says stop at low level.
+/// The sensors of a [`SimulatedRig`], with an active-low stop input.
 pub type SimulatedSensors = WithTrip<WithControls<Ads8688<SimulatedAds8688>>, SimulatedInput>;
 
 /// The actuator of a [`SimulatedRig`], with an enable line that is read back and an alive signal.
@@ -192,7 +192,7 @@ pub type SimulatedActuator = WithAlive<
 pub type SimulatedRig<const B: usize, const N: usize> =
     Rig<SimulatedSensors, SimulatedActuator, N, AnyExciter<B>>;
 
-/// A rig wired up, at rest. Everything is public, so that a test can have any of it fail.
+/// A wired rig, at rest. Every field is public, so that a test can make any part fail.
 #[derive(Debug)]
 pub struct Bench<S, const B: usize, const N: usize> {
     /// The crate's controller.
@@ -205,13 +205,13 @@ pub struct Bench<S, const B: usize, const N: usize> {
     pub dac: Rc<DacPins>,
     /// Level of the enable line, which the rig reads back.
     pub enabled: Rc<Cell<bool>>,
-    /// While set, the enable line stays at the level that it has.
+    /// While set, the enable line keeps its level.
     pub stuck: Rc<Cell<bool>>,
-    /// Level of the alive signal, which an external watchdog looks at.
+    /// Level of the alive signal, for an external watchdog.
     pub alive: Rc<Cell<bool>>,
-    /// Level of the input that says stop where it is low.
+    /// Level of the stop input, which is active low.
     well: Rc<Cell<bool>>,
-    /// What gives the rig a motion; to be taken away for a host that falls silent.
+    /// The source of the rig's motion; remove it to simulate a host that falls silent.
     pub feeder: Option<Feeder>,
 }
 
@@ -219,7 +219,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
     /// Wires up `setup`.
     ///
     /// # Errors
-    /// What one of the parts refuses.
+    /// The error of a part that rejects its settings.
     pub fn new(setup: RigSetup<S, B, N>) -> Result<Self, SetupError> {
         let plant = Plant::new(&setup)?;
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
@@ -268,7 +268,7 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         })
     }
 
-    /// One tick: the sensors' voltages and the control inputs, the crate's tick, and the actuator's way until the next.
+    /// One tick: the sensors' voltages and the control inputs, the crate's tick, and the actuator until the next tick.
     pub fn tick(&mut self) -> Telemetry {
         self.feed();
         let (displacement, force) = self.plant.sense();
@@ -283,12 +283,12 @@ impl<S: DamperForce + Clone, const B: usize, const N: usize> Bench<S, B, N> {
         telemetry
     }
 
-    /// The emergency stop's level, as the plant has it.
+    /// Sets the level of the emergency stop to that of the plant.
     fn wire_trip(&self) {
         self.well.set(!self.plant.tripped);
     }
 
-    /// The knots that the tick to come needs. A rig that has stopped takes none out of its queue.
+    /// Gives the knots that the next tick needs. A stopped rig takes none from its queue.
     fn feed(&mut self) {
         if self.rig.state() != State::Running {
             return;

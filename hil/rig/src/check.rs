@@ -1,18 +1,18 @@
-//! What is asked of a result, one thing at a time, for whoever counts what holds.
+//! One requirement on a result, for callers that count how many are met.
 
-/// One thing that is asked for.
+/// One requirement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Check {
-    /// What is asked for, the same from run to run.
+    /// The requirement, with the same text from run to run.
     pub name: String,
-    /// What was reached in its place, in a line; `None` where it holds.
+    /// The value reached instead, in one line; `None` if the requirement is met.
     pub failure: Option<String>,
-    /// Whether there was anything to judge; what holds for nothing has shown nothing.
+    /// Whether there were cases to judge. A requirement without cases has shown nothing.
     pub is_judged: bool,
 }
 
 impl Check {
-    /// That `holds`, where `failure` says what was reached if it does not.
+    /// A requirement that is met if it `holds`; otherwise `failure` gives the value reached.
     pub fn new(name: impl Into<String>, holds: bool, failure: impl FnOnce() -> String) -> Self {
         Self {
             name: name.into(),
@@ -21,7 +21,7 @@ impl Check {
         }
     }
 
-    /// The same, judged by `count` of whatever it is about.
+    /// The same, judged on `count` cases.
     #[must_use]
     pub fn of(self, count: usize) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Check {
     }
 }
 
-/// The failures among `checks`, a line each.
+/// The failures among `checks`, one line each.
 pub fn failures(checks: Vec<Check>) -> Vec<String> {
     checks
         .into_iter()

@@ -1,4 +1,4 @@
-//! The crate as a damper: a prescribed motion in, its force out.
+//! The crate as a damper emulation: a prescribed motion in, its force out.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -15,23 +15,23 @@ use crate::actuator::{
     enable_line,
 };
 
-/// An emulator to be wired up.
+/// Setup of a damper emulation.
 #[derive(Clone, Debug)]
 pub struct EmulatorSetup<const N: usize> {
-    /// The damper to be.
+    /// The law of the damper.
     pub law: AugmentedLaw<f32, N>,
     /// The crate's settings.
     pub settings: DamperEmulationSettings,
     /// The displacement channel.
     pub displacement_sensor: SensorConfig,
-    /// Force at the DAC's full scale, and at the force channel's, kN.
+    /// Force at the full scale of the DAC and of the force channel, kN.
     pub force_range: f64,
-    /// Of the sensor's noise.
+    /// Seed of the sensor's noise.
     pub seed: u64,
 }
 
 impl<const N: usize> EmulatorSetup<N> {
-    /// With the crate's settings: ±1 mm, read without noise, offset or lag, and ±5 kN.
+    /// With the crate's default settings: ±1 mm, read without noise, offset or lag, and ±5 kN.
     pub fn new(law: AugmentedLaw<f32, N>) -> Self {
         Self {
             law,
@@ -48,10 +48,10 @@ impl<const N: usize> EmulatorSetup<N> {
     }
 }
 
-/// An emulator wired up. The force channel measures what the DAC drives, as an ideal force actuator would deliver.
+/// A wired damper emulation. The force channel measures the DAC's output, as an ideal force actuator would deliver it.
 #[derive(Debug)]
 pub struct EmulatorBench<const N: usize> {
-    /// The crate's emulator.
+    /// The crate's controller.
     pub emulator:
         SpiDamperEmulation<SimulatedAds8688, SimulatedAd5761, SimulatedEnable, RunningLaw<N>>,
     /// The displacement channel.
@@ -62,7 +62,7 @@ pub struct EmulatorBench<const N: usize> {
     pub dac: Rc<DacPins>,
     /// Level of the enable line.
     pub enabled: Rc<Cell<bool>>,
-    /// What a clock says that nobody on the rig can stop, in ticks; wraps.
+    /// Reading of an independent clock, in ticks; wraps.
     pub clock: u32,
     force_range: f64,
 }
@@ -70,7 +70,7 @@ pub struct EmulatorBench<const N: usize> {
 /// One tick of an emulation.
 #[derive(Clone, Copy, Debug)]
 pub struct Emulation {
-    /// What the crate reported.
+    /// Telemetry of the crate.
     pub telemetry: Telemetry,
     /// Force that the DAC drives after the tick, kN.
     pub force: f64,
@@ -80,7 +80,7 @@ impl<const N: usize> EmulatorBench<N> {
     /// Wires up `setup`.
     ///
     /// # Errors
-    /// What one of the parts refuses.
+    /// The error of a part that rejects its settings.
     pub fn new(setup: EmulatorSetup<N>) -> Result<Self, SetupError> {
         let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
         let (enable, enabled) = enable_line();

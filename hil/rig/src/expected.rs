@@ -1,4 +1,4 @@
-//! What forces a programme or a motion is going to ask for, as whoever sets up a test estimates them to choose a load cell.
+//! Expected force of a programme or a motion, to choose a load cell.
 
 use std::f64::consts::TAU;
 
@@ -17,8 +17,8 @@ pub(super) struct Expected {
     pub(super) rms: f64,
 }
 
-/// The largest over the programme's blocks: a copy of the specimen is taken through two cycles of each, as a sine at the
-/// block's first frequency, and the second counts.
+/// The largest over the programme's blocks. A copy of the specimen is moved through two cycles of each block, as a sine at the
+/// block's first frequency, and the second cycle counts.
 pub(super) fn expected<S: DamperForce + Clone, const B: usize>(
     specimen: &S,
     programme: &Programme<B>,
@@ -44,8 +44,8 @@ pub(super) fn expected<S: DamperForce + Clone, const B: usize>(
     largest
 }
 
-/// The same along a motion: a copy of the specimen is taken through all of it. The RMS is that of the second in which it is
-/// largest, as that of a programme is its largest block's: a load cell is no quieter for a motion that rests for long.
+/// The same along a motion, through which a copy of the specimen is moved. The RMS is that of the second with the largest RMS, as
+/// for a programme it is that of the largest block: a load cell does not have less noise because the motion rests for long.
 pub(super) fn expected_along<S: DamperForce + Clone>(specimen: &S, motion: &Motion) -> Expected {
     let mut copy = specimen.clone();
     let step = motion.grid().step();

@@ -1,7 +1,7 @@
-//! What a run under way has recorded so far, as a file.
+//! File with the samples recorded so far in a run.
 //!
-//! However the run ends, even if it is killed, what is in the file is a recording up to its last whole row. It goes away once
-//! the recording itself has been written.
+//! However the run ends, even if it is killed, the file is a recording up to its last complete row. It is removed once the
+//! recording itself has been written.
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -12,20 +12,20 @@ use mesh_damper_recording::{UNFINISHED, decimal};
 
 use super::run::Samples;
 
-/// A file that grows with a run, next to where its recording will be.
+/// A file that grows with a run, next to the future recording.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     comments: Vec<String>,
-    /// Control inputs that the specimen is under, the first ones of the samples.
+    /// Names of the specimen's control inputs, which are the first ones of the samples.
     controls: Vec<String>,
-    /// There is none before the first sample, so that a run that does not begin leaves nothing.
+    /// There is no file before the first sample, so that a run that does not begin leaves nothing.
     file: Option<File>,
     written: usize,
 }
 
 impl Journal {
-    /// `recording.partial.csv` in `directory`, which is there, with these comments; nothing is written yet.
+    /// `recording.partial.csv` in `directory`, which must exist, with these comments. Nothing is written yet.
     pub fn new(directory: &Path, comments: Vec<String>) -> Self {
         Self::at(Self::path_in(directory), comments)
     }
@@ -41,33 +41,33 @@ impl Journal {
         }
     }
 
-    /// The same with a column for each of `controls`, inputs that the specimen is under.
+    /// The same with a column for each of `controls`, the control inputs of the specimen.
     #[must_use]
     pub fn with_controls(self, controls: Vec<String>) -> Self {
         Self { controls, ..self }
     }
 
-    /// Where it is for a run that leaves its recording in `directory`.
+    /// Its path for a run that leaves its recording in `directory`.
     pub fn path_in(directory: &Path) -> PathBuf {
         directory.join("recording.partial.csv")
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes those of `samples` that it has not written yet.
+    /// Writes the rows of `samples` that are not written yet.
     ///
     /// # Errors
-    /// The file and why it cannot be written. What was written before stays.
+    /// The file and why it cannot be written. Rows written before stay.
     pub fn write(&mut self, samples: &Samples) -> Result<(), InputError> {
         if samples.len() == self.written {
             return Ok(());
         }
         let mut text = String::new();
         if self.file.is_none() {
-            // New, so that it takes nothing's place, nor follows a link.
+            // A new file, so that it neither replaces another nor follows a link.
             let made = File::create_new(&self.path);
             self.file = Some(made.map_err(|error| InputError::io(&self.path, "write", &error))?);
             for comment in &self.comments {
@@ -89,7 +89,7 @@ impl Journal {
             ];
             text += &cells.map(|channel| decimal(channel[index])).join(",");
             for place in 0..self.controls.len() {
-                // The samples keep none until it is other than 0.
+                // The samples keep no values of an input until it differs from 0.
                 let input = samples.control(place).get(index).copied();
                 text += &format!(",{}", decimal(input.unwrap_or_default()));
             }
@@ -103,15 +103,15 @@ impl Journal {
         Ok(())
     }
 
-    /// Whether there is a file with anything in it.
+    /// Whether there is a file with content.
     pub fn has_begun(&self) -> bool {
         self.written > 0
     }
 
-    /// The recording is there: removes the file.
+    /// Removes the file, because the recording exists.
     pub fn remove(self) {
         if self.file.is_some() {
-            // Whoever removed it before wanted the same.
+            // If the file is gone already, that is the goal.
             let _ = fs::remove_file(&self.path);
         }
     }

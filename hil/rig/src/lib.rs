@@ -1,18 +1,18 @@
 //! The crate in a loop with the simulated rig, in this process, tick by tick.
 //!
-//! Every quantity passes between the two as it would on a bench: volts into the simulated ADC, bytes over the simulated
-//! bus, bytes into the simulated DAC, volts out of it, a level on the enable line.
+//! Every quantity passes between the two as on a real bench: volts into the simulated ADC, bytes over the simulated bus, bytes into
+//! the simulated DAC, volts out of it, a level on the enable line.
 //!
 //! Simulated parts use f64 and seeded noise: the same seed gives the same run.
 //!
 //! | module | for |
 //! |---|---|
 //! | the root | [`run_rig`]: a whole programme, recorded; [`Bench`]: the same tick by tick; [`EmulatorBench`]: the crate as a damper |
-//! | [`specimen`] | what is tested: eq 13, and effects that the law does not know |
-//! | [`drive`] | any motion for the rig to follow, and what it asks of the rig |
+//! | [`specimen`] | the specimen: eq 13, and effects that the law does not contain |
+//! | [`drive`] | any motion for the rig to follow, and its demands on the rig |
 //! | [`actuator`] | actuator, sensors, converters and enable line |
-//! | [`signals`] | what can happen to the signals between all of it and the controller |
-//! | [`faults`] | faults put into all of it, and what the rig's monitor finds of them |
+//! | [`signals`] | interference with the signals between these parts and the controller |
+//! | [`faults`] | faults injected into these parts, and the findings of the rig's monitor |
 //!
 //! A controller that runs elsewhere takes part as a [`Controlled`].
 //!
@@ -54,5 +54,5 @@ pub use journal::Journal;
 pub use plant::{Passed, Plant};
 pub use run::{Controlled, Plan, RigRun, Samples, Watch, run_controlled, run_rig};
 
-/// Tick rate of the crate unless told otherwise, Hz.
+/// Default tick rate of the crate, Hz.
 pub const TICK_RATE: f64 = 10_000.0;

@@ -1,4 +1,4 @@
-//! What a controller works on: sensors, actuator and specimen.
+//! The plant of a controller: sensors, actuator and specimen.
 
 use mesh_damper::dac::OUTPUT_RANGE;
 use mesh_damper::effects::CONTROLS;
@@ -8,7 +8,7 @@ use crate::actuator::{Sensor, Servo};
 use crate::signals::Signals;
 use crate::specimen::DamperForce;
 
-/// The simulated side of a rig. Everything is public, so that a test can have any of it fail.
+/// The simulated side of a rig. Its fields are public, so that a test can make any part fail.
 #[derive(Debug)]
 pub struct Plant<S> {
     /// The actuator with the specimen.
@@ -17,36 +17,35 @@ pub struct Plant<S> {
     pub displacement_sensor: Sensor,
     /// The force channel.
     pub force_sensor: Sensor,
-    /// Control inputs that the specimen is under, as the controller is given them at each tick, in the units of the law's effects; 0
-    /// unless set.
+    /// Control inputs of the specimen, as the controller gets them at each tick, in the units of the law's effects; 0 unless set.
     pub controls: [f32; CONTROLS],
-    /// What a clock says that nobody on the rig can stop, in ticks; wraps. A tick that takes longer has more than one.
+    /// Reading of an independent clock, in ticks; wraps. A tick that takes longer counts as several.
     pub clock: u32,
-    /// The emergency stop beside the rig is pressed.
+    /// The emergency stop next to the rig is pressed.
     pub tripped: bool,
-    /// What acts on the signals between all that and the controller.
+    /// Interference with the signals between the plant and the controller.
     pub signals: Signals,
     /// The steps of the last tick.
     passed: Vec<Passed>,
     millimetres_per_volt: f64,
 }
 
-/// Where a step has led to.
+/// State after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed {
     /// True displacement, mm.
     pub displacement: f64,
     /// True force, kN.
     pub force: f64,
-    /// Level of the enable line that reached the servo.
+    /// Level of the enable line at the servo.
     pub enabled: bool,
 }
 
 impl<S: DamperForce + Clone> Plant<S> {
-    /// Of `setup`, at rest.
+    /// The plant of `setup`, at rest.
     ///
     /// # Errors
-    /// What one of the parts refuses.
+    /// The error of a part that rejects its settings.
     pub fn new<const B: usize, const N: usize>(
         setup: &RigSetup<S, B, N>,
     ) -> Result<Self, SetupError> {
@@ -65,8 +64,8 @@ impl<S: DamperForce + Clone> Plant<S> {
         })
     }
 
-    /// What arrives of what the sensors of displacement and force put out, V. A control input that the specimen is under by itself
-    /// is the first.
+    /// Voltages that arrive from the sensors of displacement and force, V. If the specimen has a control input, it becomes the
+    /// first one of the plant.
     pub fn sense(&mut self) -> (f64, f64) {
         if let Some(control) = self.servo.specimen().control() {
             self.controls[0] = control as f32;
@@ -77,18 +76,18 @@ impl<S: DamperForce + Clone> Plant<S> {
         self.signals.channels([displacement, force], time).into()
     }
 
-    /// The temperature that the controller is given, °C.
+    /// The temperature for the controller, °C.
     pub fn shown_temperature(&mut self) -> f32 {
         let true_one = self.temperature();
         self.signals.temperature(true_one)
     }
 
-    /// The control inputs that the controller is given, in the units of the law's effects.
+    /// The control inputs for the controller, in the units of the law's effects.
     pub fn shown_controls(&self) -> [f32; CONTROLS] {
         self.signals.controls(self.controls)
     }
 
-    /// Time of a step, s: a tick of the controller that it was made for.
+    /// Length of a step, s: a tick of the controller for which it was made.
     pub fn step(&self) -> f64 {
         self.servo.step()
     }
@@ -98,14 +97,14 @@ impl<S: DamperForce + Clone> Plant<S> {
         self.servo.specimen().temperature()
     }
 
-    /// The actuator's way over one tick, at `volts` of command and this level of the enable line.
+    /// Advances the actuator by one tick, at `volts` of command and this level of the enable line.
     pub fn advance(&mut self, volts: f64, enabled: bool) {
         self.clock = self.clock.wrapping_add(1);
         self.servo
             .advance(volts * self.millimetres_per_volt, enabled);
     }
 
-    /// The plant's way until the controller's next tick, however late that comes, with the controller's `volts` of command and
+    /// Advances the plant until the controller's next tick, however late that is, with the controller's `volts` of command and
     /// level of the enable line.
     pub fn drive(&mut self, volts: f64, enabled: bool) {
         let (volts, enabled) = self.signals.output(volts, enabled);

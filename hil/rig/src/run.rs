@@ -12,39 +12,39 @@ use super::bench::{Bench, RigSetup, SetupError};
 use super::plant::Plant;
 use crate::specimen::{CURRENT, DamperForce};
 
-/// What was recorded, one element per sample.
+/// Recorded data, one element per sample.
 ///
-/// A sample is one tick's values, not a mean over the ticks since the last: c·|v|^α is too steep at a reversal to
-/// average, and what the rig has above half of the recording rate is white noise, which keeps its size when it is
-/// sampled less often.
+/// A sample holds the values of one tick, not a mean over the ticks since the last. c·|v|^α is too steep at a reversal for
+/// averaging. Above half of the recording rate the rig has only white noise, whose size does not change when it is sampled less
+/// often.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
-    /// s since the start.
+    /// Time since the start, s.
     pub time: Vec<f64>,
-    /// Measured, mm.
+    /// Measured displacement, mm.
     pub displacement: Vec<f64>,
-    /// Measured, kN.
+    /// Measured force, kN.
     pub force: Vec<f64>,
-    /// Observed by the crate, mm/s.
+    /// Velocity observed by the crate, mm/s.
     pub velocity: Vec<f64>,
-    /// Of the crate's law, kN.
+    /// Force of the crate's law, kN.
     pub model_force: Vec<f64>,
-    /// To the actuator, mm.
+    /// Command to the actuator, mm.
     pub command: Vec<f64>,
-    /// Of the specimen, °C.
+    /// Temperature of the specimen, °C.
     pub temperature: Vec<f64>,
-    /// Block of the programme; 0 of a motion.
+    /// Block of the programme; 0 for a motion.
     pub block: Vec<usize>,
     /// Cycles completed.
     pub cycle: Vec<u32>,
-    /// In a ramp; always so of a motion.
+    /// Whether in a ramp; always for a motion.
     pub ramp: Vec<bool>,
-    /// Of each control input: nothing until it is other than 0, which is what most of them stay.
+    /// Values of each control input: empty until it differs from 0, because most inputs stay 0.
     controls: [Vec<f64>; CONTROLS],
 }
 
 impl Samples {
-    /// Adds a tick, s after the start, at a temperature in °C.
+    /// Adds a tick at a time in s after the start and a temperature in °C.
     pub fn push(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
         let before = self.len();
         self.time.push(time);
@@ -65,7 +65,7 @@ impl Samples {
         }
     }
 
-    /// Drops what is later than `time`, s.
+    /// Drops samples later than `time`, s.
     pub fn cut(&mut self, time: f64) {
         let keep = self.time.partition_point(|sample| *sample <= time);
         for column in [
@@ -87,8 +87,8 @@ impl Samples {
         }
     }
 
-    /// The control input at `place` of [`CONTROLS`], as the controller was given it, in the units of the law's effects: one element
-    /// per sample, and none where it was 0 at all of them.
+    /// The control input at index `place` of [`CONTROLS`] that the controller got, in the units of the law's effects: one element
+    /// per sample, and an empty slice if it was 0 at all of them.
     pub fn control(&self, place: usize) -> &[f64] {
         self.controls.get(place).map_or(&[], Vec::as_slice)
     }
@@ -98,29 +98,29 @@ impl Samples {
         self.time.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 }
 
-/// A test that ran.
+/// A completed test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigRun {
     /// Every `record_every`-th tick.
     pub samples: Samples,
-    /// Every cycle, ramps included; none of a motion, whose cycles are not told apart.
+    /// Every cycle, ramps included; empty for a motion, whose cycles are not distinguished.
     pub cycles: Vec<CycleReport>,
-    /// When the rig stopped for what, s; none after a test that ran to its end.
+    /// Times of stops in s with their trip causes; empty after a test that ran to its end.
     pub faults: Vec<(f64, TripCause)>,
-    /// When the monitor named what, s.
+    /// Times of events in s, with the monitor's events.
     pub events: Vec<(f64, Event)>,
-    /// Whether the specimen was under a control input.
+    /// Whether the specimen had a control input.
     pub is_controlled: bool,
-    /// Ticks run.
+    /// Number of ticks run.
     pub ticks: u64,
-    /// Ticks of these with a measured displacement or an observed velocity outside the law's operating range; `None` where the
-    /// setup has none.
+    /// Number of ticks with a measured displacement or an observed velocity outside the law's operating range; `None` if the setup
+    /// has no operating range.
     pub outside: Option<u64>,
 }
 
@@ -132,8 +132,9 @@ impl RigRun {
             .filter(move |cycle| cycle.block == block && !cycle.ramp)
     }
 
-    /// Motion, force, temperature and, where there was one, the current that controlled the specimen, as any other recording. The crate's velocity is not among them: it is an estimate
-    /// made without knowing what comes next, and whoever has the whole recording makes a better one.
+    /// Motion, force, temperature and, if there was one, the current that controlled the specimen, as a recording. It leaves out
+    /// the crate's velocity, which is an estimate without knowledge of later samples; a reader of the whole recording can make a
+    /// better one.
     ///
     /// # Errors
     /// A run that stopped before it moved.
@@ -157,24 +158,25 @@ impl RigRun {
     }
 }
 
-/// Who is told how a run goes on; any `FnMut(f64)` is, of the time alone.
+/// Observer of a run. Any `FnMut(f64)` is one, for the time alone.
 ///
-/// What is told at a tick may not take long: the rig waits for it.
+/// Its methods must be fast, because the rig waits for them.
 pub trait Watch {
-    /// A tick that was read, `time` s after the start, at a temperature in °C. Of a rig in this process every one; of a board on its own
-    /// timer every row that arrives, without cycle, report and event.
+    /// A tick `time` s after the start, at a temperature in °C. A rig in this process gives every tick; a board on its own timer
+    /// gives every row that arrives, without cycle, report and event.
     fn tick(&mut self, _telemetry: &Telemetry, _time: f64, _temperature: f64) {}
 
     /// A cycle that ended `time` s after the start.
     fn cycle(&mut self, _report: &CycleReport, _time: f64) {}
 
-    /// What the monitor named `time` s after the start.
+    /// An event of the monitor `time` s after the start.
     fn event(&mut self, _event: &Event, _time: f64) {}
 
-    /// Now and then, and at the end however it ends: which part of the programme's time has passed, and what was recorded.
+    /// Called now and then, and at the end however the run ends: the part of the programme's time that has passed, and the recorded
+    /// samples.
     ///
     /// # Errors
-    /// What the run shall end with.
+    /// The error with which the run must end.
     fn see(&mut self, part: f64, samples: &Samples) -> Result<(), InputError>;
 }
 
@@ -185,18 +187,18 @@ impl<F: FnMut(f64)> Watch for F {
     }
 }
 
-/// A rig with what it works on, wherever its controller runs.
+/// A rig with its plant, wherever its controller runs.
 pub trait Controlled<S> {
-    /// What it works on.
+    /// The plant.
     fn plant(&self) -> &Plant<S>;
-    /// Likewise, to have any of it fail.
+    /// The plant, for example to make parts of it fail.
     fn plant_mut(&mut self) -> &mut Plant<S>;
     /// Begins the programme, or the motion.
     ///
     /// # Errors
-    /// Why it does not start, and those of the link to an image.
+    /// Why it does not start, and the errors of the link to an image.
     fn start(&mut self) -> Result<(), SetupError>;
-    /// Whoever is linked to the controller is heard. Nothing to be done where each tick is asked for over the link.
+    /// Reports the other end of the controller's link as heard. Does nothing where each tick is requested over the link.
     fn exchange(&mut self) {}
     /// One tick of the controller and of the plant.
     ///
@@ -205,17 +207,18 @@ pub trait Controlled<S> {
     fn tick(&mut self) -> Result<Telemetry, SetupError>;
     /// Level of the enable line after the last tick.
     fn is_enabled(&self) -> bool;
-    /// Eq 13's coefficients from the next end of a cycle on.
+    /// Sets eq 13's coefficients from the next end of a cycle on.
     ///
     /// # Errors
     /// As [`Controlled::start`].
     fn set_law(&mut self, law: Law<f32>) -> Result<(), SetupError>;
 }
 
-/// Runs the programme of `setup`, or its motion, to its end, or to the standstill after a fault, with the controller in this process.
+/// Runs the programme of `setup`, or its motion, with the controller in this process: to its end, or to the standstill after a
+/// fault.
 ///
 /// # Errors
-/// What one of the parts refuses, or what `watch` ends it with.
+/// The error of a part that rejects its settings, or the error of `watch`.
 pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
     setup: RigSetup<S, B, N>,
     watch: impl Watch,
@@ -224,7 +227,7 @@ pub fn run_rig<S: DamperForce + Clone, const B: usize, const N: usize>(
     run_controlled(&mut Bench::new(setup)?, &plan, watch)
 }
 
-/// What a run needs to know beside the rig.
+/// Parameters of a run in addition to the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     tick_rate: f64,
@@ -235,7 +238,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// What the run of `setup` needs.
+    /// The parameters for a run of `setup`.
     pub fn of<S, const B: usize, const N: usize>(setup: &RigSetup<S, B, N>) -> Self {
         Self {
             tick_rate: setup.programme.tick_rate(),
@@ -250,13 +253,13 @@ impl Plan {
     }
 }
 
-/// Samples for which there is room from the start; more are made room for as they come.
+/// Number of samples for which memory is reserved at the start; more is allocated when needed.
 const MOST_RESERVED: usize = 1 << 20;
 
-/// Runs `plan`'s programme as [`run_rig`] does, on a rig that is wired up already, wherever its controller runs.
+/// Runs `plan`'s programme as [`run_rig`] does, on a wired rig, wherever its controller runs.
 ///
 /// # Errors
-/// As [`run_rig`], and those of the link to the controller.
+/// As [`run_rig`], and the errors of the link to the controller.
 pub fn run_controlled<S: DamperForce + Clone>(
     rig: &mut impl Controlled<S>,
     plan: &Plan,
@@ -285,7 +288,7 @@ pub fn run_controlled<S: DamperForce + Clone>(
         column.reserve(capacity);
     }
     let ended = run_to_its_end(rig, plan, &mut run, &mut watch);
-    // Who could not go on watching is not asked again.
+    // An observer that has failed is not called again.
     if !matches!(ended, Err(SetupError::Watch(_))) {
         watch.see(1.0, &run.samples)?;
     }
@@ -355,7 +358,7 @@ mod tests {
     use super::*;
     use crate::specimen::Specimen;
 
-    /// All that is told.
+    /// All calls of an observer.
     #[derive(Default)]
     struct Told {
         samples: Samples,
@@ -381,10 +384,10 @@ mod tests {
         }
     }
 
-    /// Who watches is told of every tick, however few are recorded, and of every cycle and event.
+    /// The observer gets every tick, however few are recorded, and every cycle and event.
     #[test]
     fn who_watches_is_told_of_all_of_it() {
-        // Far from its law, which the monitor names.
+        // Far from its law, which the monitor reports.
         let specimen = Specimen::of_density(3.0, 0.1);
         let law = Law::new(20.0, 0.0, 0.1, 0.5).unwrap();
         let slip = Effect::StickSlip(StickSlip::new(&[(5.0, 2e-3)]).unwrap());

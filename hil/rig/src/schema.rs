@@ -1,4 +1,4 @@
-//! Types of the crate as JSON has them, for schemas: the crate itself has none.
+//! Types of the crate in the form that JSON has, for schemas, which the crate itself does not define.
 
 use schemars::JsonSchema;
 

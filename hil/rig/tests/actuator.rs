@@ -26,7 +26,7 @@ impl DamperForce for Spring {
     }
 }
 
-/// A small machine, whose limits are within reach.
+/// A small machine with limits within reach.
 fn frictionless() -> ServoConfig {
     ServoConfig {
         force_limit: 25.0,
@@ -48,7 +48,7 @@ fn leakage_gives_the_position_loop_its_droop() {
     }
     // At rest q = leakage·P with P = k·x, and gain·(command − x) = q/√(1 − P/force_limit).
     let x = servo.displacement();
-    // Without throttling, which makes 2 % of a droop of 6e-4 mm:
+    // Without throttling, which contributes 2 % of a droop of 6e-4 mm:
     assert!(config.gain == 150.0 && config.leakage == 0.1);
     let throttling = (1.0 - k * x / config.force_limit).sqrt();
     let balance = config.gain * (0.1 - x) * throttling - config.leakage * k * x;
@@ -57,8 +57,7 @@ fn leakage_gives_the_position_loop_its_droop() {
     assert!((x - 0.1 * 150.0 / 150.9).abs() < 2e-5, "{x}");
 }
 
-/// Linear where opening and load are small: the transfer function of valve, oil column and mass, worked out in complex
-/// numbers.
+/// Linear for small opening and load: the transfer function of valve, oil column and mass, calculated in complex numbers.
 #[test]
 fn frequency_response_is_the_transfer_function() {
     let config = frictionless();
@@ -72,7 +71,7 @@ fn frequency_response_is_the_transfer_function() {
             let phase = w * STEP * tick as f64;
             servo.advance(amplitude * phase.sin(), true);
             if tick >= cycle * 10 {
-                // After `advance` the time is one step further than its command.
+                // After `advance` the time is one step past its command.
                 let now = phase + w * STEP;
                 re += servo.displacement() * now.sin();
                 im += servo.displacement() * now.cos();
@@ -94,7 +93,7 @@ fn frequency_response_is_the_transfer_function() {
         let open = C(config.gain, 0.0) * valve * per_flow;
         let expected = open / (C(1.0, 0.0) + open) * C(0.0, -w * config.dead_time).exp();
         let error = (measured - expected).abs();
-        // First-order integration: half a step or one of delay at each of five integrators, ω·STEP each.
+        // First-order integration: half a step or one step of delay at each of five integrators, ω·STEP each.
         assert!(error < 2.5 * w * STEP + 1e-3, "{error} at {frequency} Hz");
         assert!(expected.1 < -0.03, "the lag is there to be corrected");
     }
@@ -156,7 +155,7 @@ fn the_valve_limits_the_velocity() {
 
 #[test]
 fn the_supply_limits_the_force() {
-    // A light piston: a heavy one goes on swinging on the specimen, beyond the supply's force.
+    // A light piston: a heavy one would keep swinging on the specimen, beyond the supply's force.
     let config = ServoConfig {
         mass: 1.0,
         ..frictionless()
@@ -165,8 +164,8 @@ fn the_supply_limits_the_force() {
     for _ in 0..20_000 {
         servo.advance(10.0, true);
     }
-    // Full opening against 25 kN: flow·√(1 − P/limit) = leakage·P leaves P 0.03 % short, and the throttling of a step
-    // ago lets P swing about it.
+    // Full opening against 25 kN: flow·√(1 − P/limit) = leakage·P leaves P 0.03 % short, and the throttling of the step before lets
+    // P swing about it.
     let p = servo.force();
     assert!((p / config.force_limit - 1.0).abs() < 5e-3, "{p}");
 }
@@ -228,9 +227,9 @@ fn a_steep_damping_force_does_not_rattle() {
         force = servo.force();
     }
     assert_eq!(reversals, 8);
-    // While the piston stands the force can only follow the oil column, K·h·q: 5000 kN/mm·1e-4 s·q. It stands while the
-    // flow turns by what it takes to load the column with the force's jump of 2·c·|v|^α = 1 kN, 1 kN/5000 kN/mm = 2e-4
-    // mm: with a flow of 0.25 mm·(2π)²·t, that is up to q = √(2·2e-4·9.9) = 0.063 mm/s, 0.03 kN a step.
+    // While the piston stands the force can only follow the oil column, K·h·q: 5000 kN/mm·1e-4 s·q. It stands until the reversed
+    // flow has loaded the column with the force's jump of 2·c·|v|^α = 1 kN, which takes 1 kN/5000 kN/mm = 2e-4 mm. With a flow of
+    // 0.25 mm·(2π)²·t the flow rises to q = √(2·2e-4·9.9) = 0.063 mm/s, which is 0.03 kN per step.
     assert!(largest_step < 0.03, "{largest_step}");
 }
 
@@ -244,7 +243,7 @@ fn a_sensor_has_the_noise_lag_and_offset_it_is_given() {
     };
     let mut sensor = Sensor::new(config, STEP, 7, 0).unwrap();
     let quantity = |volts: f64| volts * 5.0 / 10.24;
-    // After one time constant the lag has let 1 − 1/e through: 20 steps.
+    // After one time constant the lag has passed 1 − 1/e: 20 steps.
     let quiet = SensorConfig {
         noise: 0.0,
         ..config
@@ -329,7 +328,7 @@ fn the_dac_answers_as_its_datasheet_says() {
         dac.write(&frame).unwrap();
         pins.volts.get()
     };
-    // Clamped to ground until the range is chosen, then at midscale as asked for.
+    // Clamped to ground until the range is chosen, then at midscale as requested.
     assert_eq!(drive([0x03, 0xFF, 0xFF]), 0.0);
     assert_eq!(drive([0x0F, 0, 0]), 0.0);
     assert_eq!(drive([0x04, 0x02, 0x68]), 0.0);

@@ -1,4 +1,4 @@
-//! Attacks on the rig, a part of the campaign's: what it must not let happen, and what its monitor is asked for.
+//! Attacks on the rig, a part of the campaign's: hazards that it must prevent, and requirements on its monitor.
 
 use mesh_damper::health::Channel;
 use mesh_damper_rig::faults::{
@@ -62,7 +62,8 @@ fn trial(attacks: Vec<Attack>) -> AttackTrial {
     }
 }
 
-/// Behind a force channel of two fifths of its gain a specimen gives three times its force: 2 of the limit, of which 0.8 is shown.
+/// Behind a force channel with two fifths of its gain a specimen gives three times its force: 2 times the limit, of which 0.8 is
+/// shown.
 #[test]
 fn a_hazard_behind_a_constant_gain_is_seen_and_told_apart() {
     let less = attack(AttackKind::GainFromStart(Channel::Force), -0.6, -2.0);
@@ -96,7 +97,7 @@ fn a_healthy_rig_is_in_no_hazardous_state_within_the_closest_limits() {
     }
 }
 
-/// Four to a word.
+/// Four per word.
 #[test]
 fn every_word_of_the_settings_is_forged() {
     let all = forgeries().unwrap();

@@ -33,13 +33,13 @@ fn setup(motion: Motion) -> Setup {
     RigSetup::driven(specimen, AugmentedLaw::new(law), motion, 1).unwrap()
 }
 
-/// Samples of `motion` from `from` s on for `duration` s, with noise of the size `noise` that is none a cubic follows.
+/// Samples of `motion` from `from` s on for `duration` s, with noise of the size `noise` that a cubic does not follow.
 fn recording(motion: impl Fn(f64) -> f64, duration: f64, rate: f64, noise: f64) -> Recording {
     let count = (duration * rate) as usize;
     let time: Vec<f64> = (0..count).map(|i| i as f64 / rate).collect();
     let mut state = 1_u64;
     let mut noisy = || {
-        // Marsaglia's xorshift; uniform, of deviation 1.
+        // Marsaglia's xorshift; uniform, with a deviation of 1.
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
@@ -54,7 +54,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     f64::sqrt(squares / count)
 }
 
-/// RMS of the run's displacement less `motion`'s, over that of the motion.
+/// RMS of the run's displacement minus `motion`'s, divided by that of the motion.
 fn followed(run: &RigRun, motion: &Motion) -> f64 {
     let samples = &run.samples;
     let demand = |time: &f64| motion.at(*time).displacement;
@@ -68,7 +68,7 @@ fn a_random_motion_has_its_rms_its_band_and_its_period() {
     let [before, after] = motion.ramps();
     assert_eq!([before, after, motion.duration()], [2.0, 2.0, 12.0]);
     assert!((motion.rms() / 0.1 - 1.0).abs() < 1e-3, "{}", motion.rms());
-    // One period at 1 kHz: every line of the band holds the same, and no other holds anything.
+    // One period at 1 kHz: every line of the band has the same power, and the others have none.
     let core: Vec<f64> = (0..8000)
         .map(|i| motion.at(2.0 + i as f64 * 1e-3).displacement)
         .collect();
@@ -92,7 +92,7 @@ fn a_random_motion_has_its_rms_its_band_and_its_period() {
             "line {line}: {amplitude}"
         );
     }
-    // Velocity is the displacement's derivative, ramps included, and both ends are at rest at 0.
+    // Velocity is the displacement's derivative, also in ramps, and both ends are at rest at 0.
     let h = 1e-4;
     for place in 1..2400 {
         let time = 5e-3 * f64::from(place);
@@ -195,16 +195,16 @@ fn a_recorded_motion_is_the_one_that_was_recorded_and_its_ramps_come_in_addition
         out.motion.at(before + time).displacement - 0.5 * (truth(time) + 0.1)
     });
     let error = rms(error);
-    // A thousandth of the motion, in which the windows' bias counts more than the noise.
+    // A thousandth of the motion, in which the windows' bias matters more than the noise.
     assert!(error < 8e-5, "{error}");
-    // What was taken out is the noise, 1e-4 mm and half as large now, and that bias.
+    // The rejected part is the noise, 1e-4 mm and half as large now, and that bias.
     let noise = 5e-5;
     assert!(
         out.left_out > 0.9 * noise && out.left_out < 1.7 * noise,
         "{}",
         out.left_out
     );
-    // Nowhere does it jump or ask for much more than the recorded motion does.
+    // Nowhere does it jump or demand much more than the recorded motion does.
     let peaks = out.motion.peaks();
     assert!(peaks.displacement < 0.5 * 0.3, "{peaks:?}");
     let fastest = 0.5 * (TAU * 2.0 * 0.1 + TAU * 7.0 * 0.05);
@@ -251,7 +251,7 @@ fn a_recording_with_a_gap_or_a_scale_that_is_none_is_refused() {
     );
 }
 
-/// The actuator is a first-order lag of 24 Hz with a millisecond of dead time; the lead takes most of it off.
+/// The actuator is a first-order lag of 24 Hz with a millisecond of dead time; the lead removes most of it.
 #[test]
 fn the_rig_follows_within_the_error_that_was_said_before() {
     for (to, most) in [(3.0, 0.02), (8.0, 0.06), (20.0, 0.25)] {
@@ -268,7 +268,7 @@ fn the_rig_follows_within_the_error_that_was_said_before() {
         assert!((run.ticks as f64 - motion.duration() * TICK_RATE).abs() < 5.0);
         let error = followed(&run, &motion);
         assert!(error < most, "up to {to} Hz: {error}");
-        // Over the whole motion, ramps included, as it was said.
+        // Over the whole motion, ramps included, as stated before.
         let whole = rms(run.samples.time.iter().map(|t| motion.at(*t).displacement));
         let said = demands.following_error_rms_mm / whole;
         assert!(
@@ -310,7 +310,7 @@ fn a_replay_of_a_run_moves_as_the_run_did() {
     assert!(second.faults.is_empty());
     let error = followed(&second, &out.motion);
     assert!(error < 0.04, "{error}");
-    // And the force with it: the same specimen under the same motion, the ramp in later.
+    // The force agrees too: the same specimen under the same motion, after the ramp in.
     let late = (out.motion.ramps()[0] * 1e3).round() as usize;
     let pairs = first
         .samples
@@ -362,12 +362,12 @@ fn a_motion_beyond_a_limit_is_refused_with_value_limit_and_scale() {
         assert!(error.contains(&format!("field {field}")), "{error}");
         assert!(error.contains("--scale 0."), "{error}");
     }
-    // The scale does it, where what is asked for is in proportion.
+    // The scale is enough where the demand is proportional.
     let large = demand(&setup(random(0.3, 8.0))).unwrap_err();
     let scale = large.split("--scale ").nth(1).unwrap();
     let scale: f64 = scale.split(' ').next().unwrap().parse().unwrap();
     assert!(scale < 0.9);
-    // Of a motion that was scaled already it is the scale that takes the place of that.
+    // For a motion that is scaled already, the suggested scale replaces that scale.
     let again = checked(&setup(random(0.3, 8.0)), 0.5)
         .unwrap_err()
         .to_string();

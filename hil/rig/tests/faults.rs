@@ -1,4 +1,4 @@
-//! The fault campaign, a part of it: what the rig's monitor is asked for.
+//! The fault campaign, a part of it: the requirements on the rig's monitor.
 
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::fast_law::{Adaptation, FastLaw};
@@ -11,7 +11,7 @@ use mesh_damper_rig::faults::{
 };
 use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
 
-/// `cargo hil faults --check` is the whole. Attacks have a test of their own.
+/// `cargo hil faults --check` is the whole. Attacks have their own test.
 #[test]
 fn a_part_of_the_campaign_meets_the_requirement() {
     let campaign = Campaign {
@@ -28,7 +28,7 @@ fn a_part_of_the_campaign_meets_the_requirement() {
         .filter(|one| one.change.is_within())
         .count();
     assert!(within > 0 && within < summary.slow.len());
-    // It settles by 10 %, and what warms it after that moves it by 5 %: both are said, and are no alarms.
+    // It settles by 10 %, and later warming changes it by 5 %: both are reported, and neither is an alarm.
     let settling = |healthy: &&Healthy| healthy.surroundings == Surroundings::Settling;
     assert_eq!(summary.healthy.len(), Surroundings::ALL.len() * 6);
     for healthy in summary.healthy.iter().filter(settling) {
@@ -47,7 +47,7 @@ fn law_of(specimen: &Damaged, part: f64) -> AugmentedLaw<f32, 1> {
     AugmentedLaw::new(Law::new(k1, k3, friction, c.alpha as f32).unwrap())
 }
 
-/// A law that takes over in the middle of a block is no change of the specimen, and nothing of what was followed is left.
+/// A law that takes over in the middle of a block is no change of the specimen, and ends the adaptation.
 #[test]
 fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
     for follow in [0.0, FOLLOW] {
@@ -88,7 +88,7 @@ fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
         };
         assert_eq!(cause, HealthCause::WireBreakage);
         assert!((72..76).contains(&cycle), "{cycle}");
-        // What broke is not followed: no more than the noise leads to in the cycle before it is suspected.
+        // A break is not adapted to: the adaptation changes by no more than noise causes in the cycle before it is suspected.
         let (then, end) = (followed[70], followed[followed.len() - 2]);
         assert!((end.k1 - then.k1).abs() < 2.5e-3, "{then:?}, {end:?}");
         assert!(follow == 0.0 || end != Adaptation::default());

@@ -64,7 +64,7 @@ fn a_run_is_the_whole_programme() {
     assert_eq!(recording.temperature, Some(vec![20.0; run.samples.len()]));
 }
 
-/// Eq 13 alone beside a specimen with friction joints: the error is theirs.
+/// Eq 13 alone with a specimen with friction joints: the error is theirs.
 #[test]
 fn what_the_law_lacks_shows_in_every_cycle() {
     let run = run(setup(1));
@@ -81,7 +81,7 @@ fn each_block_runs_with_its_own_coefficients() {
     let run = run(setup);
     for (block, k) in [(0, 1.0), (1, 2.0)] {
         for report in run.steady_cycles(block) {
-            // K of a spring, to f32 and the coarseness of extremes at 2000 ticks a cycle, which both share.
+            // K of a spring, to f32 and the coarseness of the extremes at 2000 ticks per cycle, which both share.
             assert!((report.model.stiffness - k).abs() < 1e-5);
         }
     }
@@ -129,7 +129,7 @@ fn the_load_cell_is_chosen_for_the_specimen() {
     }
 }
 
-/// A bench whose specimen comes under a control input of 2.5 in the second place from a given tick on.
+/// A bench whose specimen gets a control input of 2.5 at the second index from a given tick on.
 struct Switched {
     bench: Bench<Specimen, 4, 4>,
     left: u32,
@@ -166,7 +166,7 @@ fn a_control_input_is_recorded_from_the_start_once_there_is_one() {
     for place in 0..=CONTROLS {
         assert!(without.control(place).is_empty());
     }
-    // A sample every ten ticks. At once, just after the sample 99, and with the next one.
+    // A sample every ten ticks: at once, just after sample 99, and with the next one.
     for (left, zeros) in [(0, 0), (991, 100), (1000, 100)] {
         let plan = Plan::of(&setup(1));
         let bench = Bench::new(setup(1)).unwrap();

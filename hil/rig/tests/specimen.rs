@@ -1,4 +1,4 @@
-//! The simulated specimen against closed forms, and what is drawn for the demonstration.
+//! The simulated specimen against closed forms, and the specimens drawn for the demonstration.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -12,7 +12,7 @@ use mesh_damper_rig::specimen::{
 };
 use proptest::prelude::*;
 
-/// No force of its own.
+/// No force of eq 13.
 const NOTHING: Coefficients = Coefficients {
     k1: 0.0,
     k3: 0.0,
@@ -154,7 +154,7 @@ fn sharp_friction_dissipates_its_parallelogram() {
     assert!(energy(&y, &force).abs() < 1e-15);
 }
 
-/// Sliders with limits xᵢ evenly up to 2·xs: the sum of their parallelograms, those not reached left out.
+/// Sliders with limits xᵢ evenly up to 2·xs: the sum of their parallelograms, without those that do not slip.
 #[test]
 fn spread_friction_dissipates_the_sum_of_its_sliders() {
     let sliders = 12;
@@ -176,15 +176,14 @@ fn spread_friction_dissipates_the_sum_of_its_sliders() {
     }
 }
 
-/// Bouc–Wen: n = 1 from rest is F = kt·xs·(1 − e^(−y/xs)); the larger n, the nearer to Jenkins. Frequency plays no
-/// part.
+/// Bouc–Wen: n = 1 from rest is F = kt·xs·(1 − e^(−y/xs)); the larger n, the nearer to Jenkins. The frequency has no influence.
 #[test]
 fn smooth_friction_follows_bouc_and_wen() {
     let mut specimen = Specimen::new(NOTHING).with(friction(SlipShape::Smooth { exponent: 1.0 }));
     for i in 1..=100 {
         let y = 0.001 * f64::from(i);
         let force = specimen.force(0.01 * f64::from(i), y, 0.1, 0.0, 0.01);
-        // Midpoint rule at steps of h ≤ xs/50: (h/xs)²/6 of the slope that is left.
+        // Midpoint rule at steps of h ≤ xs/50: (h/xs)²/6 of the remaining slope.
         close(force, 1.2 * 0.03 * (1.0 - (-y / 0.03).exp()), 1e-4);
     }
     let loss = |exponent, frequency| {
@@ -213,14 +212,15 @@ fn a_maxwell_branch_has_its_storage_and_loss_moduli() {
         let (y, force) = last_cycle(effect, 0.1, frequency, 20, 4000);
         let x = TAU * frequency * time;
         let (storage, loss) = moduli(&force, 0.1);
-        // The trapezoidal rule warps ω by (ω·dt)²/12 = 2e-7.
+        // The trapezoidal rule changes ω by (ω·dt)²/12 = 2e-7.
         close(storage, stiffness * x * x / (1.0 + x * x), 1e-5);
         close(loss, stiffness * x / (1.0 + x * x), 1e-5);
         close(energy(&y, &force), PI * loss * 0.01, 1e-5);
     }
 }
 
-/// A steady velocity is held by the dashpot; a motion that is small beside its rate has the moduli of a Maxwell branch.
+/// At a steady velocity the dashpot carries the force; a motion that is small compared with its rate has the moduli of a Maxwell
+/// branch.
 #[test]
 fn a_dashpot_that_yields_has_its_closed_forms() {
     let (stiffness, yields, rate, c) = (1.5, 0.05, 2.0, 0.004);
@@ -233,7 +233,7 @@ fn a_dashpot_that_yields_has_its_closed_forms() {
     let (_, force) = last_cycle(effect, 1e-4, 5.0, 20, 4000);
     let x = TAU * 5.0 * (yields / rate + c) / stiffness;
     let (storage, loss) = moduli(&force, 1e-4);
-    // A rule of the first order, of 2e-5 s.
+    // A first-order rule of 2e-5 s.
     close(storage, stiffness * x * x / (1.0 + x * x), 2e-3);
     close(loss, stiffness * x / (1.0 + x * x), 2e-3);
     for velocity in [-9.0, 0.5, 4.0] {
@@ -256,7 +256,7 @@ fn drift_follows_the_cycles_run() {
     };
     for cycles in [1, 10, 50] {
         let (y, force) = last_cycle(effect, 0.1, 2.0, cycles, 1000);
-        // Counted at a passage through 0: the first peak of a cycle has a whole number of cycles behind it.
+        // Counted at a passage through 0: the first peak of a cycle has a whole number of cycles before it.
         let run = (cycles - 1) as f64;
         close(
             force[250],
@@ -270,7 +270,7 @@ fn drift_follows_the_cycles_run() {
             1e-12,
         );
     }
-    // Half as many samples, twice the frequency, a tenth of the amplitude: cycles count, nothing else.
+    // Half as many samples, twice the frequency, a tenth of the amplitude: only cycles count.
     let (y, force) = last_cycle(effect, 0.01, 4.0, 10, 500);
     close(
         force[125],
@@ -296,7 +296,7 @@ fn warmth_takes_its_part_of_the_whole_law() {
     }
 }
 
-/// A used specimen put to rest does what a new one does.
+/// A used specimen put at rest behaves like a new one.
 #[test]
 fn at_rest_is_as_new() {
     let (new, _) = draw(3);
@@ -331,7 +331,7 @@ fn a_slip_limit_of_zero_is_refused() {
     });
 }
 
-/// The ideal motion is what its velocity and acceleration say, but for the velocity's jump between two frequencies.
+/// The ideal motion agrees with its velocity and acceleration, except for the velocity's jump between two frequencies.
 #[test]
 fn the_protocols_motion_is_its_own_derivative() {
     let rate = 20_000.0;
@@ -400,7 +400,7 @@ fn drawn_effects_keep_their_promises() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Over closed cycles no drawn specimen gives back more than it took.
+    /// Over closed cycles no drawn specimen returns more energy than it absorbed.
     #[test]
     fn a_drawn_specimen_generates_no_energy(
         seed in 0..1000_u64, amplitude in 0.02..0.2_f64, frequency in 0.5..10.0_f64,

@@ -1,4 +1,4 @@
-//! What a correction is over in the place of speed, in integers: mostly what it remembers of the motion.
+//! The variable of a residual table that replaces speed, in integers. Most of these variables are a memory of the motion.
 
 use super::{END, LAST_NODE, NODES, ONE};
 use crate::effects::ClampedMotion;
@@ -6,71 +6,71 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// Readings are within ± this.
+/// Limit of a reading, in either direction.
 const LARGEST_READING: i32 = 0xffff;
-/// A gain is in 512ths of a place per reading.
+/// Bits of the fraction of a gain: it counts 512ths of a place per reading.
 const GAIN: u32 = 9;
 const LARGEST_GAIN: i32 = (1 << 14) - 1;
-/// The same of a slip, whose stretch is all that is multiplied by it.
+/// The same for a slip, of which only the stretch is multiplied by it.
 const LARGEST_GAIN_OF_SLIP: i32 = 1 << 15;
 /// The last place, in 512ths.
 const LAST_GAINED: i32 = ((LAST_NODE + 1) << GAIN) - 1;
-/// Bits of an average below the last of a place.
+/// Bits of an average below the last bit of a place.
 const AVERAGE: u32 = 15;
-/// Parts of a cycle that are told apart.
+/// Resolution of a cycle.
 const CYCLE: i32 = 1 << 16;
-/// Ticks of the longest average: within a thousandth of the table's range it follows.
+/// Ticks of the longest average; with these its error is within a thousandth of the table's range.
 const LONGEST: f64 = 1e7;
 
-/// What stands in the place of speed. Displacements beyond ±reach are taken as there.
+/// The variable that replaces speed. Displacements are clamped to ±reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Memory<R> {
-    /// The stretch in mm of a spring that slips at `limit`, from −`limit` to `limit`, at first none: where the motion last
-    /// turned, whatever its rate.
+    /// The stretch in mm of a spring that slips at `limit`, from −`limit` to `limit`, initially 0. It shows where the motion last
+    /// reversed, at any rate.
     Slip {
-        /// mm, 1e-9…1e4; at least a 32nd of the reach is taken.
+        /// mm, 1e-9…1e4; values below a 32nd of the reach are raised to it.
         limit: R,
     },
-    /// The displacement less its average over `time`, which begins at the first one, mm.
+    /// The displacement minus its average over `time`, mm. The average begins at the first displacement.
     Lag {
-        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
+        /// s, 1e-6…1e6; clamped to 2…1e7 ticks.
         time: R,
     },
     /// The mean speed over `time`, from 0, mm/s.
     Travel {
-        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
+        /// s, 1e-6…1e6; clamped to 2…1e7 ticks.
         time: R,
     },
-    /// The largest displacement so far to either side, mm.
+    /// The largest displacement so far in either direction, mm.
     Largest,
-    /// log₂(1 + t/`time`), t the time since the start, by straight lines between powers of two.
+    /// log₂(1 + t/`time`), t the time since the start, linear between powers of two.
     Age {
         /// s, 1e-6…1e6
         time: R,
     },
-    /// The temperature that is measured, °C.
+    /// The measured temperature, °C.
     Temperature,
-    /// Nothing: the force is a line over displacement alone, once for each direction, of [`super::FINE`] nodes evenly over
-    /// ±reach. It has the first so many of each direction's cells, the others are not read.
+    /// No variable: the force is a line over displacement alone, one per direction, with [`super::FINE`] nodes evenly spaced over
+    /// ±reach. The line uses the first cells of each direction; the others are not read.
     Place,
-    /// Nothing: the force is a line over speed alone, once for each direction, where the displacement lies above `above`,
-    /// another where it lies below `below`, and 0 between: what touches on one side, or on both. Of each direction's cells they
-    /// have the first [`super::NODES`], and as many after them; the others are not read.
+    /// No variable: the force is a line over speed alone, one per direction, where the displacement lies above `above`, another
+    /// where it lies below `below`, and 0 in between. This describes contact on one side, or on both. The two lines use the first
+    /// [`super::NODES`] cells of each direction and the same number after them; the other cells are not read.
     Sides {
-        /// mm, −1e4…1e4; at −`reach` or below there is no such side.
+        /// mm, −1e4…1e4; at −`reach` or below this side does not exist.
         below: R,
-        /// mm, `below`…1e4; likewise at `reach`.
+        /// mm, `below`…1e4; at `reach` or above this side does not exist.
         above: R,
     },
-    /// log₂ of the frequency in Hz, the cycles per second over `time`, by straight lines between powers of two. On the first tick
-    /// it is that of the first node. An `f32` keeps too little of the cycles after 1e5.
+    /// log₂ of the frequency in Hz, which is the cycles per second over `time`, linear between powers of two. On the first tick it
+    /// is the frequency of the first node. An `f32` resolves the cycles too coarsely after 1e5 of them.
     Frequency {
-        /// s, 1e-6…1e6; 2…1e7 ticks are taken.
+        /// s, 1e-6…1e6; clamped to 2…1e7 ticks.
         time: R,
     },
 }
 
-/// Each with its number in a pack. The numbers of those that are no more stay theirs.
+/// Each kind with its number in a pack. Numbers of removed kinds are not reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd)]
 #[repr(u8)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -88,7 +88,7 @@ pub(super) enum MemoryKind {
 }
 
 impl MemoryKind {
-    /// This one and those after it have a state.
+    /// This kind and those after it have a state.
     pub const FIRST_MEMORY: Self = Self::Slip;
 
     const ALL: [Self; 10] = [
@@ -104,7 +104,7 @@ impl MemoryKind {
         Self::Frequency,
     ];
 
-    /// Of this number; `None` where there never was one.
+    /// The kind with this number; `None` if the number was never in use.
     ///
     /// # Errors
     /// [`ConfigError::Removed`]
@@ -122,25 +122,25 @@ impl MemoryKind {
     }
 }
 
-/// How it is remembered, and where it stands among the nodes.
+/// How the variable is computed, and its scale over the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Recall<R> {
     pub kind: MemoryKind,
-    /// 1/time in ticks, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; of a slip and the others unused.
+    /// 1/time in ticks, readings per °C, parts of a speed per mm/s, or Hz of an average of 1; unused for a slip and the others.
     pub rate: R,
-    /// The place above which there is a side, or what an average loses in a tick, of 2³².
+    /// The place above which there is a side, or the part that an average loses in a tick, as 2³² per 1.
     pub step: i32,
-    /// Where a reading of 0 stands, in 512ths of a place; or the place below which there is a side.
+    /// Place of a reading of 0, in 512ths; or the place below which there is a side.
     pub origin: i32,
     /// 512ths of a place per reading.
     pub gain: i32,
 }
 
-/// What a correction may be over beside the motion.
+/// Variables that are not part of the motion.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<R> {
     pub cycles: R,
-    /// °C
+    /// Temperature, °C.
     pub temperature: R,
 }
 
@@ -154,27 +154,27 @@ impl<R: Real> Beside<R> {
     }
 }
 
-/// What a correction remembers.
+/// State of a residual table.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ResidualTableState {
-    /// Of which kind, [`MemoryKind::Speed`] before the first tick: what a tick does follows from it alone.
+    /// Kind of the variable, [`MemoryKind::Speed`] before the first tick. The work of a tick follows from it alone.
     kind: MemoryKind,
-    /// Place of the tick before, or part of its cycle.
+    /// Place on the tick before, or part of its cycle.
     previous: i32,
     /// Stretch, average, largest displacement or ticks.
     value: i32,
 }
 
 impl ResidualTableState {
-    /// Nothing, as before the first tick. All bits are 0.
+    /// Empty, as before the first tick. All bits are 0.
     pub const NEW: Self = Self {
         kind: MemoryKind::Speed,
         previous: 0,
         value: 0,
     };
 
-    /// Whether it remembers such.
+    /// Whether the state is of this kind.
     pub(super) fn is_of(&self, kind: MemoryKind) -> bool {
         self.kind == kind
     }
@@ -189,7 +189,7 @@ impl<R: Real> Recall<R> {
         gain: 0,
     };
 
-    /// `memory` from `low` to `high`, over places of which ±`reach` mm are 8·4096, every `tick` s.
+    /// `memory` from `low` to `high`, with places of which 8·4096 are ±`reach` mm, for a tick of `tick` s.
     ///
     /// # Errors
     /// As for [`super::ResidualTable::new`].
@@ -237,7 +237,7 @@ impl<R: Real> Recall<R> {
             Memory::Travel { time } => {
                 new.kind = MemoryKind::Travel;
                 new.step = loss(time)?;
-                // Four times the last node is within 2³¹.
+                // Four times the last node stays below 2³¹.
                 let rate = (f64::from(1 << 29) / high.max(1e-9)).min(limits::COEFFICIENT);
                 new.rate = R::from_f64(rate);
                 per_reading = f64::from(1 << AVERAGE) / rate;
@@ -280,15 +280,15 @@ impl<R: Real> Recall<R> {
         let (low, high) = (low / per_reading, high / per_reading);
         let gain = f64::from(LAST_GAINED) / (high - low);
         new.gain = gain.min(f64::from(LARGEST_GAIN)) as i32;
-        // Readings are less than 2¹⁷ apart: nothing overflows.
+        // Two readings differ by less than 2¹⁷, so nothing overflows.
         new.origin = -(low.clamp(-largest, largest) as i32) * new.gain;
         Ok(new)
     }
 
-    /// Whether these are numbers that [`Self::new`] could give.
+    /// Checks that [`Self::new`] could give these numbers.
     ///
     /// # Errors
-    /// The field that is not.
+    /// The field that it could not give.
     pub fn check(&self) -> Result<(), ConfigError> {
         let in_range = |field, value: i32, low: i32, high: i32| {
             if (low..=high).contains(&value) {
@@ -312,7 +312,7 @@ impl<R: Real> Recall<R> {
         in_range("gain", self.gain, 0, most)
     }
 
-    /// For ticks that are twice as long: an average loses s·(2 − s) of itself where it lost s, at most half of it.
+    /// For ticks that are twice as long: an average loses s·(2 − s) of itself where it lost s, but at most half of it.
     pub fn halve_rate(&mut self) {
         match self.kind {
             MemoryKind::Lag | MemoryKind::Travel | MemoryKind::Frequency => {
@@ -330,7 +330,7 @@ impl<R: Real> Recall<R> {
         }
     }
 
-    /// Whether a state of `other`, over places as long as these, is one of this: its nodes may stand elsewhere.
+    /// Whether a state of `other`, over places of the same length, is valid here; the positions of the nodes may differ.
     pub fn is_like(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|recall| Self {
             origin: 0,
@@ -344,7 +344,7 @@ impl<R: Real> Recall<R> {
         own == others
     }
 
-    /// As before the first tick.
+    /// The state before the first tick.
     #[cold]
     #[inline(never)]
     pub fn begin(&self, across: i32, cycles: R) -> ResidualTableState {
@@ -362,8 +362,8 @@ impl<R: Real> Recall<R> {
         }
     }
 
-    /// The place among the nodes on this tick, at a place over displacement; `None` before the first tick. Limits that are powers
-    /// of two are one instruction.
+    /// The place among the nodes on this tick, for a place over displacement; `None` before the first tick. A limit that is a power
+    /// of two takes one instruction.
     #[inline(always)]
     pub fn along(
         &self,
@@ -409,7 +409,7 @@ impl<R: Real> Recall<R> {
                 let now = part_of_cycle(beside.cycles);
                 state.previous = now;
                 let passed = (now.wrapping_sub(previous) & (CYCLE - 1)) << AVERAGE;
-                // The first cycles are no faster than those after.
+                // The first cycles are not faster than those after.
                 state.value = if value == 0 { passed } else { toward(passed) };
                 within(octaves(R::from_i32(state.value) * self.rate))
             }
@@ -420,7 +420,7 @@ impl<R: Real> Recall<R> {
         Some((gained >> GAIN).clamp(0, LAST_NODE))
     }
 
-    /// The first cell of the side that a place is on.
+    /// The first cell of the side that contains a place.
     #[inline(always)]
     pub fn side(&self, place: i32) -> Option<usize> {
         if place > self.step {
@@ -433,20 +433,20 @@ impl<R: Real> Recall<R> {
     }
 }
 
-/// In 65536ths.
+/// Part of the current cycle, in 65536ths.
 #[inline(always)]
 fn part_of_cycle<R: Real>(cycles: R) -> i32 {
     let part = cycles - R::from_i32(cycles.to_i32());
     (part * R::from_f64(f64::from(CYCLE))).to_i32()
 }
 
-/// A reading.
+/// Clamps a reading.
 #[inline(always)]
 fn within(value: i32) -> i32 {
     value.clamp(!LARGEST_READING, LARGEST_READING)
 }
 
-/// 4096·log₂ by straight lines between powers of two.
+/// 4096·log₂, linear between powers of two.
 #[inline(always)]
 fn octaves<R: Real>(value: R) -> i32 {
     value.half_octaves() >> 1

@@ -1,15 +1,17 @@
-//! A residual table: the force, as a table, that a law still lacks where no known effect explains it.
+//! The residual table: a bounded table of the force that the law still lacks where no known effect explains it.
 //!
-//! F = T(y, sgn v, s). T stands over displacement, once for each direction of motion, so that friction's jump at rest is exact,
-//! and over s: speed, or in its place what the motion was before, how fast it goes to and fro, or the temperature. Or it is a
-//! finer line over displacement alone, for what happens at one place, or lines over speed beyond edges, for what touches there.
+//! F = T(y, sgn v, s). T is tabulated over displacement, once for each direction of motion, so that the jump of friction at rest is
+//! exact, and over s. s is the speed, or in its place the earlier motion, the rate of its reversals, or the temperature.
+//! Alternatively T is a finer line over displacement alone, for an effect at one position, or lines over speed beyond edges, for a
+//! contact.
 //!
-//! Displacement is divided evenly over ±reach, speed by half octaves ([`part_of_speed`]), what stands in its place evenly.
-//! Between nodes the table is a straight line in each of its variables; outside, its edge holds. So the force is bounded by the
-//! largest cells, whatever the motion. At rest, which has no direction, it is the mean of both.
+//! Nodes over displacement are evenly spaced over ±reach, nodes over speed by half octaves ([`part_of_speed`]), and nodes over
+//! another variable evenly. Between nodes the table is linear in each of its variables; outside, the value at its edge holds. The
+//! force is therefore bounded by the largest cells for every motion. At rest, which has no direction, it is the mean of both
+//! directions.
 //!
-//! After one or two conversions everything is in integers, so that `f32` and `f64` differ only by where these round: to a
-//! 4096th of the way between two nodes.
+//! After one or two conversions the computation is in integers. `f32` and `f64` thus differ only by rounding in these conversions:
+//! by a 4096th of the distance between two nodes.
 
 mod memory;
 mod packed;
@@ -26,24 +28,24 @@ pub(crate) use packed::LARGEST_TABLE;
 
 /// Nodes over displacement.
 pub const DISPLACEMENTS: usize = 9;
-/// Nodes over speed, or over what stands in its place.
+/// Nodes over speed, or over the variable in its place.
 pub const NODES: usize = 17;
-/// Displacement runs fastest, then speed, then direction, that of growing displacement first.
+/// Number of cells. Displacement runs fastest, then speed, then direction, that of growing displacement first.
 pub const CELLS: usize = 2 * NODES * DISPLACEMENTS;
-/// Nodes over displacement where T is a line: [`Memory::Place`].
+/// Nodes over displacement where T is a line ([`Memory::Place`]).
 pub const FINE: usize = 33;
 
 /// The first cell for falling displacement.
 const BACK: usize = NODES * DISPLACEMENTS;
 
-/// Bits of the way between two nodes.
+/// Bits of the distance between two nodes.
 const FRACTION: u32 = 12;
 const ONE: i32 = 1 << FRACTION;
-/// The place at the largest displacement; that at none is 0.
+/// The place at the largest displacement; the place at 0 mm is 0.
 const END: i32 = 4 * ONE;
-/// The last place over speed, or over what stands in its place.
+/// The last place over speed, or over the variable in its place.
 const LAST_NODE: i32 = 16 * ONE - 1;
-/// Bits of the way between two nodes of a line over displacement.
+/// Bits of the distance between two nodes of a line over displacement.
 const FINE_FRACTION: u32 = FRACTION - 2;
 
 /// The parts of a [`ResidualTable`].
@@ -53,14 +55,14 @@ pub struct ResidualTableParts<'t, R> {
     pub reach: R,
     /// Largest speed, mm/s, 1e-9…1e6.
     pub speed: R,
-    /// kN of one count in a cell, 0…1e9.
+    /// Force of one count in a cell, kN, 0…1e9.
     pub unit: R,
-    /// [`CELLS`] of them.
+    /// The cells, [`CELLS`] of them.
     pub cells: &'t [i16],
-    /// What stands in the place of speed, and its values at the first and at the last node, ±1e9, which must rise, and are not
-    /// used with [`Memory::Slip`], [`Memory::Place`] and [`Memory::Sides`]. Lengths are taken at least an eighth of the reach
-    /// apart and within four times of it, octaves half an octave and within ±16, speeds an eighth of the last,
-    /// temperatures a 32nd of the larger.
+    /// The variable in place of speed, and its values at the first and at the last node, ±1e9. The values must increase; they are
+    /// not used with [`Memory::Slip`], [`Memory::Place`] and [`Memory::Sides`]. The values are clamped: lengths to at least an
+    /// eighth of the reach apart and within four times of it, octaves to half an octave apart and within ±16, speeds to an eighth
+    /// of the last apart, temperatures to a 32nd of the larger apart.
     pub memory: Option<(Memory<R>, [R; 2])>,
 }
 
@@ -77,30 +79,30 @@ pub struct ResidualTable<R> {
     cells: [i16; CELLS],
 }
 
-/// Which cells make up a force, and with what weights: the force is `unit` times their weighted sum.
+/// The cells of a force and their weights: the force is `unit` times their weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
-    /// Cells and weights: four of each direction at rest, else of one, and some of them of no weight.
+    /// Cells and weights: four of each direction at rest, else four of one direction. Some weights are 0.
     pub cells: [(usize, f64); 8],
-    /// Where speed or what stands in its place is among the nodes: 0 at or below the first, 1 at or above the last.
+    /// Position of speed, or of the variable in its place, among the nodes: 0 at or below the first, 1 at or above the last.
     pub memory: f64,
 }
 
-/// Where a motion stands in the table beside its displacement and direction.
+/// Position of a motion in the table, in addition to displacement and direction.
 #[derive(Clone, Copy)]
 enum Along {
     /// A place among [`NODES`] nodes.
     Nodes(i32),
-    /// Nowhere: it is a line of [`FINE`] nodes.
+    /// None: the table is a line of [`FINE`] nodes.
     Line,
-    /// A place on the line of the side that the displacement is on.
+    /// A place on the line of the side that contains the displacement.
     Side(i32),
 }
 
 impl<R: Real> ResidualTable<R> {
     /// How its force grows outside the operating range.
     pub const OUTSIDE: Growth = Growth::Held;
-    /// No force. All bits are 0.
+    /// A table without force. All bits are 0.
     pub(super) const NONE: Self = Self {
         per_displacement: R::ZERO,
         per_speed: R::ZERO,
@@ -109,11 +111,11 @@ impl<R: Real> ResidualTable<R> {
         cells: [0; CELLS],
     };
 
-    /// The correction of these parts for a tick of `tick` s, 1e-7…1e3.
+    /// The residual table of these parts for a tick of `tick` s, 1e-7…1e3.
     ///
     /// # Errors
-    /// The field that is not finite or out of range; cells that are too few or too many; a memory whose last node does not
-    /// lie above its first.
+    /// The field that is not finite or out of range; too few or too many cells; a variable whose last node does not lie above its
+    /// first.
     pub fn new(parts: &ResidualTableParts<'_, R>, tick: R) -> Result<Self, ConfigError> {
         let reach = in_range("reach", parts.reach, 1e-9, limits::DISPLACEMENT)?.to_f64();
         let speed = in_range("speed", parts.speed, 1e-9, limits::VELOCITY)?.to_f64();
@@ -139,7 +141,7 @@ impl<R: Real> ResidualTable<R> {
         Ok(new)
     }
 
-    /// Whether there is any.
+    /// Whether the table has a force.
     #[inline(always)]
     pub(super) fn is_there(&self) -> bool {
         self.unit > R::ZERO
@@ -150,17 +152,17 @@ impl<R: Real> ResidualTable<R> {
         self.recall.halve_rate();
     }
 
-    /// Whether it is over the temperature.
+    /// Whether its variable is the temperature.
     pub(super) fn is_over_temperature(&self) -> bool {
         self.recall.kind == MemoryKind::Temperature
     }
 
-    /// Whether it is over the frequency, which it takes from the cycles.
+    /// Whether its variable is the frequency, which is computed from the cycles.
     pub(super) fn is_over_frequency(&self) -> bool {
         self.recall.kind == MemoryKind::Frequency
     }
 
-    /// Whether `other` remembers the same.
+    /// Whether the state of `other` is valid here.
     pub(super) fn remembers_as(&self, other: &Self) -> bool {
         self.per_displacement == other.per_displacement && self.recall.is_like(&other.recall)
     }
@@ -179,7 +181,7 @@ impl<R: Real> ResidualTable<R> {
         }
     }
 
-    // None of these is inlined: its registers and constants are no matter of ticks without it.
+    // None of these functions is inlined, so that other ticks do not load its registers and constants.
     #[inline(never)]
     fn force_over_speed(&self, displacement: R, velocity: R) -> R {
         let along = Along::Nodes(self.speed(velocity));
@@ -213,7 +215,7 @@ impl<R: Real> ResidualTable<R> {
         }
     }
 
-    /// The same on the first tick, or at rest: apart, so that nothing is kept for it on every tick.
+    /// The same on the first tick, or at rest. A separate function, so that other ticks do not pay for it.
     #[cold]
     #[inline(never)]
     fn force_at_standstill(
@@ -227,7 +229,7 @@ impl<R: Real> ResidualTable<R> {
         self.force_at(across, Along::Nodes(along), velocity)
     }
 
-    /// The place over what is remembered, on the first tick or another.
+    /// The place over the state's variable, on the first tick or a later one.
     fn recalled(
         &self,
         state: &mut ResidualTableState,
@@ -266,7 +268,7 @@ impl<R: Real> ResidualTable<R> {
         R::from_i32(self.counts(first_cell(velocity), across, along)) * self.unit
     }
 
-    /// That of the mean of both directions.
+    /// The force as the mean of both directions.
     #[cold]
     #[inline(never)]
     fn force_at_rest(&self, across: i32, along: Along) -> R {
@@ -274,7 +276,7 @@ impl<R: Real> ResidualTable<R> {
         R::from_i32(both / 2) * self.unit
     }
 
-    /// The force in units, in the direction whose cells begin with cell `first`.
+    /// The force in units, for the direction whose cells begin at index `first`.
     #[inline(always)]
     fn counts(&self, first: usize, across: i32, along: Along) -> i32 {
         match along {
@@ -286,8 +288,8 @@ impl<R: Real> ResidualTable<R> {
         }
     }
 
-    /// The cells that the force on this tick comes from, for one who seeks what should stand in them. `state` is
-    /// [`ResidualTableState::NEW`] before the first tick.
+    /// The cells that contribute to the force on this tick, for a fit of their values. `state` is [`ResidualTableState::NEW`]
+    /// before the first tick.
     pub fn support(&self, state: &mut ResidualTableState, motion: &ClampedMotion<R>) -> Support {
         let velocity = motion.velocity();
         let across = self.across(motion.displacement());
@@ -340,7 +342,7 @@ fn first_cell<R: Real>(velocity: R) -> usize {
     0_usize.wrapping_sub(velocity.sign_bit()) & BACK
 }
 
-/// The speed at a node, over the largest: (2ⁱ − 1)/255 at node 2i, and the middle between these at those between.
+/// The speed at a node, divided by the largest: (2ⁱ − 1)/255 at node 2i, and midway between these at the nodes in between.
 pub fn part_of_speed(node: usize) -> f64 {
     let octave = f64::from(1u32 << (node / 2).min(8));
     let part = if node.is_multiple_of(2) {
@@ -351,13 +353,13 @@ pub fn part_of_speed(node: usize) -> f64 {
     (part - 1.0) / 255.0
 }
 
-/// The first of the four cells around a place, in the direction whose cells begin with cell `first`.
+/// Index of the first of the four cells around a place, in the direction whose cells begin at index `first`.
 #[inline(always)]
 fn corner(first: usize, across: i32, along: i32) -> usize {
     first + (along >> FRACTION) as usize * DISPLACEMENTS + ((across >> FRACTION) + 4) as usize
 }
 
-/// The value between the four cells around a place.
+/// The interpolated value between the four cells around a place.
 #[inline(always)]
 fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
     let corner = corner(first, across, along);
@@ -371,7 +373,7 @@ fn between(cells: &[i16], first: usize, across: i32, along: i32) -> i32 {
     mix(low, mix(c, d, across, FRACTION), along, FRACTION)
 }
 
-/// The value between two cells of a line that begins with cell `first`, `bits` apart.
+/// The interpolated value between two cells of a line that begins at index `first`, whose nodes are `bits` apart.
 #[inline(always)]
 fn on_line(cells: &[i16], first: usize, along: i32, bits: u32) -> i32 {
     let place = first + (along >> bits) as usize;
@@ -381,7 +383,7 @@ fn on_line(cells: &[i16], first: usize, along: i32, bits: u32) -> i32 {
     mix(i32::from(a), i32::from(b), along, bits)
 }
 
-/// The value between `a` and `b`, as far on the way as the last `bits` of a place say.
+/// The value between `a` and `b` at the fraction in the last `bits` of a place.
 #[inline(always)]
 fn mix(a: i32, b: i32, place: i32, bits: u32) -> i32 {
     a + (((b - a) * (place & ((1 << bits) - 1))) >> bits)

@@ -1,4 +1,4 @@
-//! A correction in a coefficient pack: its numbers, four bytes each, and what postcard makes of the cells as a `Vec<u8>`.
+//! A residual table in a coefficient pack: its numbers, four bytes each, and its cells in postcard's layout of a `Vec<u8>`.
 
 use super::memory::MemoryKind;
 use super::{CELLS, ResidualTable};
@@ -31,7 +31,8 @@ impl ResidualTable<f32> {
         }
     }
 
-    /// Reads what [`Self::pack`] wrote before the cells into `self`; `None` where it is no correction. Its numbers are still to be checked.
+    /// Reads into `self` the part that [`Self::pack`] wrote before the cells; `None` if it is not a residual table. Its numbers are
+    /// not checked yet.
     ///
     /// # Errors
     /// [`ConfigError::Removed`]
@@ -72,7 +73,8 @@ impl ResidualTable<f32> {
         Some(Ok(()))
     }
 
-    /// Reads the cells from number `from` to before number `to`; whether that were the last of them. `None` where they are not all there.
+    /// Reads the cells from index `from` to before index `to`. Returns whether these were the last. `None` if they are not all
+    /// there.
     pub(crate) fn unpack_cells(
         &mut self,
         reader: &mut Reader<'_>,
@@ -86,7 +88,7 @@ impl ResidualTable<f32> {
         Some(to >= cells)
     }
 
-    /// Whether its numbers are finite and within what [`ResidualTable::new`] can give, for one that was read.
+    /// Checks a table that was read: whether its numbers are finite and within the range that [`ResidualTable::new`] can give.
     ///
     /// # Errors
     /// The field that is not.
@@ -99,13 +101,13 @@ impl ResidualTable<f32> {
     }
 }
 
-/// In the place of a number of the table over the acceleration, which is no more.
+/// In place of a number of the table over acceleration, which was removed.
 const UNUSED: i32 = 0;
 
 /// Bytes of a table in a pack: numbers, kind, numbers, length, cells.
 pub(crate) const LARGEST_TABLE: usize = 4 * 4 + 1 + 4 * 4 + LENGTH.len() + 2 * CELLS;
 
-/// How many bytes the cells take, as postcard writes a length of 128…16383.
+/// The number of bytes of the cells, as postcard writes a length of 128…16383.
 const LENGTH: [u8; 2] = {
     let bytes = 2 * CELLS;
     [bytes as u8 | 0x80, (bytes >> 7) as u8]

@@ -5,12 +5,12 @@ use super::super::cause::Channel;
 use super::super::sums::Sample;
 use super::*;
 
-/// What a specimen has of its law, and where it stands.
+/// A specimen's force relative to its law, and its position.
 #[derive(Clone, Copy)]
 struct Specimen {
     elastic: f32,
     friction: f32,
-    /// Of the mean force, parts of the law's amplitude in phase with displacement.
+    /// Mean force, as a part of the law's amplitude in phase with displacement.
     mean: f32,
     /// Half width of a gap, mm.
     gap: f32,
@@ -29,7 +29,7 @@ const WHOLE: Specimen = Specimen {
 fn cycle(specimen: &Specimen, number: u32) -> (CycleSums, CycleNumbers) {
     let mut sums = CycleSums::default();
     for look in 0..32u16 {
-        // As the monitor looks: a quarter and three quarters of a part late in turn.
+        // Like the looks of the monitor: late by a quarter and three quarters of a part in turn.
         let late = 0.25 + 0.5 * (number % 2) as f32;
         let phase = core::f32::consts::TAU * (f32::from(look) + late) / 32.0;
         let (y, v) = (libm::sinf(phase), libm::cosf(phase));
@@ -40,7 +40,7 @@ fn cycle(specimen: &Specimen, number: u32) -> (CycleSums, CycleNumbers) {
             measured: specimen.elastic * elastic
                 + specimen.friction * friction
                 + 1.3 * specimen.mean
-                // What the elastic force loses, to first order.
+                // The loss of the elastic force, to first order.
                 - specimen.gap * (1.0 + 1.2 * y * y) * y.signum(),
             given: elastic + friction,
             share: 0.0,
@@ -57,7 +57,7 @@ fn cycle(specimen: &Specimen, number: u32) -> (CycleSums, CycleNumbers) {
     (sums, numbers)
 }
 
-/// What is named over `cycles` of the specimen that `at` gives for each, with its cycle.
+/// Causes named over `cycles` of the specimen that `at` gives for each, with their cycles.
 fn watched(
     settings: &HealthSettings,
     cycles: u32,
@@ -76,7 +76,7 @@ fn watched(
     named
 }
 
-/// The first that is named, and by how much its statistic had moved.
+/// The first cause named, and the change of its statistic.
 fn first(
     settings: &HealthSettings,
     cycles: u32,
@@ -87,7 +87,7 @@ fn first(
     (*number, event.cause, event.value)
 }
 
-/// Cycles after which something happens: it has been learned by then.
+/// Cycles after which the specimen changes: the learning is over by then.
 const THEN: u32 = 30;
 
 fn from_then(changed: Specimen) -> impl Fn(u32) -> Specimen {
@@ -95,7 +95,7 @@ fn from_then(changed: Specimen) -> impl Fn(u32) -> Specimen {
 }
 
 #[test]
-fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
+fn a_sudden_change_is_named_with_its_size_three_cycles_on() {
     let settings = HealthSettings::default();
     let (wire, friction) = (HealthCause::WireBreakage, HealthCause::FrictionWear);
     for (elastic, of_friction, mean, cause, value) in [
@@ -115,7 +115,7 @@ fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
         let (number, named, moved) = first(&settings, 60, from_then(changed));
         assert_eq!(named, cause);
         assert!((moved - value).abs() < 2e-3, "{cause:?}: {moved}");
-        // The alarm, and two cycles until it is judged; one more where a change is as small as can be asked for.
+        // The alarm, and two cycles until it is classified; one more if the change has the smallest size that can be asked for.
         let after = number - THEN;
         assert!(
             (JUDGED_AFTER..=JUDGED_AFTER + 2).contains(&after),
@@ -125,7 +125,7 @@ fn what_comes_at_once_is_named_with_its_size_three_cycles_on() {
 }
 
 #[test]
-fn what_goes_back_before_it_is_judged_and_what_is_too_small_are_nothing() {
+fn a_change_that_reverts_in_time_or_is_too_small_is_no_event() {
     let settings = HealthSettings::default();
     let short = |number: u32| Specimen {
         friction: if number == THEN { 0.7 } else { 1.0 },
@@ -138,17 +138,17 @@ fn what_goes_back_before_it_is_judged_and_what_is_too_small_are_nothing() {
         ..WHOLE
     };
     assert!(watched(&settings, 100, from_then(small)).is_empty());
-    // Nor what is there while it is learned.
+    // Nor one that is present while learning.
     assert!(watched(&settings, 100, |_| small).is_empty());
 }
 
-/// By 0.05 % a cycle, once the run-in is over.
+/// A change by 0.05 % per cycle, once the run-in is over.
 fn slowly(number: u32, changed: fn(f32) -> Specimen) -> Specimen {
     changed(5e-4 * number.saturating_sub(230) as f32)
 }
 
 #[test]
-fn what_comes_slowly_is_named_at_its_limit() {
+fn a_slow_change_is_named_at_its_limit() {
     let friction: fn(f32) -> Specimen = |part| Specimen {
         friction: 1.0 - part,
         ..WHOLE
@@ -163,8 +163,8 @@ fn what_comes_slowly_is_named_at_its_limit() {
         ..WHOLE
     };
     let drifting = HealthCause::SensorDrifting(Channel::Force);
-    // A mean of one is 1.341 of the residual, RMS of the force 0.9695 beside an amplitude in phase of 1.3: what a law may not
-    // follow is seen there first.
+    // A mean of 1 is 1.341 of the residual, because the force has an RMS of 0.9695 and an amplitude in phase of 1.3. A change that
+    // exceeds the adaptation shows there first.
     for (follow, limit, of_mean) in [
         (0.0, 0.04, 0.04 / 1.341),
         (0.02, 0.04, 0.04 / 1.341),
@@ -216,7 +216,7 @@ fn a_run_in_and_a_temperature_are_said_and_are_no_faults() {
     );
     // Two cycles are left out of the count at the start.
     assert_eq!(named[0].0, settings.run_in_cycles + SETTLING - 1);
-    // The same without a reason to be seen.
+    // The same without a visible reason.
     let unexplained = |number| Specimen {
         temperature: 20.0,
         ..warmed(number)
@@ -246,7 +246,7 @@ fn a_cycle_is_sound_once_learned_and_as_long_as_nothing_is_suspected() {
         let learned = number + 1 >= SETTLING + config.learning_cycles;
         assert_eq!(watch.is_sound(&config), learned && number < 40, "{number}");
     }
-    // What has no law has nothing that could be sound.
+    // Without a law nothing can be normal.
     let (sums, numbers) = cycle(&WHOLE, 50);
     let no_law = CycleNumbers {
         law_energy: 0.0,
@@ -262,13 +262,13 @@ fn a_cycle_is_sound_once_learned_and_as_long_as_nothing_is_suspected() {
     assert!(!watch.is_sound(&config));
 }
 
-/// A mean that has come in part in the cycle before is a step, one that has come for cycles is a drift.
+/// A mean that has changed partly in the cycle before is a step; one that has changed for several cycles is a drift.
 #[test]
 fn a_mean_that_shifts_in_the_middle_of_a_cycle_does_not_drift() {
     let settings = HealthSettings::default();
     let named = |at: &dyn Fn(f32) -> f32| {
         let mean = |number: u32| Specimen {
-            // The cycle's mean of what comes at THEN, and a part of a cycle later.
+            // The cycle's mean of a change at THEN, and of one a part of a cycle later.
             mean: at(number as f32 - THEN as f32),
             ..WHOLE
         };
@@ -292,7 +292,7 @@ fn a_mean_that_shifts_in_the_middle_of_a_cycle_does_not_drift() {
     }
 }
 
-/// What moves is told from what was learned, of a law that is off by a tenth, and anew in another block.
+/// A change is relative to the learned state, for a law that is off by a tenth, and again in another block.
 #[test]
 fn a_law_that_is_off_is_normal_until_the_specimen_changes() {
     let settings = HealthSettings::default();
@@ -318,14 +318,14 @@ fn a_law_that_is_off_is_normal_until_the_specimen_changes() {
         while watch.has_work() {
             assert_eq!(watch.work(&config), None);
         }
-        // The first cycles are left out, and as many are learned.
+        // The first cycles are left out, and the next ones are learned.
         let of_block = number % THEN + 1;
         let learned = SETTLING + config.learning_cycles;
         assert_eq!(watch.is_watching(&config), of_block >= learned);
     }
 }
 
-/// The level of temperature begins where the first cycle has it.
+/// The level of temperature begins with that of the first cycle.
 #[test]
 fn a_specimen_that_is_hot_from_the_start_is_watched_as_any_other() {
     let settings = HealthSettings {
@@ -344,14 +344,14 @@ fn a_specimen_that_is_hot_from_the_start_is_watched_as_any_other() {
     assert_eq!(named_at(300.0), named_at(20.0));
 }
 
-/// Beside a law whose own third harmonic is 0.3/4/1.3: it takes g·(k1 + 3·k3·y²)·sgn y.
+/// With a law whose own third harmonic is 0.3/4/1.3. The gap removes g·(k1 + 3·k3·y²)·sgn y.
 #[test]
-fn a_gap_is_loosening_and_its_limit_is_told() {
+fn a_gap_is_loosening_and_its_limit_is_reported() {
     let loose = from_then(Specimen { gap: 0.05, ..WHOLE });
     let named = watched(&HealthSettings::default(), 60, loose);
     let (_, first) = named.first().expect("nothing was named");
     assert_eq!(first.cause, HealthCause::Loosening);
-    // Half of what is to be found, and where a sum of what goes beyond that is too far.
+    // Half of the size to be found, and the point at which a sum of the excess is too large.
     assert!(
         first.limit >= 0.025 && first.limit < 0.05,
         "{}",
@@ -360,7 +360,7 @@ fn a_gap_is_loosening_and_its_limit_is_told() {
 }
 
 #[test]
-fn what_has_moved_back_before_it_is_judged_is_nothing() {
+fn a_change_that_has_reverted_before_it_is_classified_is_no_event() {
     let at = |number: u32| Specimen {
         elastic: match number {
             n if n < THEN => 1.0,

@@ -1,4 +1,4 @@
-//! The same pins beside sensors and an actuator that are awaited.
+//! The same pins for asynchronous sensors and actuators.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 

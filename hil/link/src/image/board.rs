@@ -1,4 +1,4 @@
-//! The boards that the emulator knows, and the emulator.
+//! The emulator and the boards that it supports.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,7 +12,7 @@ use super::build::check_target;
 pub enum Board {
     /// Arm MPS2+ with AN386, a Cortex-M4F.
     Mps2An386,
-    /// Arm MPS2+ with AN500, a Cortex-M7; runs what [`Board::Mps2An386`] runs.
+    /// Arm MPS2+ with AN500, a Cortex-M7; runs the image of [`Board::Mps2An386`].
     Mps2An500,
     /// Netduino Plus 2 with an STM32F405, a Cortex-M4F.
     NetduinoPlus2,
@@ -37,7 +37,7 @@ impl Board {
         }
     }
 
-    /// Whether its memory can be the harness's too.
+    /// Whether its memory can be shared with the harness.
     pub fn shares_memory(self) -> bool {
         match self {
             Self::Mps2An386 | Self::Mps2An500 => true,
@@ -45,7 +45,7 @@ impl Board {
         }
     }
 
-    /// What QEMU calls it.
+    /// Its name in QEMU.
     pub fn machine(self) -> &'static str {
         match self {
             Self::Mps2An386 => "mps2-an386",
@@ -75,14 +75,14 @@ impl Board {
     /// Whether an image can be built for it and run.
     ///
     /// # Errors
-    /// The compiler's target or the emulator that is not installed.
+    /// The compiler's target or the emulator is not installed.
     pub fn check(self) -> Result<(), InputError> {
         check_target(self.target())?;
         find_emulator().map(|_| ())
     }
 
-    /// The emulator with this board and `elf` in its flash: no display, no monitor, no serial line. Add what the image
-    /// needs.
+    /// The emulator with this board and `elf` in its flash: no display, no monitor, no serial line. Add the arguments that the
+    /// image needs.
     ///
     /// # Errors
     /// No emulator.
@@ -90,8 +90,8 @@ impl Board {
         self.emulator_with("none", elf)
     }
 
-    /// The same with a first serial line where the emulator's `serial` says: `pty` is a pseudo-terminal, which it names on its standard
-    /// output.
+    /// The same with a first serial line connected to the emulator's `serial`: `pty` is a pseudo-terminal, which it names on its
+    /// standard output.
     ///
     /// # Errors
     /// No emulator.
@@ -99,7 +99,7 @@ impl Board {
         let mut command = Command::new(find_emulator()?);
         command.args(["-machine", self.machine()]);
         if self == Self::Microbit {
-            // The larger form of its processor: the emulator takes the one with 16 KiB.
+            // The larger variant of its processor: the emulator's default has 16 KiB.
             command.args(["-global", "nrf51-soc.sram-size=32768"]);
         }
         command

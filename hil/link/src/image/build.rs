@@ -1,4 +1,4 @@
-//! Has cargo build an image from the repository, or from the sources that an installed command holds.
+//! Builds an image by cargo, from the repository or from the sources that an installed command contains.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -14,9 +14,9 @@ use super::Board;
 pub struct Image {
     /// Name of the binary.
     pub binary: &'static str,
-    /// Feature of the board's package that it is.
+    /// Feature of the board's package that selects it.
     pub feature: &'static str,
-    /// What the compiler is to set for conditional compilation.
+    /// Flag that the compiler sets for conditional compilation.
     pub cfg: Option<&'static str>,
 }
 
@@ -33,17 +33,17 @@ pub const SERIAL: Image = Image {
     ..FIRMWARE
 };
 
-/// The rig controller on the board's own timer, with a specimen simulated beside the emulator.
+/// The rig controller on the board's own timer, with a specimen simulated next to the emulator.
 pub const OWN_TIMER: Image = Image {
     binary: "own-timer",
     feature: "own-timer",
     cfg: None,
 };
 
-/// Builds `image` for `board` with profile `firmware` and gives its ELF file. Does nothing where nothing has changed.
+/// Builds `image` for `board` with profile `firmware` and returns its ELF file. Does nothing if nothing has changed.
 ///
 /// # Errors
-/// A target that is not installed, sources that cannot be unpacked, or what the compiler says.
+/// A target that is not installed, sources that cannot be unpacked, or an error of the compiler.
 pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
     let target = board.target();
     check_target(target)?;
@@ -56,7 +56,8 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
     let output = Command::new(cargo)
         .current_dir(root.join("firmware").join(board.folder()))
         .args(["build", "--quiet", "--profile", "firmware"])
-        // Of what is unpacked only a part of the repository's packages is there, and the lock file names all: cargo leaves the others out.
+        // Unpacked sources contain only a part of the repository's packages, while the lock file names all; cargo removes the
+        // others from it.
         .args(sources.is_repository().then_some("--locked"))
         .args(["--bin", image.binary])
         .args(["--features", image.feature])
@@ -66,10 +67,10 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
             "--message-format",
             "json-render-diagnostics",
         ])
-        // Of its own for each board: the binary's name is the same for all, and one would take another's place.
+        // A separate directory for each board, because the binary has the same name for all.
         .arg("--target-dir")
         .arg(target_directory(root, board))
-        // A target-cpu in them would change the images' rounding, and link arguments their layout.
+        // A target-cpu in these variables would change the images' rounding, and link arguments their layout.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", flags)
         .stdin(Stdio::null())
@@ -98,7 +99,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .ok_or_else(|| failed("cargo names no file that it built".into()))
 }
 
-/// Where cargo puts what it builds for `board`.
+/// Cargo's target directory for `board`.
 fn target_directory(root: &Path, board: Board) -> PathBuf {
     let directory = match std::env::var_os("CARGO_TARGET_DIR") {
         Some(directory) => PathBuf::from(directory),
@@ -107,7 +108,7 @@ fn target_directory(root: &Path, board: Board) -> PathBuf {
     root.join(directory).join(board.folder())
 }
 
-/// Whether the core library for `target` is there.
+/// Checks that the core library for `target` is installed.
 pub(super) fn check_target(target: &str) -> Result<(), InputError> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let libraries = Command::new(rustc)

@@ -1,4 +1,4 @@
-//! What an image takes of a board's memories, from its ELF file.
+//! Memory use of an image on a board, from its ELF file.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use serde::Serialize;
 pub struct Sections {
     /// Code, constants and the initial values of variables.
     pub flash: u64,
-    /// Variables; the stack is not among them.
+    /// Variables, without the stack.
     pub ram: u64,
 }
 
-/// What the ELF file at `path` takes.
+/// The sizes of the ELF file at `path`.
 ///
 /// # Errors
-/// A file that cannot be read, or is none.
+/// A file that cannot be read, or is not an ELF file.
 pub fn sections(path: &Path) -> Result<Sections, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
     let file = object::File::parse(&*bytes).map_err(|error| {

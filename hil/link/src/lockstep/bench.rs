@@ -16,26 +16,26 @@ use mesh_damper_rig::{RigSetup, SetupError};
 
 use super::{Image, LinkError, Wire};
 
-/// A rig wired up, at rest.
+/// A wired rig, at rest.
 #[derive(Debug)]
 pub struct ImageBench<'i, S, W, const N: usize> {
     plant: Plant<S>,
     image: &'i mut Image<W>,
     enabled: bool,
-    /// Of a motion.
+    /// Source of a motion.
     feeder: Option<Feeder>,
     state: State,
-    /// What the image was last given.
+    /// The law given to the image last.
     law: FastLaw<N>,
-    /// What its packs say of themselves.
+    /// Description for its packs.
     info: PackInfo,
 }
 
 impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N> {
-    /// Wires up `setup` with `image`, which has had no rig before.
+    /// Wires up `setup` with `image`, which must not have a rig yet.
     ///
     /// # Errors
-    /// What one of the parts or the image refuses.
+    /// The error of a part or of the image that rejects its settings.
     pub fn new<const B: usize>(
         setup: RigSetup<S, B, N>,
         image: &'i mut Image<W>,
@@ -62,16 +62,16 @@ impl<'i, S: DamperForce + Clone, W: Wire, const N: usize> ImageBench<'i, S, W, N
 }
 
 impl<S, W, const N: usize> ImageBench<'_, S, W, N> {
-    /// The image, to be asked what is no tick.
+    /// The image, for requests other than ticks.
     pub fn image(&mut self) -> &mut Image<W> {
         self.image
     }
 }
 
-/// Wiring and settings of the board of `setup`, as they go to it.
+/// Wiring and settings of the board of `setup`, as sent to it.
 ///
 /// # Errors
-/// A scale or a setting that the crate refuses.
+/// A scale or a setting that the crate rejects.
 pub fn described<S, const B: usize, const N: usize>(
     setup: &RigSetup<S, B, N>,
 ) -> Result<Setup, ConfigError> {
@@ -120,7 +120,7 @@ impl<S: DamperForce + Clone, W: Wire, const N: usize> Controlled<S> for ImageBen
     }
 
     fn tick(&mut self) -> Result<Telemetry, SetupError> {
-        // A rig that has stopped takes no knot out of its queue.
+        // A stopped rig takes no knot from its queue.
         if self.state == State::Running
             && let Some(feeder) = &mut self.feeder
         {

@@ -1,8 +1,9 @@
 //! The emulator as a process, and the bytes to and from it.
 //!
-//! The image opens the pipes that the harness gave the emulator as its standard input and output. Frames go through them, or through
-//! memory where the board can share its own and has a processor to itself: the pipes wake who sleeps then. When the harness ends, however it ends, the system closes its
-//! end of them: the image reads an end of file and ends the emulator.
+//! The image opens the pipes that the harness gave the emulator as its standard input and output. Frames go through them. If the
+//! board can share its memory and has a processor to itself, frames go through memory, and the pipes only wake a sleeping end. When
+//! the harness ends for any reason, the system closes its end of the pipes. The image then reads an end of file and ends the
+//! emulator.
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::Path;
@@ -17,28 +18,28 @@ use super::pin::Pin;
 use super::watchdog::Watchdog;
 use crate::image::Board;
 
-/// Bytes to and from an image, in pieces as they are sent.
+/// Bytes to and from an image, in the pieces in which they are sent.
 pub trait Wire {
     /// Sends a frame.
     ///
     /// # Errors
-    /// Nobody is there any more.
+    /// The other end is gone.
     fn send(&mut self, frame: &[u8]) -> Result<(), LinkError>;
 
-    /// Waits for what comes next: how many bytes of `buffer` it filled, 0 when nothing came for so long that what was sent
+    /// Waits for the next bytes, and returns how many of them it wrote to `buffer`; 0 after so long a silence that the bytes sent
     /// must be lost.
     ///
     /// # Errors
-    /// Nobody is there any more.
+    /// The other end is gone.
     fn receive(&mut self, buffer: &mut [u8]) -> Result<usize, LinkError>;
 
-    /// How often a request is sent before nobody is held to be there. One that is on its way all the same does no harm: each is carried
-    /// out once.
+    /// Number of times that a request is sent before the other end counts as absent. A request that arrives twice does no harm,
+    /// because it is carried out once.
     fn most_tries(&self) -> u32 {
         1000
     }
 
-    /// What it is that nobody answers.
+    /// The error if there is no answer.
     fn silence(&self) -> LinkError {
         LinkError::Silent
     }
@@ -55,7 +56,7 @@ pub struct Emulator {
     pin: Pin,
 }
 
-/// What frames go through.
+/// The way of frames.
 #[derive(Debug)]
 enum Way {
     /// The two pipes.
@@ -67,7 +68,7 @@ impl Emulator {
     /// Starts `elf` on `board`.
     ///
     /// # Errors
-    /// No emulator, or one that does not start.
+    /// The emulator is missing, or does not start.
     pub fn start(elf: &Path, board: Board, log: LogDecoder) -> Result<Self, InputError> {
         let failed = |error: std::io::Error| {
             let mend = "check that qemu-system-arm runs by itself";
@@ -108,12 +109,12 @@ impl Emulator {
         })
     }
 
-    /// The emulator's process.
+    /// The emulator's process number.
     pub fn id(&self) -> u32 {
         self.process.id()
     }
 
-    /// Why nobody answers any more.
+    /// Why there are no more answers.
     fn ended(&mut self) -> LinkError {
         let status = match self.process.wait() {
             Ok(status) => status.to_string(),
@@ -165,7 +166,7 @@ impl Wire for Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // One that has ended already cannot be ended again.
+        // A process that has ended already cannot be ended again.
         let _ = self.process.kill();
         let _ = self.process.wait();
         self.log.end();

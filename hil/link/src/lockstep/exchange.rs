@@ -9,17 +9,17 @@ use mesh_damper::message::{Answer, Note, Request, Row, Telemetered};
 use super::LinkError;
 use super::emulator::Wire;
 
-/// Room for answers that come together.
+/// Buffer for answers that arrive together.
 const ROOM: usize = 4096;
 
-/// For how long an answer may stay away while telemetry comes, before its request is sent again: a board whose queue is full of telemetry
-/// has that ahead of the answer.
+/// Time for which an answer may be missing while telemetry arrives, before its request is repeated: a board whose queue is full of
+/// telemetry sends that before the answer.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// What a board has sent by itself.
+/// Telemetry that a board has sent by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sent {
-    /// Rows, one after the other.
+    /// Successive rows.
     Rows(Vec<Row>),
     /// A cycle's end, an event, or a change of the rig's state.
     Note(Note),
@@ -32,21 +32,21 @@ pub struct Exchange<W> {
     sequence: u32,
     request: FrameBuffer,
     received: Box<[u8; ROOM]>,
-    /// Telemetry that has come, each with its frame's number.
+    /// Telemetry received, each with its frame's number.
     telemetry: VecDeque<(u32, Sent)>,
-    /// How often a request was sent again.
+    /// Number of repeated requests.
     pub repeated: u64,
-    /// How often the one that took most was sent.
+    /// Largest number of times that a single request was sent.
     pub most_tries: u32,
 }
 
 impl<W: Wire> Exchange<W> {
-    /// With an image that has not been asked anything yet.
+    /// The link to an image that has had no request yet.
     pub fn new(wire: W) -> Self {
         Self::from_number(wire, 0)
     }
 
-    /// With a board that goes on with what it does. Its first request has another number than that of who has it restart, which is 0.
+    /// The link to a board that continues its work. Its first request has a number other than 0, which would restart the board.
     pub fn joined(wire: W) -> Self {
         Self::from_number(wire, 1 << 31)
     }
@@ -63,10 +63,10 @@ impl<W: Wire> Exchange<W> {
         }
     }
 
-    /// The answer to `request`, as `take` sees it.
+    /// The answer to `request`, converted by `take`.
     ///
     /// # Errors
-    /// The image's refusal, an answer that `take` does not want, or nobody there.
+    /// The image's refusal, an answer that `take` rejects, or no other end.
     pub fn ask<T>(
         &mut self,
         request: &Request<'_>,
@@ -97,7 +97,7 @@ impl<W: Wire> Exchange<W> {
                             answer => take(answer).ok_or(LinkError::OtherAnswer),
                         };
                     }
-                    // To an earlier request, because it came twice: the own one's is still to come.
+                    // An answer to an earlier request, which arrived twice: the answer to this one is still to come.
                     Some(_) => stale = true,
                     None => {}
                 }
@@ -123,10 +123,10 @@ impl<W: Wire> Exchange<W> {
         Err(self.wire.silence())
     }
 
-    /// The next telemetry with its frame's number; none where nothing comes for a while.
+    /// The next telemetry with its frame's number; `None` if nothing arrives for a while.
     ///
     /// # Errors
-    /// Nobody there.
+    /// The other end is gone.
     pub fn telemetry(&mut self) -> Result<Option<(u32, Sent)>, LinkError> {
         if self.telemetry.is_empty() {
             let came = self.wire.receive(&mut self.received[..])?;

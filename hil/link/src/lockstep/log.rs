@@ -1,7 +1,7 @@
 //! The image's log, decoded.
 //!
-//! Its channel is the emulator's standard error, where the emulator itself may have written before: text up to the first
-//! zero byte, which the image sends before its first message.
+//! Its channel is the emulator's standard error, to which the emulator itself may have written before: text up to the first zero
+//! byte, which the image sends before its first message.
 
 use std::io::Read;
 use std::thread::JoinHandle;
@@ -9,10 +9,10 @@ use std::thread::JoinHandle;
 use defmt_decoder::{DecodeError, Table};
 use mesh_damper_recording::error::InputError;
 
-/// How much a message matters.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LogLevel {
-    /// What goes on.
+    /// Normal operation.
     Info,
     /// Something was refused.
     Warn,
@@ -21,7 +21,7 @@ pub enum LogLevel {
 }
 
 impl LogLevel {
-    /// Its name as logs write it.
+    /// Its name in logs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Info => "INFO",
@@ -36,16 +36,16 @@ impl LogLevel {
 pub struct LogLine {
     /// Ticks of the rig when it was written.
     pub tick: u32,
-    /// How much it matters.
+    /// Its severity.
     pub level: LogLevel,
-    /// What it says.
+    /// Its text.
     pub text: String,
 }
 
-/// Who gets the messages.
+/// Receiver of the messages.
 pub type LogSink = Box<dyn FnMut(LogLine) + Send>;
 
-/// What the messages' numbers mean, out of an image's file.
+/// Meaning of the message numbers, from an image's file.
 pub struct LogDecoder {
     table: Table,
     sink: LogSink,
@@ -65,14 +65,14 @@ impl LogDecoder {
         Ok(Self { table, sink })
     }
 
-    /// Decodes what comes out of `stream` in a thread of its own, until its end.
+    /// Decodes the output of `stream` in its own thread, until its end.
     pub(super) fn follow(mut self, mut stream: impl Read + Send + 'static) -> LogThread {
         LogThread(Some(std::thread::spawn(move || {
             let mut said = Vec::new();
             let mut begun = false;
             let mut decoder = self.table.new_stream_decoder();
             let mut buffer = [0; 1024];
-            // An error is an end, too.
+            // An error counts as the end too.
             while let Ok(came @ 1..) = stream.read(&mut buffer) {
                 let mut bytes = &buffer[..came];
                 if !begun {
@@ -112,12 +112,12 @@ fn line_of(frame: &defmt_decoder::Frame<'_>) -> Option<LogLine> {
     })
 }
 
-/// The thread that decodes.
+/// The decoding thread.
 #[derive(Debug)]
 pub(super) struct LogThread(Option<JoinHandle<String>>);
 
 impl LogThread {
-    /// Waits for the end of the log, and gives what the emulator itself said.
+    /// Waits for the end of the log, and returns the emulator's own output.
     pub(super) fn end(&mut self) -> String {
         let ended = self.0.take().and_then(|thread| thread.join().ok());
         ended.unwrap_or_default()

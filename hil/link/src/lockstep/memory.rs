@@ -1,4 +1,4 @@
-//! Memory that the harness shares with an emulated board: [`mesh_damper_firmware::shared_memory`] says what lies where.
+//! Memory that the harness shares with an emulated board: [`mesh_damper_firmware::shared_memory`] documents its layout.
 
 use std::fmt::{self, Debug, Formatter};
 use std::io::{self, ErrorKind, Read, Write};
@@ -19,23 +19,23 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use tempfile::TempPath;
 
-/// How often either end looks for the other's next frame before it sleeps: some 100 µs, twice as long as it takes to wake a processor. A
-/// look takes the harness 20 ns, and the image 5 ns.
+/// Number of times that either end looks for the other's next frame before it sleeps: some 100 µs, twice as long as it takes to
+/// wake a processor. A look takes the harness 20 ns, and the image 5 ns.
 const LOOKS: u32 = 5_000;
 const LOOKS_OF_IMAGE: u32 = 20_000;
-/// What a frame takes less on two processors than on one, as docs/bench.md has it. Where this end slept for longer than that, over
-/// [`FRAMES`] of them, somebody else keeps the processors busy: both ends sleep at once then, on one processor, for the next [`TOGETHER`]
-/// frames, a fifth of a second.
+/// Time that a frame saves on two processors compared with one, as in docs/bench.md. If this end slept for longer than that, over
+/// [`FRAMES`] of them, other programs keep the processors busy. Then both ends sleep at once, on one processor, for the next
+/// [`TOGETHER`] frames, a fifth of a second.
 const SAVED: Duration = Duration::from_micros(7);
 const FRAMES: u32 = 1024;
 const TOGETHER: u32 = 16_384;
-/// After how long the harness looks again whether it was woken, ms.
+/// Time after which the harness checks again whether it was woken, ms.
 const SLEEP: Duration = Duration::from_millis(2);
 
-/// The memory, and what of it was sent and taken. The counts here are the harness's own.
+/// The memory, and the counts of frames sent and taken, which are the harness's own.
 pub(super) struct SharedMemory {
     map: MemoryMappedFile,
-    /// Where it lies, until the emulator has it too.
+    /// Its file, until the emulator has it too.
     file: Option<TempPath>,
     sent: u32,
     taken: u32,
@@ -52,14 +52,14 @@ impl Debug for SharedMemory {
     }
 }
 
-/// Where files lie in memory, on Linux; elsewhere they lie where temporary files do.
+/// Folder of files in memory, on Linux; elsewhere the folder for temporary files is used.
 const IN_MEMORY: &str = "/dev/shm";
 
 impl SharedMemory {
-    /// For an emulator that is to be started.
+    /// Memory for an emulator to be started.
     ///
     /// # Errors
-    /// Of a file that cannot be made.
+    /// The file cannot be created.
     pub(super) fn new() -> io::Result<Self> {
         let folder = Some(PathBuf::from(IN_MEMORY)).filter(|folder| folder.is_dir());
         let folder = folder.unwrap_or_else(std::env::temp_dir);
@@ -81,10 +81,10 @@ impl SharedMemory {
         Ok(memory)
     }
 
-    /// What the emulator takes to have it as its board's.
+    /// Arguments for the emulator that make it the board's memory.
     pub(super) fn arguments(&self) -> [String; 4] {
         let path: &Path = self.file.as_deref().unwrap_or(Path::new(""));
-        // A comma in it would end it.
+        // A comma in the path would end it.
         let path = path.display().to_string().replace(',', ",,");
         [
             "-object".into(),
@@ -101,7 +101,7 @@ impl SharedMemory {
         words
     }
 
-    /// Sends `frame`; one for which there is no room is lost.
+    /// Sends `frame`; a frame without room is lost.
     pub(super) fn send(&mut self, frame: &[u8]) {
         let words = self.words();
         let taken = words[REQUESTS_TAKEN].load(Acquire);
@@ -121,8 +121,8 @@ impl SharedMemory {
         self.sent = sent;
     }
 
-    /// Waits for what comes next: how many bytes of `buffer` it filled, 0 when nothing is to come. `bell` wakes the image, and what comes
-    /// through `own_bell` this end.
+    /// Waits for the next bytes, and returns how many of them it wrote to `buffer`; 0 if none come. `bell` wakes the image, and
+    /// bytes through `own_bell` wake this end.
     ///
     /// # Errors
     /// The emulator is gone.
@@ -159,7 +159,7 @@ impl SharedMemory {
             words[HARNESS_SLEEPS].store(1, SeqCst);
             let began = self.apart.then(Instant::now);
             if !answered() && !sleep(own_bell)? {
-                // Where the bell was heard before the request was there, it is rung again.
+                // If the bell was heard before the request was there, it is rung again.
                 rung = false;
             }
             words[HARNESS_SLEEPS].store((!self.apart).into(), Relaxed);
@@ -168,16 +168,17 @@ impl SharedMemory {
         let (taken, filled) = take(&words, self.taken, buffer);
         drop(words);
         self.taken = taken;
-        // Whoever answers has opened it.
+        // An image that answers has opened the file.
         self.file.take();
-        // The first ones wait for the emulator, which starts and then translates the image: that says nothing of the processors.
+        // The first frames wait for the emulator, which starts and then translates the image; their times say nothing about the
+        // processors.
         if taken > FRAMES {
             self.slept += slept;
         }
         Ok(filled)
     }
 
-    /// Whether harness and image are to be on two processors from now on, or on one; nothing where that stays as it is.
+    /// Whether harness and image must be on two processors from now on, or on one; `None` for no change.
     pub(super) fn judge(&mut self) -> Option<bool> {
         self.frames += 1;
         let lost = self.slept > SAVED * FRAMES;
@@ -206,7 +207,7 @@ fn next_of(words: &[AtomicU32], taken: u32) -> Option<&[AtomicU32]> {
     (slot[0].load(Acquire) == count).then_some(slot)
 }
 
-/// Takes all answers after the first `taken` ones into `buffer`: how many were taken now, and how many bytes they are.
+/// Takes all answers after the first `taken` ones into `buffer`; returns their number, and their length in bytes.
 fn take(words: &[AtomicU32], mut taken: u32, buffer: &mut [u8]) -> (u32, usize) {
     let mut filled = 0;
     while let Some(slot) = next_of(words, taken) {
@@ -224,7 +225,7 @@ fn take(words: &[AtomicU32], mut taken: u32, buffer: &mut [u8]) -> (u32, usize) 
     (taken, filled)
 }
 
-/// Sleeps until something comes through `bell`, at the longest [`SLEEP`]; whether something came.
+/// Sleeps until a byte comes through `bell`, at most for [`SLEEP`]; returns whether one came.
 fn sleep(bell: &mut (impl Read + AsFd)) -> io::Result<bool> {
     let longest = Timespec::try_from(SLEEP).ok();
     match poll(&mut [PollFd::new(bell, PollFlags::IN)], longest.as_ref()) {
@@ -247,7 +248,7 @@ mod tests {
 
     use super::*;
 
-    /// The harness's end, and by hand the image's.
+    /// The harness's end, and the image's end operated by hand.
     struct Link {
         memory: SharedMemory,
         to_image: (PipeReader, PipeWriter),
@@ -352,7 +353,7 @@ mod tests {
             });
             assert_eq!(link.receive().unwrap(), [0; 3]);
         });
-        // That of the first ones does not count.
+        // The time of the first frames does not count.
         assert_eq!(link.memory.slept, Duration::ZERO);
         assert!(link.memory.file.is_none());
         assert_eq!(link.memory.words()[HARNESS_SLEEPS].load(Relaxed), 0);
@@ -373,7 +374,7 @@ mod tests {
         let judged = |memory: &mut SharedMemory, frames: u32| -> Vec<bool> {
             (0..frames).filter_map(|_| memory.judge()).collect()
         };
-        // Not more, twice: each of these times counts for itself.
+        // Not more, twice: each of these times counts separately.
         for _ in 0..2 {
             link.memory.slept = SAVED * FRAMES;
             assert!(judged(&mut link.memory, FRAMES).is_empty());

@@ -32,18 +32,18 @@ use mesh_damper_rig::SetupError;
 
 use crate::image::{Board, FIRMWARE, build};
 
-/// What to do about what whoever asked cannot mend.
+/// Advice for errors that the user cannot correct.
 const REPORT: &str = "run it again; if it stays, run it on the host and report this";
 
-/// What goes wrong on the link to an image.
+/// An error of the link to an image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinkError {
-    /// The emulator is gone.
+    /// The emulator has ended.
     #[error("the emulator ended ({status}){}", if said.is_empty() { String::new() } else { format!(": {said}") })]
     Ended {
-        /// How.
+        /// Its exit status.
         status: String,
-        /// What it said before.
+        /// Its output before.
         said: String,
     },
     /// The emulator is there, but the image does not answer.
@@ -59,7 +59,7 @@ pub enum LinkError {
     PortGone {
         /// Its path.
         port: String,
-        /// What the system says.
+        /// The system's error.
         problem: String,
     },
     /// The board speaks another version of the link.
@@ -67,34 +67,34 @@ pub enum LinkError {
         "the board speaks version {0} of the link, and this harness {VERSION}: flash it with the firmware of this version"
     )]
     OtherVersion(u8),
-    /// The board has restarted since it was greeted.
+    /// The board has restarted since the harness joined it.
     #[error("the board has restarted in the middle: check its supply and its watchdog")]
     Restarted,
-    /// The board waits for its ticks.
+    /// The board has no timer and waits for ticks.
     #[error(
         "the board has no timer of its own: flash it with an image that has one, or run it in lockstep by `hil run --on serial:PORT`"
     )]
     NoTimer,
-    /// The board gives itself its ticks.
+    /// The board has its own timer.
     #[error(
         "the board has a timer of its own: record a test on it by `hil record --from serial:PORT`, or flash it with an image for lockstep"
     )]
     OwnTimer,
-    /// The image answered something else than what it was asked.
+    /// The image gave an answer that does not match the request.
     #[error("the image answered another question")]
     OtherAnswer,
-    /// The image refused what it was asked.
+    /// The image refused the request.
     #[error("the image refused it: {reason}")]
     Refused {
-        /// Why.
+        /// The reason.
         reason: String,
-        /// What to do about it.
+        /// Advice.
         mend: &'static str,
     },
     /// The rig on the image does not start.
     #[error("the image's rig does not start: {0}")]
     Start(StartRefused),
-    /// The rig on the image does not forget its fault.
+    /// The rig on the image does not clear its fault.
     #[error("the image's rig does not clear its fault: {0}")]
     Clear(ClearRefused),
     /// The programme has more blocks than the image holds.
@@ -194,10 +194,10 @@ pub struct Image<W> {
 }
 
 impl Image<Emulator> {
-    /// Builds the firmware where it is not up to date, and starts it in the emulator as `board`. Its log goes to `sink`.
+    /// Builds the firmware if it is not up to date, and starts it in the emulator as `board`. Its log goes to `sink`.
     ///
     /// # Errors
-    /// A compiler's target or an emulator that is not installed, or what they say.
+    /// A compiler's target or an emulator that is not installed, or the error of one of them.
     pub fn start(board: Board, sink: LogSink) -> Result<Self, InputError> {
         board.check()?;
         let elf = build(&FIRMWARE, board)?;
@@ -208,7 +208,7 @@ impl Image<Emulator> {
 }
 
 impl Image<Serial> {
-    /// The board at the serial port `path`, which restarts for that.
+    /// The board at the serial port `path`, which this restarts.
     ///
     /// # Errors
     /// No such port, or one that cannot be opened; [`LinkError::SilentBoard`], [`LinkError::OtherVersion`].
@@ -220,10 +220,10 @@ impl Image<Serial> {
 }
 
 impl Image<Serial> {
-    /// The board at the serial port `path`, which restarts for that, to be asked for ticks.
+    /// The board at the serial port `path`, which this restarts, for ticks on request.
     ///
     /// # Errors
-    /// As [`Image::at`]; a board that gives itself its ticks, and would drive its actuator while nobody asks for one.
+    /// As [`Image::at`]; a board with its own timer, which would drive its actuator without requests.
     pub fn in_lockstep(path: &Path) -> Result<Self, InputError> {
         let mut image = Self::at(path)?;
         match image.about() {
@@ -233,8 +233,8 @@ impl Image<Serial> {
         }
     }
 
-    /// The board at the serial port `path`, which goes on with what it does, and what it says of itself. A board that waits for ticks says
-    /// that it cannot.
+    /// The board at the serial port `path`, which continues its work, and its description of itself. A board without its own timer
+    /// answers that it cannot.
     ///
     /// # Errors
     /// As [`Image::at`].
@@ -255,33 +255,33 @@ impl<W: Wire> Image<W> {
         }
     }
 
-    /// What a board on its own timer says of itself.
+    /// Description of a board on its own timer.
     ///
     /// # Errors
-    /// The link's; a board without a timer of its own.
+    /// An error of the link; a board without its own timer.
     pub fn about(&mut self) -> Result<About, LinkError> {
         match self.exchange.ask(&Request::Join, |answer| match answer {
             Answer::About(about) => Some(about),
             _ => None,
         }) {
-            // One that is asked for ticks knows no other order of things.
+            // A board that takes ticks on request knows no other way.
             Err(LinkError::Refused { .. }) => Err(LinkError::NoTimer),
             about => about,
         }
     }
 
-    /// Has a board on its own timer send this telemetry from now on.
+    /// Requests telemetry from a board on its own timer, from now on.
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn send_telemetry(&mut self, config: TelemetryConfig) -> Result<(), LinkError> {
         self.done(&Request::Telemetry(config)).map(|_| ())
     }
 
-    /// The next telemetry with its frame's number; none where nothing comes for a while.
+    /// The next telemetry with its frame's number; `None` if nothing arrives for a while.
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn telemetry(&mut self) -> Result<Option<(u32, Sent)>, LinkError> {
         self.exchange.telemetry()
     }
@@ -293,20 +293,21 @@ impl<W: Wire> Image<W> {
         })
     }
 
-    /// Sends a coefficient pack, whose law is taken at the next end of a cycle, or at once where there is no rig. No tick comes in between.
+    /// Sends a coefficient pack, whose law is used from the next end of a cycle on, or at once without a rig. No tick comes in
+    /// between.
     ///
     /// # Errors
-    /// A pack that the image refuses: the law in force stays then.
+    /// A pack that the image refuses: the law in force then stays.
     pub fn send_pack(&mut self, pack: &[u8]) -> Result<(), LinkError> {
         self.send_parts(pack)?;
         while !self.check_pack()? {}
         Ok(())
     }
 
-    /// Sends the parts of a coefficient pack, which is still to be checked.
+    /// Sends the parts of a coefficient pack, which is not checked yet.
     ///
     /// # Errors
-    /// The link's; a pack that is too long.
+    /// An error of the link; a pack that is too long.
     pub fn send_parts(&mut self, pack: &[u8]) -> Result<(), LinkError> {
         for (index, part) in pack.chunks(PART).enumerate() {
             self.done(&Request::PackPart((index * PART) as u16, part))?;
@@ -314,7 +315,8 @@ impl<W: Wire> Image<W> {
         Ok(())
     }
 
-    /// A slice of the check of the pack whose parts were sent, or all of it where there is no rig. Says yes once its law waits.
+    /// Runs a slice of the check of the pack whose parts were sent, or the whole check without a rig. Returns whether its law now
+    /// waits.
     ///
     /// # Errors
     /// As [`Image::send_pack`].
@@ -322,10 +324,10 @@ impl<W: Wire> Image<W> {
         self.done(&Request::PackEnd)
     }
 
-    /// Wires up a rig that is to run `programme`.
+    /// Wires up a rig for `programme`.
     ///
     /// # Errors
-    /// What the image refuses.
+    /// The image's refusal.
     pub fn set_up<const B: usize>(
         &mut self,
         programme: &Programme<B>,
@@ -341,19 +343,19 @@ impl<W: Wire> Image<W> {
         self.done(&Request::Setup(*setup)).map(|_| ())
     }
 
-    /// Wires up a rig that is to follow a stream.
+    /// Wires up a rig for a stream.
     ///
     /// # Errors
-    /// What the image refuses.
+    /// The image's refusal.
     pub fn set_up_stream(&mut self, config: StreamConfig, setup: &Setup) -> Result<(), LinkError> {
         self.done(&Request::Stream(config))?;
         self.done(&Request::Setup(*setup)).map(|_| ())
     }
 
-    /// The next knots of a stream, or its end where there is none. Says no where there was no room for all of them.
+    /// Sends the next knots of a stream, or its end if there are none. Returns whether there was room for all of them.
     ///
     /// # Errors
-    /// The link's; a rig that follows no stream.
+    /// An error of the link; a rig that follows no stream.
     pub fn knots(&mut self, knots: &[Knot]) -> Result<bool, LinkError> {
         let mut buffer = [0; PAYLOAD];
         self.done(&Request::Knots(Knots::new(knots, &mut buffer)))
@@ -362,7 +364,7 @@ impl<W: Wire> Image<W> {
     /// [`mesh_damper::rig::Controller::start`].
     ///
     /// # Errors
-    /// The link's; [`LinkError::Start`].
+    /// An error of the link; [`LinkError::Start`].
     pub fn start_rig(&mut self) -> Result<(), LinkError> {
         self.done(&Request::Start).map(|_| ())
     }
@@ -370,7 +372,7 @@ impl<W: Wire> Image<W> {
     /// [`mesh_damper::rig::Controller::stop`].
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn stop_rig(&mut self) -> Result<(), LinkError> {
         self.done(&Request::Stop).map(|_| ())
     }
@@ -378,7 +380,7 @@ impl<W: Wire> Image<W> {
     /// [`mesh_damper::rig::Controller::clear`].
     ///
     /// # Errors
-    /// The link's; [`LinkError::Clear`].
+    /// An error of the link; [`LinkError::Clear`].
     pub fn clear_rig(&mut self) -> Result<(), LinkError> {
         self.done(&Request::Clear).map(|_| ())
     }
@@ -386,7 +388,7 @@ impl<W: Wire> Image<W> {
     /// One tick of the rig.
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn tick(&mut self, sensors: Sensors) -> Result<Outcome, LinkError> {
         self.exchange
             .ask(&Request::Tick(sensors), |answer| match answer {
@@ -395,18 +397,18 @@ impl<W: Wire> Image<W> {
             })
     }
 
-    /// The law's effects at rest, for motions to come.
+    /// Puts the law's effects at rest, for the motions to come.
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn rest(&mut self) -> Result<(), LinkError> {
         self.done(&Request::Rest).map(|_| ())
     }
 
-    /// The law's force in kN at each of `motions`, one a tick, added to `forces`.
+    /// Adds the law's force in kN at each of `motions`, one per tick, to `forces`.
     ///
     /// # Errors
-    /// The link's; a rig that has been wired up has taken the law away.
+    /// An error of the link; a rig that has been wired up, because it has taken the law.
     pub fn forces(
         &mut self,
         motions: &[Motion<f32>],
@@ -427,10 +429,10 @@ impl<W: Wire> Image<W> {
         Ok(())
     }
 
-    /// What the image took so far.
+    /// Resources used by the image so far.
     ///
     /// # Errors
-    /// The link's.
+    /// An error of the link.
     pub fn statistics(&mut self) -> Result<Statistics, LinkError> {
         self.exchange
             .ask(&Request::Statistics, |answer| match answer {
@@ -439,12 +441,12 @@ impl<W: Wire> Image<W> {
             })
     }
 
-    /// How often a request had to be sent again.
+    /// Number of repeated requests.
     pub fn repeated(&self) -> u64 {
         self.exchange.repeated
     }
 
-    /// How often the request that took most was sent.
+    /// Largest number of times that a single request was sent.
     pub fn most_tries(&self) -> u32 {
         self.exchange.most_tries
     }

@@ -1,22 +1,22 @@
 //! Processors of the harness and of the emulators that it runs.
 //!
-//! Only one of harness and emulator works at a time. Where each has a processor of its own, neither needs to sleep: it looks for
-//! what comes next until it is there. Where there are no two free ones, because this process runs other emulators or somebody else keeps
-//! them busy, both stay on one: the other is there as soon as this one sleeps; on two, each tick would wake a sleeping processor twice,
-//! and a tick was seen to take six times as long.
+//! Only one of harness and emulator works at a time. If each has a processor of its own, neither needs to sleep: it polls for the
+//! next frame. If no two processors are free, because this process runs other emulators or other programs keep them busy, both stay
+//! on one: the other continues as soon as this one sleeps. On two busy processors each tick would wake a sleeping processor twice;
+//! a tick then took six times as long.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Numbers of those that are given away.
+/// Numbers of the processors in use.
 static TAKEN: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
 fn taken() -> MutexGuard<'static, Vec<usize>> {
-    // It is whole whoever panicked.
+    // It is valid even after a panic.
     TAKEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// While it lives, this thread stays on one processor, and the emulator on another or the same. On systems without affinity they are
-/// only counted.
+/// While it exists, this thread stays on one processor, and the emulator on another or the same. On systems without affinity the
+/// processors are only counted.
 #[derive(Debug)]
 pub(super) struct Pin {
     harness: usize,
@@ -25,13 +25,14 @@ pub(super) struct Pin {
 }
 
 impl Pin {
-    /// Takes processors, two where two are free that this thread may use. What the thread starts from now on stays on the emulator's.
+    /// Takes processors: two if two are free that this thread may use. Processes that the thread starts from now on stay on the
+    /// emulator's.
     pub(super) fn of_emulator() -> Self {
         let (here, before) = affinity::now();
         let mut taken = taken();
         let mut free = before.processors();
         free.retain(|processor| !taken.contains(processor));
-        // Where it is, if that is free.
+        // The present processor first, if it is free.
         free.sort_by_key(|processor| *processor != here);
         let (harness, emulator) = match free[..] {
             [harness, emulator, ..] => (harness, emulator),
@@ -47,7 +48,7 @@ impl Pin {
         }
     }
 
-    /// This thread stays on the harness's processor from now on, where it is to be `apart`, and on the emulator's otherwise.
+    /// Moves this thread to the harness's processor, if it is to be `apart`, and to the emulator's otherwise.
     pub(super) fn of_harness(&self, apart: bool) {
         affinity::stay_on(if apart { self.harness } else { self.emulator });
     }
@@ -74,17 +75,17 @@ impl Drop for Pin {
 mod affinity {
     use rustix::thread::{CpuSet, Pid, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
-    /// Where a thread could be.
+    /// The processors on which a thread could run.
     #[derive(Debug)]
     pub struct Before(Option<(Pid, CpuSet)>);
 
-    /// Where this thread is and may be.
+    /// The processor on which this thread runs, and those on which it may.
     pub fn now() -> (usize, Before) {
         let set = sched_getaffinity(None).ok();
         (sched_getcpu(), Before(set.map(|set| (gettid(), set))))
     }
 
-    /// Keeps this thread on `processor`. Where it may not be chosen the link is slower, and no less right.
+    /// Keeps this thread on `processor`. If this is not permitted, the link is slower, but as correct.
     pub fn stay_on(processor: usize) {
         let mut set = CpuSet::new();
         set.set(processor);
@@ -134,7 +135,7 @@ mod tests {
     #[test]
     fn each_has_its_own_processor_as_long_as_two_are_free() {
         let count = affinity::now().1.processors().len();
-        // Each in a thread of its own, as it stays on one processor from then on.
+        // Each in its own thread, because a thread stays on one processor from then on.
         let pins: Vec<Pin> = std::thread::scope(|scope| {
             (0..count)
                 .map(|_| scope.spawn(Pin::of_emulator).join().unwrap())

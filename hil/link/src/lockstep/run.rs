@@ -1,4 +1,4 @@
-//! Programmes and trials of faults with an image as the controller.
+//! Programmes and fault trials with an image as the controller.
 
 use mesh_damper_rig::faults::{
     AttackOutcome, AttackTrial, Outcome, Trial, run_attack_with, run_trial_with,
@@ -8,10 +8,10 @@ use mesh_damper_rig::{Plan, RigRun, RigSetup, SetupError, Watch, run_controlled}
 
 use super::{Image, ImageBench, Wire};
 
-/// [`mesh_damper_rig::run_rig`] with an image as the controller, which has had no rig before.
+/// [`mesh_damper_rig::run_rig`] with an image as the controller, which must not have a rig yet.
 ///
 /// # Errors
-/// What one of the parts or the image refuses, or the link to it, or what `watch` ends it with.
+/// The error of a part, of the image or of the link to it, or the error of `watch`.
 pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usize>(
     image: &mut Image<W>,
     setup: RigSetup<S, B, N>,
@@ -21,18 +21,18 @@ pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usiz
     run_controlled(&mut ImageBench::new(setup, image)?, &plan, watch)
 }
 
-/// [`mesh_damper_rig::faults::run_trial`] with an image as the controller, which has had no rig before.
+/// [`mesh_damper_rig::faults::run_trial`] with an image as the controller, which must not have a rig yet.
 ///
 /// # Errors
-/// As there, and those of the link to the image.
+/// The errors of that function, and those of the link to the image.
 pub fn run_trial_on<W: Wire>(image: &mut Image<W>, trial: &Trial) -> Result<Outcome, SetupError> {
     run_trial_with(trial, |setup| ImageBench::new(setup, image))
 }
 
-/// [`mesh_damper_rig::faults::run_attack`] with an image as the controller, which has had no rig before.
+/// [`mesh_damper_rig::faults::run_attack`] with an image as the controller, which must not have a rig yet.
 ///
 /// # Errors
-/// As there, and those of the link to the image.
+/// The errors of that function, and those of the link to the image.
 pub fn run_attack_on<W: Wire>(
     image: &mut Image<W>,
     trial: &AttackTrial,

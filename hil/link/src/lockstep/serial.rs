@@ -15,25 +15,25 @@ use rustix::termios::{OptionalActions, QueueSelector, speed, tcflush, tcgetattr,
 use super::LinkError;
 use super::emulator::Wire;
 
-/// For how long nothing may come before a request is sent again: at 115 200 baud the longest answer takes 45 ms.
+/// Time without any byte before a request is repeated: at 115 200 baud the longest answer takes 45 ms.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Times that a request is sent: two seconds, in which a board that restarts is there again.
+/// Number of times that a request is sent: two seconds, enough for a board to restart.
 const MOST_TRIES: u32 = 20;
 
-/// A serial port with a board at its other end. The speed is 115 200 baud, 8 bits, no parity; a port over USB knows none.
+/// A serial port with a board at its other end. The speed is 115 200 baud, 8 bits, no parity; a port over USB has no speed.
 #[derive(Debug)]
 pub struct Serial {
     port: File,
     path: String,
-    /// What came of a frame that is not yet whole.
+    /// Bytes of an incomplete frame.
     begun: Vec<u8>,
 }
 
 impl Serial {
-    /// Opens the port at `path`, and drops what has come before.
+    /// Opens the port at `path`, and drops the bytes that are there already.
     ///
     /// # Errors
-    /// A path that is no serial port, or that cannot be opened.
+    /// A path that is not a serial port, or that cannot be opened.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let failed = |problem: String| {
@@ -46,7 +46,7 @@ impl Serial {
             .custom_flags(rustix::fs::OFlags::NOCTTY.bits() as i32)
             .open(path)
             .map_err(|error| failed(format!("cannot be opened: {error}")))?;
-        // Its answers would go to either of two.
+        // With two users a reply could reach the wrong one.
         flock(&port, FlockOperation::NonBlockingLockExclusive)
             .map_err(|_| failed("another program has it open".into()))?;
         let no_port = |error: rustix::io::Errno| failed(format!("is no serial port: {error}"));
@@ -69,7 +69,7 @@ impl Serial {
         }
     }
 
-    /// The first whole frame of what came; what can be none is dropped.
+    /// The first whole frame received; bytes that cannot be a frame are dropped.
     fn take(&mut self) -> Option<Vec<u8>> {
         loop {
             match extent(&self.begun) {
@@ -99,7 +99,7 @@ impl Wire for Serial {
             let mut waiting = [PollFd::new(&self.port, PollFlags::IN)];
             match poll(&mut waiting, patience.as_ref()) {
                 Ok(0) => {
-                    // What is idle in the middle of a frame has lost its end.
+                    // After an idle line in the middle of a frame its end is lost.
                     self.begun.clear();
                     return Ok(0);
                 }

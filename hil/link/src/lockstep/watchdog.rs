@@ -1,7 +1,7 @@
-//! Wakes a link on which something was lost.
+//! Wakes a link on which bytes were lost.
 //!
-//! Both ends wait for one another without a limit, as a limit would cost a system call a tick. Where nothing moves for a
-//! while, this sends the image a byte that is no frame: it answers that it did not understand, and is asked again.
+//! Both ends wait for one another without a limit, because a limit would cost a system call per tick. If nothing moves for a while,
+//! the watchdog sends the image a byte that is no frame. The image answers that it did not understand, and the request is repeated.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -11,13 +11,13 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// For how long nothing may move.
+/// Time for which nothing may move.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// The thread that watches; it ends when this is dropped.
+/// The watchdog's thread, which ends when this is dropped.
 #[derive(Debug)]
 pub(super) struct Watchdog {
-    /// Goes up when a wait begins and when it ends: odd while waiting.
+    /// Increases when a wait begins and when it ends: odd while waiting.
     moves: Arc<AtomicU64>,
     thread: Option<JoinHandle<()>>,
     /// Dropped to end the thread.
@@ -25,10 +25,10 @@ pub(super) struct Watchdog {
 }
 
 impl Watchdog {
-    /// Over the link whose requests go into `requests`.
+    /// A watchdog for the link whose requests go into `requests`.
     ///
     /// # Errors
-    /// The pipe's.
+    /// An error of the pipe.
     pub(super) fn over(requests: &impl AsFd) -> std::io::Result<Self> {
         let mut requests = File::from(requests.as_fd().try_clone_to_owned()?);
         let moves = Arc::new(AtomicU64::new(0));
@@ -39,7 +39,7 @@ impl Watchdog {
             while dropped.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
             {
                 let now = seen.load(Relaxed);
-                // Nobody there is seen by who waits.
+                // The waiting end notices if the other one is gone.
                 if now == last && now % 2 == 1 && requests.write_all(&[0]).is_err() {
                     return;
                 }
@@ -68,7 +68,7 @@ impl Drop for Watchdog {
     fn drop(&mut self) {
         self.alive.take();
         if let Some(thread) = self.thread.take() {
-            // It cannot have failed: it only waits and writes.
+            // It cannot have failed, because it only waits and writes.
             let _ = thread.join();
         }
     }

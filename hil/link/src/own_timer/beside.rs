@@ -1,8 +1,8 @@
-//! An emulated board on its own timer, with actuator, sensors and specimen simulated beside the emulator.
+//! An emulated board on its own timer, with actuator, sensors and specimen simulated next to the emulator.
 //!
-//! The board's time goes by the instructions that it carries out, at 16 ns each. At each tick it asks for the sensors' codes; no time of the board passes until it has them. They are held back where
-//! the board is ahead of the clock on the wall. A busy host makes the board slow, and no tick late. `firmware/src/emulated/beside.rs` has
-//! the bytes.
+//! The board's time follows the instructions that it executes, at 16 ns each. At each tick it asks for the sensors' codes, and its
+//! time stands still until it has them. The codes are held back while the board is ahead of real time. A busy host thus makes the
+//! board slow, but no tick late. `firmware/src/emulated/beside.rs` documents the bytes.
 
 use std::io::{BufRead as _, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -21,9 +21,9 @@ use crate::image::{Board, OWN_TIMER, build};
 
 /// An instruction takes 2^4 ns, as at 62.5 MHz.
 const TIME: &str = "shift=4,sleep=off";
-/// Counts of the board's clock in a second, as in `firmware/src/emulated/clock.rs`.
+/// Counts of the board's clock per second, as in `firmware/src/emulated/clock.rs`.
 const CLOCK: f64 = 25e6;
-/// How far ahead the board may be, s: a sleep takes some 0.1 ms more than it is asked for.
+/// Time by which the board may be ahead, s: a sleep takes some 0.1 ms more than requested.
 const AHEAD: f64 = 2e-3;
 
 /// The board, which runs until this is dropped.
@@ -35,7 +35,7 @@ pub struct EmulatedBoard {
     seen: Arc<Seen>,
 }
 
-/// What the simulated side has seen of the board.
+/// State of the board as the simulated side knows it.
 #[derive(Debug, Default)]
 struct Seen {
     ticks: AtomicU64,
@@ -43,11 +43,11 @@ struct Seen {
 }
 
 impl EmulatedBoard {
-    /// Builds the image where it is not up to date, and starts it with `plant` beside it, at `speed` times the clock on the wall.
-    /// `arguments` are for the emulator.
+    /// Builds the image if it is not up to date, and starts it with `plant`, at `speed` times real time. `arguments` are for the
+    /// emulator.
     ///
     /// # Errors
-    /// A compiler's target or an emulator that is not installed, or what they say.
+    /// A compiler's target or an emulator that is not installed, or the error of one of them.
     pub fn start<S: DamperForce + Clone + Send + 'static>(
         plant: Plant<S>,
         speed: f64,
@@ -83,7 +83,7 @@ impl EmulatedBoard {
             unreachable!("both are piped");
         };
         let mut driven = BufReader::new(driven);
-        // It says: char device redirected to /dev/pts/1 (label serial0).
+        // Its output is: char device redirected to /dev/pts/1 (label serial0).
         let mut said = String::new();
         let named = driven.read_line(&mut said);
         let port = said.split_whitespace().find(|word| word.starts_with('/'));
@@ -104,12 +104,12 @@ impl EmulatedBoard {
         })
     }
 
-    /// The pseudo-terminal that stands for the board's serial port.
+    /// The pseudo-terminal that serves as the board's serial port.
     pub fn port(&self) -> &Path {
         &self.port
     }
 
-    /// Ticks of the board so far, those without a rig included. They go on while nobody asks the board anything.
+    /// Number of the board's ticks so far, those without a rig included. They continue without requests.
     pub fn ticks(&self) -> u64 {
         self.seen.ticks.load(Relaxed)
     }
@@ -119,7 +119,7 @@ impl EmulatedBoard {
         self.seen.enabled.load(Relaxed)
     }
 
-    /// The emulator's process.
+    /// The emulator's process number.
     pub fn id(&self) -> u32 {
         self.process.id()
     }
@@ -127,7 +127,7 @@ impl EmulatedBoard {
     /// Waits until the emulator ends.
     ///
     /// # Errors
-    /// The system's.
+    /// An error of the system.
     pub fn wait(&mut self) -> std::io::Result<()> {
         self.process.wait().map(|_| ())
     }
@@ -135,11 +135,11 @@ impl EmulatedBoard {
 
 impl Drop for EmulatedBoard {
     fn drop(&mut self) {
-        // One that has ended already cannot be ended again.
+        // A process that has ended already cannot be ended again.
         let _ = self.process.kill();
         let _ = self.process.wait();
         if let Some(specimen) = self.specimen.take() {
-            // It ends with the emulator's end of the pipes.
+            // It ends when the emulator closes the pipes.
             let _ = specimen.join();
         }
     }
@@ -148,11 +148,11 @@ impl Drop for EmulatedBoard {
 /// The simulated side.
 struct Beside<S> {
     plant: Plant<S>,
-    /// What the sensors deliver until the enable line rises for the first time: nothing moves until then.
+    /// Sensor values until the enable line rises for the first time; nothing moves until then.
     first: Vec<u8>,
     begun: bool,
     counts: Counts,
-    /// Steps that the plant is behind the board's clock: one at each tick of a rig at the plant's own rate.
+    /// Steps by which the plant is behind the board's clock: one at each tick of a rig at the plant's own rate.
     behind: f64,
     pace: Pace,
     seen: Arc<Seen>,
@@ -165,31 +165,31 @@ struct Counts {
 }
 
 impl Counts {
-    /// How many have passed until the clock reads `count`. A tick takes a second at the most: what seems longer is a board that has
-    /// restarted and counts from 0 again.
+    /// Counts from the last reading to `count`. A tick takes a second at most; a longer time means a board that has restarted and
+    /// counts from 0 again.
     fn passed(&mut self, count: u32) -> u32 {
         let passed = count.wrapping_sub(self.last.replace(count).unwrap_or(count));
         if f64::from(passed) > CLOCK { 0 } else { passed }
     }
 }
 
-/// Holds the board back.
+/// Slows the board down to real time.
 struct Pace {
-    /// Seconds of the wall's clock to a count of the board's.
+    /// Seconds of real time per count of the board's clock.
     per_count: f64,
-    /// When the board's clock read what it did last, had it not been faster.
+    /// Real time at which the last reading of the board's clock was due.
     due: Instant,
 }
 
 impl Pace {
-    /// Waits until `passed` counts of the board's clock may be over.
+    /// Waits until `passed` counts of the board's clock may have elapsed.
     fn wait(&mut self, passed: u32) {
         self.due += Duration::from_secs_f64(f64::from(passed) * self.per_count);
         let now = Instant::now();
         match self.due.checked_duration_since(now) {
             Some(ahead) if ahead.as_secs_f64() > AHEAD => std::thread::sleep(ahead),
             Some(_) => {}
-            // What a busy host has cost is not made up for.
+            // The delay of a busy host is not made up for.
             None => self.due = now,
         }
     }
@@ -212,8 +212,8 @@ impl<S: DamperForce + Clone> Beside<S> {
         }
     }
 
-    /// What the sensors deliver at a tick, after the actuator had `code` and this level of its enable line since the last.
-    /// `passed` counts of the board's clock are over since then.
+    /// Sensor values at a tick, after the actuator has had `code` and this level of its enable line since the last tick. `passed`
+    /// counts of the board's clock have elapsed since then.
     fn next(&mut self, code: u16, enabled: bool, passed: u32) -> Vec<u8> {
         if self.begun {
             self.behind += f64::from(passed) / (CLOCK * self.plant.step());
@@ -228,7 +228,7 @@ impl<S: DamperForce + Clone> Beside<S> {
         self.first.clone()
     }
 
-    /// Answers the image until the emulator's end.
+    /// Answers the image until the emulator ends.
     fn answer(mut self, mut driven: impl Read, mut delivered: impl Write) {
         let mut asked = [0; 8];
         while driven.read_exact(&mut asked).is_ok() {
@@ -268,7 +268,7 @@ mod tests {
         let mut counts = Counts::default();
         let passed = [7, 2507, 3_000_000_000, 3_000_002_500, 0, 2500].map(|at| counts.passed(at));
         assert_eq!(passed, [0, 2500, 0, 2500, 0, 2500]);
-        // The clock's own wrap is no restart.
+        // A wrap of the clock is no restart.
         let mut counts = Counts::default();
         assert_eq!([u32::MAX - 99, 2400].map(|at| counts.passed(at)), [0, 2500]);
     }

@@ -1,4 +1,4 @@
-//! A board on its own timer: nobody gives it its ticks, and it sends what it measures.
+//! A board on its own timer: it generates its ticks itself, and sends its measurements.
 
 mod beside;
 mod record;

@@ -9,33 +9,33 @@ use mesh_damper_rig::{RigRun, Samples, Watch};
 
 use crate::lockstep::{Image, LinkError, Sent, Wire};
 
-/// How often the board is asked how it is: it takes a harness that asks nothing for lost.
+/// Interval of requests for the board's state: the board takes a silent harness for lost.
 const ASK: Duration = Duration::from_millis(200);
-/// For how long nothing more may come once the test is over: what is missing then was lost.
+/// Time for which nothing more may arrive after the end of the test: rows still missing then were lost.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// For how long the board may say that its rig does not run, before the note of the test's end counts as lost: a rig that has stopped is at
-/// rest after half a second.
+/// Time for which the board may report that its rig does not run, before the note of the test's end counts as lost: a stopped rig
+/// is at rest after half a second.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// What did not arrive.
+/// Telemetry that did not arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lost {
-    /// Rows, whoever lost them.
+    /// Rows lost on the board or on the line.
     pub rows: u64,
     /// Notes of cycles, events and states.
     pub notes: u64,
-    /// Frames that the board sent. Rows that are missing though none of these is were lost on the board, whose queue was full.
+    /// Frames sent by the board. If rows are missing and none of these is, the board lost them because its queue was full.
     pub frames: u64,
 }
 
 /// A test that a board ran by itself, as it sent it.
 #[derive(Clone, Debug)]
 pub struct BoardRun {
-    /// What came. The velocity of its samples is not sent, nor are block, cycle and ramp.
+    /// The data received. The board does not send the samples' velocity, nor block, cycle and ramp.
     pub run: RigRun,
-    /// What did not.
+    /// The data lost.
     pub lost: Lost,
-    /// Ticks that the board found out of time.
+    /// Number of ticks that the board found out of time.
     pub late_ticks: u32,
 }
 
@@ -45,26 +45,26 @@ pub enum RecordError {
     /// The link to the board.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// Who watches could not go on.
+    /// The observer failed.
     #[error(transparent)]
     Watch(#[from] InputError),
 }
 
-/// How long a recording is, s.
+/// Duration of a recording, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
-    /// What the test takes, for those who watch.
+    /// Expected duration of the test, for observers.
     pub expected: f64,
-    /// After which it is broken off, and the rig left as it is; infinite for none.
+    /// Time after which recording stops, and the rig is left as it is; infinite for no limit.
     pub most: f64,
 }
 
-/// Records what the board at the other end of `image` sends of a rig of `tick_rate` Hz, as `config` asks for it, until the test is over, or
-/// for as long as `times` says. `begin` starts the test, once telemetry has been asked for. `watch` is shown what there is now and then, and
-/// at the end however it ends.
+/// Records the telemetry that the board at the other end of `image` sends of a rig of `tick_rate` Hz, as `config` requests it,
+/// until the test is over, or for the time in `times`. `begin` starts the test, once telemetry has been requested. `watch` gets the
+/// data so far from time to time, and at the end however the recording ends.
 ///
 /// # Errors
-/// The link's, `begin`'s and `watch`'s.
+/// The errors of the link, of `begin` and of `watch`.
 pub fn record<W: Wire>(
     image: &mut Image<W>,
     config: TelemetryConfig,
@@ -103,7 +103,7 @@ pub fn record<W: Wire>(
     })
 }
 
-/// Until the test is over; how many ticks of the board were late.
+/// Follows the test until it is over; returns how many ticks of the board were late.
 fn follow<W: Wire>(
     image: &mut Image<W>,
     taken: &mut Taken,
@@ -146,7 +146,7 @@ fn follow<W: Wire>(
     }
 }
 
-/// Numbers that come next.
+/// The next expected numbers.
 #[derive(Default)]
 struct Numbers {
     frame: Option<u32>,
@@ -154,7 +154,7 @@ struct Numbers {
     note: u32,
 }
 
-/// What has come so far.
+/// The data received so far.
 struct Taken {
     config: TelemetryConfig,
     tick_rate: f64,
@@ -163,7 +163,7 @@ struct Taken {
     next: Numbers,
     /// The tick at which the test was over.
     ends: Option<u32>,
-    /// The last one that came with the rig running.
+    /// The last tick received with the rig running.
     ran: u32,
 }
 
@@ -246,33 +246,34 @@ impl Taken {
         }
     }
 
-    /// The test is over, as the board's `state` says, and the note that says when was lost: with the last row of a rig that runs.
+    /// The test is over according to the board's `state`, but the note with its time was lost: the end is the last row with a
+    /// running rig.
     fn end_without_note(&mut self, state: State) {
         self.ends = Some(self.ran);
         self.fault(self.time_of(self.ran.into()), state);
     }
 
-    /// Rows of the test, once it is over.
+    /// Number of rows of the test, once it is over.
     fn rows(&self) -> Option<u32> {
         self.ends.map(|tick| tick / self.config.every.max(1) + 1)
     }
 
-    /// Whether all that was to come of a test that is over is there.
+    /// Whether the data of a finished test is complete.
     fn is_whole(&self) -> bool {
         self.rows().is_some_and(|rows| self.next.row >= rows)
     }
 
-    /// s, computed as the simulated rig does.
+    /// Time in s, computed as the simulated rig does.
     fn time_of(&self, tick: u64) -> f64 {
         tick as f64 * (1.0 / self.tick_rate)
     }
 
-    /// Of the last row, s.
+    /// Time of the last row, s.
     fn time(&self) -> f64 {
         self.run.samples.time.last().copied().unwrap_or_default()
     }
 
-    /// Rows after the test's end are of a rig at rest, and what is missing before it was lost.
+    /// Drops rows after the test's end, which are of a rig at rest, and counts rows missing before it as lost.
     fn cut(&mut self) {
         if let (Some(tick), Some(rows)) = (self.ends, self.rows()) {
             let time = self.time_of(tick.into());

@@ -1,4 +1,4 @@
-//! Whether this machine can run images. Shared by the tests that do.
+//! Checks whether this machine can run images. Shared by the tests that do.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use mesh_damper_link::lockstep::{Emulator, LogDecoder};
 use mesh_damper_recording::error::InputError;
 use serde_json::Value;
 
-/// `image` built for `board`, or `None` with a line that says what was left out and how to get it. Where `CI` is `true`
-/// nothing may be left out: it fails.
+/// `image` built for `board`, or `None` with a message that says which test was left out and how to get the missing part. With `CI`
+/// set to `true` nothing may be left out: the test fails.
 #[allow(
     dead_code,
     reason = "not every test that shares this file runs an image"
@@ -26,7 +26,8 @@ pub fn image(image: &Image, board: Board) -> Option<PathBuf> {
     }
 }
 
-/// The firmware in `examples/NAME`, which runs on `board`, as [`image`] gives an image. It is built where the gate builds it.
+/// The firmware in `examples/NAME`, which runs on `board`; the result is that of [`image`]. It is built in the same place as by the
+/// gate.
 #[allow(
     dead_code,
     reason = "not every test that shares this file runs an example"
@@ -39,13 +40,13 @@ pub fn example(name: &str, board: Board) -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let directory = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     let output = Command::new(env!("CARGO"))
-        // Cargo takes its configuration, and the linker the memory map, from here.
+        // Cargo takes its configuration, and the linker the memory map, from this directory.
         .current_dir(root.join("examples").join(name))
         .args(["build", "--quiet", "--locked", "--release"])
         .args(["--message-format", "json-render-diagnostics"])
         .arg("--target-dir")
         .arg(root.join(directory))
-        // They would take the place of the linker's script.
+        // These variables would replace the linker's script.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("RUSTFLAGS")
         .output()
@@ -61,7 +62,7 @@ pub fn example(name: &str, board: Board) -> Option<PathBuf> {
 
 fn leave_out(error: &InputError) {
     assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{error}");
-    // Once for all tests, and past their harness, which keeps what passing tests print to itself.
+    // Once for all tests, bypassing their harness, which hides the output of passing tests.
     static SAID: Once = Once::new();
     SAID.call_once(|| {
         let said = writeln!(std::io::stderr(), "left out, no image is run: {error}");
@@ -69,7 +70,7 @@ fn leave_out(error: &InputError) {
     });
 }
 
-/// The emulator with `elf` on `board`, its log thrown away.
+/// The emulator with `elf` on `board`, without its log.
 #[allow(
     dead_code,
     reason = "not every test that shares this file runs the firmware"
@@ -80,7 +81,7 @@ pub fn start(elf: &Path, board: Board) -> Emulator {
     Emulator::start(elf, board, log).unwrap()
 }
 
-/// Whether there is a process with this number that has not ended.
+/// Whether a process with this number is running.
 #[cfg(target_os = "linux")]
 #[allow(
     dead_code,

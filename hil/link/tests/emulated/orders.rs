@@ -1,4 +1,4 @@
-//! Orders to an emulator beside its board: QMP over a socket.
+//! Commands to a running emulator: QMP over a socket.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;
@@ -28,7 +28,7 @@ impl Orders {
         ["-qmp".into(), socket]
     }
 
-    /// Tells the emulator something, and waits until it has done it.
+    /// Sends a command to the emulator, and waits until it is done.
     pub fn give(&self, what: &str) {
         let mut orders = UnixStream::connect(self.path()).unwrap();
         let mut answers = BufReader::new(orders.try_clone().unwrap());

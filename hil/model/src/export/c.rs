@@ -1,4 +1,4 @@
-//! A pack as C99: a header with what it says of itself, and a source with its bytes.
+//! A pack as C99: a header with its description, and a source with its bytes.
 
 use std::fmt::Write as _;
 
@@ -7,10 +7,10 @@ use mesh_damper::pack::{PackInfo, Stamp};
 use super::c_identifier;
 use crate::Control;
 
-/// Bytes of the pack on a line.
+/// Bytes of the pack per line.
 const ON_A_LINE: usize = 16;
 
-/// Header and source of `pack`, which says `info` of itself; its law sees these control inputs.
+/// Header and source of `pack`, described by `info`; its law sees these control inputs.
 pub fn files(info: &PackInfo, controls: &[Control], pack: &[u8], stem: &str) -> [String; 2] {
     let name = c_identifier(&info.name);
     [
@@ -106,13 +106,13 @@ fn source(name: &str, info: &PackInfo, pack: &[u8], stem: &str) -> String {
     text
 }
 
-/// What a number is of.
+/// The kind of a number.
 enum Of {
     Range(&'static str),
     Number(&'static str),
 }
 
-/// What the pack says of itself in numbers, where it does.
+/// The numbers of the pack's description, if it has them.
 fn numbers(info: &PackInfo) -> Vec<(&'static str, Of, Vec<f32>)> {
     let mut numbers = Vec::new();
     if let Some(range) = &info.operating_range {
@@ -137,7 +137,7 @@ fn bytes(bytes: &[u8]) -> String {
     bytes.join(", ")
 }
 
-/// As a string of C99: what is not plain as octal digits, which no digit after them continues; a `?` may begin a trigraph.
+/// As a C99 string. Special characters become octal escapes, which a following digit cannot extend; a `?` may begin a trigraph.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for byte in text.bytes() {

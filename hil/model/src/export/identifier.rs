@@ -1,12 +1,12 @@
-//! Names as C and Rust take them.
+//! Names that C and Rust accept.
 
-/// Words that no Rust module can have as its name, those of later editions included.
+/// Words that cannot name a Rust module, including those of later editions.
 const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn else enum extern false final fn for gen if \
     impl in let loop macro match mod move mut override priv pub ref return self static struct super trait true try type typeof unsafe \
     unsized use virtual where while yield";
 
-/// `name` with nothing in it but ASCII letters, digits and single `_`, and no digit at its beginning, so that anything may be appended
-/// to it: `Mount 4 (new)` becomes `Mount_4_new`. A name without letters or with a digit first begins with `model`.
+/// `name` with only ASCII letters, digits and single `_`, and no digit at its beginning, so that anything may be appended:
+/// `Mount 4 (new)` becomes `Mount_4_new`. A name without letters, or with a digit first, gets the prefix `model`.
 pub fn c_identifier(name: &str) -> String {
     let parts = name.split(|c: char| !c.is_ascii_alphanumeric());
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
@@ -18,7 +18,7 @@ pub fn c_identifier(name: &str) -> String {
     }
 }
 
-/// `name` as the name of a Rust module, in lower case, with a `_` behind what is a keyword.
+/// `name` as the name of a Rust module: in lower case, with a `_` after a keyword.
 pub fn rust_module(name: &str) -> String {
     let module = c_identifier(name).to_ascii_lowercase();
     if KEYWORDS.split_whitespace().any(|word| word == module) {

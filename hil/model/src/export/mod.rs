@@ -1,4 +1,4 @@
-//! A model as it leaves the host: a coefficient pack, a Rust module, or a C header and source, all of the same law.
+//! The exported forms of a model: a coefficient pack, a Rust module, or a C header and source. All have the same law.
 //!
 //! ```no_run
 //! use mesh_damper_model::export::{Export, ExportSettings};
@@ -26,28 +26,28 @@ use mesh_damper::real::Real as _;
 use crate::file::ModelFile;
 use crate::{MAX_EFFECTS, Model, ModelError};
 
-/// Slowest and fastest tick that a model is exported for, Hz: those of the crate's rig and generator.
+/// Slowest and fastest tick rate of an export, Hz: the limits of the crate's rig and generator.
 pub const TICK_RATES: [f64; 2] = [1.0, 1e6];
 
-/// What an export is to be.
+/// The settings of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportSettings {
     /// Ticks per second of the firmware, Hz, within [`TICK_RATES`].
     pub tick_rate: f64,
-    /// Amplitude at which the law is taken, mm; `None` for the largest one that it was fitted at, where its forces are largest.
+    /// Amplitude at which to take the law, mm; `None` for the largest fitted one, where its forces are largest.
     pub amplitude: Option<f64>,
-    /// Density of the specimen, g/cm³, where it is known.
+    /// Density of the specimen, g/cm³, if known.
     pub density: Option<f64>,
-    /// Of this export.
+    /// Revision of this export.
     pub revision: u32,
-    /// For people, at most [`pack::NAME`] bytes.
+    /// A name for people, at most [`pack::NAME`] bytes.
     pub name: String,
-    /// Exports a law that gives more energy than it takes as well.
+    /// Also exports a law that gives out more energy than it takes.
     pub allow_active: bool,
 }
 
 impl ExportSettings {
-    /// For `tick_rate` Hz, called `name`, and nothing else said.
+    /// Settings for `tick_rate` Hz and `name`; the rest has its default.
     pub fn at(tick_rate: f64, name: impl Into<String>) -> Self {
         Self {
             tick_rate,
@@ -60,22 +60,22 @@ impl ExportSettings {
     }
 }
 
-/// Why a model is not exported.
+/// The reason why a model is not exported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
-    /// A setting that is not finite or out of range, by its name in [`ExportSettings`].
+    /// A setting, by its name in [`ExportSettings`], is not finite or out of range.
     #[error("{0}")]
     Setting(ConfigError),
-    /// The law of the model is the same at every amplitude, and one was given.
+    /// An amplitude was given, but the law of the model is the same at every amplitude.
     #[error("amplitude: the law has the same coefficients at every amplitude")]
     NoAmplitude,
-    /// What the model is made of cannot run at the tick rate.
+    /// A part of the model cannot run at the tick rate.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A law whose type names its effects carries no residual table.
+    /// A law of a static type, with its effects in the type, cannot carry a residual table.
     #[error("correction: a law that is composed statically carries no residual table")]
     ResidualTable,
-    /// The law gives more energy than it takes, and [`ExportSettings::allow_active`] is not set.
+    /// The law gives out more energy than it takes, and [`ExportSettings::allow_active`] is not set.
     #[error("law: {0}")]
     Active(Active),
 }
@@ -92,10 +92,10 @@ pub struct Export {
 }
 
 impl Export {
-    /// The model of `file` as `settings` ask for it.
+    /// Exports the model of `file` with `settings`.
     ///
     /// # Errors
-    /// A setting that is out of range, a model that cannot run at the tick rate, or a law that is active and not allowed to be.
+    /// A setting is out of range, the model cannot run at the tick rate, or the law is active and that is not allowed.
     pub fn new(file: &ModelFile, settings: &ExportSettings) -> Result<Self, ExportError> {
         let [slowest, fastest] = TICK_RATES;
         let tick_rate = within("tick_rate", settings.tick_rate, slowest, fastest)?;
@@ -138,17 +138,17 @@ impl Export {
         })
     }
 
-    /// The motion within the fitted range in which the law gives more energy than it takes; `None` of a passive one.
+    /// The motion within the fitted range in which the law gives out more energy than it takes; `None` for a passive law.
     pub fn active(&self) -> Option<Active> {
         self.passivity.err()
     }
 
-    /// The amplitude that the law is taken at, mm; `None` where it does not change with it. [`PackInfo`] has it rounded to f32.
+    /// The amplitude at which the law was taken, mm; `None` if the law does not depend on it. [`PackInfo`] has it rounded to f32.
     pub fn amplitude(&self) -> Option<f64> {
         self.amplitude
     }
 
-    /// What the export says of itself, whatever its format.
+    /// The description of the export, the same in all formats.
     pub fn info(&self) -> &PackInfo {
         &self.info
     }
@@ -156,14 +156,14 @@ impl Export {
     /// As a coefficient pack.
     ///
     /// # Errors
-    /// [`ModelError::Pack`] where it is longer than a pack may be.
+    /// [`ModelError::Pack`] if the pack would be too long.
     pub fn pack(&self) -> Result<Vec<u8>, ExportError> {
         let mut buffer = [0; LARGEST];
         let pack = pack::encode(&self.law, &self.info, &mut buffer).map_err(ModelError::Pack)?;
         Ok(pack.to_vec())
     }
 
-    /// As a Rust module, whose only dependency is `mesh-damper`. What it composes gives the force of [`Export::pack`] bit for bit.
+    /// As a Rust module whose only dependency is `mesh-damper`. Its law gives the force of [`Export::pack`] bit for bit.
     ///
     /// # Errors
     /// [`ExportError::ResidualTable`]
@@ -171,8 +171,8 @@ impl Export {
         rust::module(self)
     }
 
-    /// As a C header and source: [`Export::pack`] as an array, and what it says of itself as constants. `stem` is the name of the
-    /// header without its `.h`, by which the source includes it.
+    /// As a C header and source: [`Export::pack`] as an array, and its description as constants. `stem` is the name of the header
+    /// without its `.h`; the source includes the header by it.
     ///
     /// # Errors
     /// As [`Export::pack`].
@@ -186,7 +186,7 @@ impl Export {
     }
 }
 
-/// The amplitude at which the law is taken, mm; `None` where it does not change with it.
+/// The amplitude at which to take the law, mm; `None` if the law does not depend on it.
 fn amplitude(model: &Model, asked: Option<f64>) -> Result<Option<f64>, ExportError> {
     let amplitudes = || model.law.iter().map(|node| node.amplitude);
     let low = amplitudes().fold(f64::INFINITY, f64::min);

@@ -7,7 +7,7 @@ use mesh_damper::effects::description::Description;
 
 use super::{Export, ExportError};
 
-/// The module's text. Numbers are as short as they can be and still the same when they are read.
+/// The module's text. Each number has the fewest digits that read back as the same number.
 pub fn module(export: &Export) -> Result<String, ExportError> {
     if export.model.correction.is_some() {
         return Err(ExportError::ResidualTable);
@@ -19,10 +19,10 @@ pub fn module(export: &Export) -> Result<String, ExportError> {
     Ok(text)
 }
 
-/// What an effect is, and its parameters.
+/// An effect and its parameters.
 type Parametrized = (&'static Description, Vec<f64>);
 
-/// In the order in which a type names them.
+/// In the order of the effects in a type.
 fn effects(export: &Export) -> Result<Vec<Parametrized>, ExportError> {
     let mut effects = export
         .model
@@ -260,7 +260,7 @@ mod tests {
 
     use super::*;
 
-    /// A variant of [`Effect`] is called as its type is.
+    /// A variant of [`Effect`] has the same name as its type.
     #[test]
     fn the_type_of_every_effect_is_named_right() {
         for each in DESCRIPTIONS {

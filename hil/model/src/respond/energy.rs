@@ -1,4 +1,4 @@
-//! Where the work of the input goes.
+//! The energy balance of a response.
 
 use serde::Serialize;
 
@@ -12,17 +12,18 @@ use crate::ModelError;
 pub struct EnergyBalance {
     /// Work of the force on the mass and of the base on the damper, J.
     pub input: f64,
-    /// By which the kinetic energy of all that moves has grown, J.
+    /// Increase of the kinetic energy of all moving masses, J.
     pub kinetic: f64,
-    /// By which the energy in the springs of the law, of stops and of a compliance has grown, with the coefficients of the end, J.
+    /// Increase of the energy in the springs of the law, of stops and of a compliance, with the coefficients at the end, J.
     pub elastic: f64,
-    /// What else the damper took, J. What springs behind friction and in relaxation hold at the end is among it.
+    /// The rest of the work on the damper, J. It includes the energy that springs behind friction and in relaxation hold at the
+    /// end.
     pub dissipated: f64,
-    /// What the steps lose or gain, J.
+    /// Energy that the time steps lose or gain, J.
     pub residual: f64,
 }
 
-/// Adds up the work while the mass moves.
+/// Sums up the work while the mass moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Work {
     start: Moment,
@@ -41,14 +42,14 @@ impl Work {
         }
     }
 
-    /// One step of `step` s to `now`.
+    /// Adds one step of `step` s to `now`.
     pub fn add(&mut self, now: Moment, step: f64) {
         self.input += 0.5 * step * (self.last.input_power + now.input_power);
         self.damper += 0.5 * step * (self.last.damper_power + now.damper_power);
         self.last = now;
     }
 
-    /// The balance, with the coefficients of `amplitudes` mm at the start and at the end.
+    /// The balance, with the coefficients at `amplitudes` mm for the start and the end.
     ///
     /// # Errors
     /// A model that the crate refuses.

@@ -1,4 +1,4 @@
-//! What drives the mass, at equal steps of time.
+//! The excitation of the mass, at equal time steps.
 
 use super::RespondError;
 use super::oscillator::Input;
@@ -12,9 +12,9 @@ use mesh_damper_recording::policy::policy;
 pub struct Excitation {
     tick: f64,
     drive: Drive,
-    /// °C, one per sample, where it is known.
+    /// °C, one per sample, if known.
     temperature: Option<Vec<f64>>,
-    /// Control inputs by their places, each with a value per sample.
+    /// Control inputs by index, each with a value per sample.
     controls: Vec<Vec<f64>>,
 }
 
@@ -46,15 +46,14 @@ impl Excitation {
         }
     }
 
-    /// The same with the damper's temperature in °C at every sample. Without, it is that of a room.
+    /// Adds the damper's temperature in °C at every sample. Without it, room temperature applies.
     #[must_use]
     pub fn with_temperature(mut self, temperature: Option<Vec<f64>>) -> Self {
         self.temperature = temperature;
         self
     }
 
-    /// The same with control inputs of the damper, a value at every sample of each, by the places that the model has them at. Without,
-    /// they are 0.
+    /// Adds control inputs of the damper, by their index in the model, with a value at every sample. Without them, they are 0.
     #[must_use]
     pub fn with_controls(mut self, controls: Vec<Vec<f64>>) -> Self {
         self.controls = controls;
@@ -79,7 +78,8 @@ impl Excitation {
     }
 
     /// # Errors
-    /// Fewer than two samples, a tick that no effect takes, a sample that is not finite, too few control inputs for the model.
+    /// Fewer than two samples, a tick outside the limits of the effects, a sample that is not finite, or too few control inputs for
+    /// the model.
     pub(super) fn check(&self, model: &Model) -> Result<(), RespondError> {
         let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
         let wrong = |field, value, problem: &str, remedy| {

@@ -1,9 +1,10 @@
-//! The motion of a mass on a damper, under a force or on a base that moves.
+//! The motion of a mass on a damper, under a force or on a moving base.
 //!
-//! M·x″ + F(x − b, x′ − b′) = f. M is the mass that is fastened to the damper and, where the model has the effect `inertia`, that
-//! of the model: it moves with the same end. F is the model's force without it, evaluated by the crate in f64 as it was fitted.
+//! M·x″ + F(x − b, x′ − b′) = f. M is the mass that is fastened to the damper, plus the mass of the model's effect `inertia` if it
+//! has one, which moves with the same end. F is the model's force without that effect. The crate computes F in f64, as it was
+//! fitted.
 //!
-//! # What of a model acts on the mass
+//! # How the model acts on the mass
 //!
 //! | effect | here |
 //! |---|---|
@@ -11,15 +12,15 @@
 //! | `gap` | as in a prediction: within the play the mass feels nothing, or only what damps inside |
 //! | `compliance` | a spring without mass between the mass and the damper: x is the outer end |
 //! | `inertia` | a part of the moving mass, with the mass's own acceleration, solved for exactly |
-//! | `temperature` | of the excitation's `temperature_degC`, or of a room |
-//! | `control_input` | of the excitation's columns, or a value for all of it |
-//! | `drift` | with the cycles that the damper has run so far |
-//! | `offset` | left out unless asked for: a preload that a static load balances, or a load cell's zero |
-//! | `delay`, `periodic` | left out: a late channel and a tone of the test rig are of the measurement |
-//! | coefficients over amplitude | of the half cycle that ended last, from the middle of the swing on; of the least amplitude before |
+//! | `temperature` | from the excitation's `temperature_degC`, or room temperature |
+//! | `control_input` | from the excitation's columns, or a constant value |
+//! | `drift` | with the damper's cycles so far |
+//! | `offset` | left out unless requested: it is a preload that a static load balances, or a load cell's zero |
+//! | `delay`, `periodic` | left out: a late channel and a tone of the test rig belong to the measurement |
+//! | coefficients over amplitude | from the last completed half cycle, applied from the middle of the swing on; from the smallest amplitude before that |
 //! | residual table | as in a prediction |
 //!
-//! The file `oscillator.rs` says how a step is made. [`respond`] halves the steps until the motion no longer changes.
+//! The file `oscillator.rs` describes the time steps. [`respond`] halves the steps until the motion no longer changes.
 
 mod energy;
 mod excitation;
@@ -45,32 +46,33 @@ pub use excitation::Excitation;
 pub use specimen::LeftOut;
 pub use sweep::{Sweep, SweepPoint, SweepRange, sweep};
 
-/// Most steps of one run: what is kept of them takes less than a gigabyte.
+/// Most steps of one run: their results take less than a gigabyte.
 const MOST_STEPS: usize = 20_000_000;
-/// Steps in the shortest period of the mass on its damper that the first run has at least: BDF2 errs there by about a percent.
+/// Smallest number of steps in the shortest period of the mass on its damper in the first run: BDF2 has an error of about a percent
+/// there.
 const FEWEST_STEPS_PER_PERIOD: f64 = 32.0;
-/// Shortest step that every effect takes, s.
+/// Shortest step that every effect accepts, s.
 const SHORTEST_STEP: f64 = 1e-7;
 
-/// Why a response cannot be computed.
+/// The reason why a response cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RespondError {
-    /// A value that there can be no motion with.
+    /// No motion is possible with a value.
     #[error("{field} = {value} {problem}; {remedy}")]
     Value {
-        /// Which.
+        /// The field.
         field: &'static str,
-        /// As it was given.
+        /// The value as given.
         value: f64,
-        /// What is wrong with it.
+        /// The error.
         problem: String,
-        /// How to mend it.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The model cannot be built.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// No velocity balances the forces: a stiffness that pushes away what moves.
+    /// No velocity balances the forces: a stiffness drives the motion.
     #[error(
         "no velocity below 1e6 mm/s balances the forces at {time} s; check the model's stiffness, the mass and the unit of the force"
     )]
@@ -81,7 +83,7 @@ pub enum RespondError {
 }
 
 impl RespondError {
-    /// The same about the model's file, or about the option that gave the value.
+    /// The error about the model's file, or about the option that gave the value.
     pub fn about(&self, model: &str) -> InputError {
         match self {
             Self::Value {
@@ -107,7 +109,7 @@ impl RespondError {
     }
 }
 
-/// The mass and damper at one time.
+/// The state of mass and damper at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     /// Of the mass, mm.
@@ -116,13 +118,13 @@ pub struct Moment {
     pub velocity: f64,
     /// Of the mass, mm/s².
     pub acceleration: f64,
-    /// Of the mass from the base, mm: what the damper's displacement channel would show.
+    /// Displacement of the mass relative to the base, mm: the damper's displacement channel would show it.
     pub relative_displacement: f64,
     /// Its rate, mm/s.
     pub relative_velocity: f64,
-    /// What the damper's force channel would show, kN: the inertia of the model's own mass is in it.
+    /// The reading of the damper's force channel, kN, including the inertia of the model's own mass.
     pub force: f64,
-    /// The same without that inertia, kN.
+    /// The force without that inertia, kN.
     damper: f64,
     /// Of the force and of the base, kN·mm/s.
     input_power: f64,
@@ -130,26 +132,26 @@ pub struct Moment {
     damper_power: f64,
 }
 
-/// What there is beside model and excitation.
+/// The conditions in addition to model and excitation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Mass on the damper, kg, 0…1e6; 0 where the model has a mass of its own.
+    /// Mass on the damper, kg, 0…1e6; may be 0 if the model has its own mass.
     pub mass: f64,
     /// Whether the model's constant force acts on the mass.
     pub offset: bool,
-    /// Steps are halved until displacements change by less than this part of their RMS.
+    /// Steps are halved until displacements change by less than this fraction of their RMS.
     pub tolerance: f64,
     /// Displacement from the base in mm and velocity in mm/s at the start.
     pub start: [f64; 2],
-    /// Control inputs of a sweep, by the places that the model has them at.
+    /// Control inputs of a sweep, by their index in the model.
     pub controls: [f64; CONTROLS],
 }
 
 impl Settings {
-    /// A change of the displacement on halving the steps that is far below what a model is off by.
+    /// A change of the displacement, after the steps are halved, that is far below the error of a model.
     pub const TOLERANCE: f64 = 1e-3;
 
-    /// `mass` kg at rest.
+    /// Settings for `mass` kg, starting at rest.
     pub fn new(mass: f64) -> Self {
         Self {
             mass,
@@ -168,24 +170,24 @@ pub struct Response {
     pub tick: f64,
     /// The motion at the excitation's samples.
     pub moments: Vec<Moment>,
-    /// The steps that it was integrated in, s.
+    /// The integration step, s.
     pub step: f64,
     /// Steps between two moments.
     pub substeps: usize,
-    /// RMS over RMS by which displacements changed when the steps were halved last; the steps' error is about a third of it.
+    /// Change of the displacements when the steps were last halved, RMS over RMS. The error of the steps is about a third of it.
     pub change: f64,
-    /// Whether that is within the tolerance.
+    /// Whether that change is within the tolerance.
     pub settled: bool,
-    /// Where the work of the input went.
+    /// The energy balance.
     pub energy: EnergyBalance,
     /// Mass of the model's own effect `inertia`, kg.
     pub model_mass: f64,
-    /// Effects that do not act on the mass as they act on a prediction.
+    /// Effects that act on the mass differently than in a prediction.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Response {
-    /// What of the damper's motion lies outside the operating range of its model.
+    /// The part of the damper's motion outside the operating range of its model.
     pub fn extrapolation(&self, range: &FittedRange) -> Extrapolation {
         let of = |channel: fn(&Moment) -> &f64| self.moments.iter().map(channel);
         Extrapolation::of(
@@ -199,8 +201,8 @@ impl Response {
 /// The motion of a mass on the damper of `model` under `excitation`.
 ///
 /// # Errors
-/// An excitation, a mass, a tolerance or a start that there can be no motion with; an effect that cannot be integrated; a model that the crate refuses;
-/// forces that no velocity balances.
+/// No motion is possible with the excitation, mass, tolerance or start; an effect cannot be integrated; the crate refuses the
+/// model; or no velocity balances the forces.
 pub fn respond(
     model: &Model,
     excitation: &Excitation,
@@ -236,7 +238,7 @@ pub fn respond(
     }
 }
 
-/// The same in steps of the excitation's tick over `substeps`, whatever their error.
+/// As [`respond`], with `substeps` steps per tick of the excitation, whatever their error.
 ///
 /// # Errors
 /// As [`respond`].
@@ -301,7 +303,7 @@ fn integrate(
     Ok((moments, energy))
 }
 
-/// RMS of the change of the displacements over their RMS: of the mass's or of the damper's, whichever is larger.
+/// RMS of the change of the displacements over their RMS: the larger of the mass's and the damper's.
 fn change_between(coarse: &[Moment], fine: &[Moment]) -> f64 {
     let of = |channel: fn(&Moment) -> f64| {
         let (mut change, mut size) = (0.0, 0.0);

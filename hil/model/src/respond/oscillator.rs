@@ -1,20 +1,21 @@
-//! The steps of a mass on a damper.
+//! The time steps of a mass on a damper.
 //!
-//! M·a = f − F(y, w), y the displacement of the mass from the base and w its rate, a the mass's own acceleration. The backward
-//! differences of second order (BDF2) give them from the rate at the end of the step:
+//! M·a = f − F(y, w): y is the displacement of the mass from the base, w its rate, and a the mass's own acceleration. The backward
+//! differences of second order (BDF2) give y, b and a from the rate at the end of the step:
 //!
-//! y = Y + g·w, b = B + g·ḃ, a = (w + ḃ − V)/g, with g = 2Δt/3, Y = (4y₋₁ − y₋₂)/3, and V and B alike of v = w + ḃ and of b.
+//! y = Y + g·w, b = B + g·ḃ, a = (w + ḃ − V)/g, with g = 2Δt/3 and Y = (4y₋₁ − y₋₂)/3; V and B are the same for v = w + ḃ and for
+//! b.
 //!
-//! So w alone is sought, and M/g, by which its equation rises at least where the damper gives way nowhere, gives a bracket. The
-//! first step is a backward Euler step.
+//! So w is the only unknown. Its equation rises at least by M/g as long as no spring gives way, and this gives a bracket. The first
+//! step is a backward Euler step.
 //!
-//! A trapezoidal step would keep the energy of a spring exactly, but the steep |v|^α would let the velocity change its sign at
-//! every step wherever friction holds. BDF2 damps what is faster than its step, and takes of a spring's motion the part
-//! (ωΔt)⁴/4 a step: a millionth a cycle with 400 steps in it.
+//! A trapezoidal step would keep the energy of a spring exactly, but with the steep |v|^α the velocity would change its sign at
+//! every step where friction holds. BDF2 damps motions that are faster than its step. It takes the fraction (ωΔt)⁴/4 of a spring's
+//! motion per step: a millionth per cycle with 400 steps in a cycle.
 //!
 //! # Rest
-//! At w = 0 friction takes any value between those of both directions. Where the balance lies between them, w is 0 and the
-//! friction is what balances.
+//! At w = 0 friction takes any value between its values in the two directions. If the balance lies between them, w is 0 and the
+//! friction balances the other forces.
 
 use mesh_damper::effects::{AugmentedLaw, AugmentedState, CONTROLS, Motion};
 use mesh_damper::limits;
@@ -25,14 +26,14 @@ use super::specimen::{PER_KILOGRAM, Specimen};
 use super::{Moment, RespondError};
 use crate::MAX_EFFECTS;
 
-/// A speed that is as good as 0, mm/s: the friction on either side of rest is taken here.
+/// A speed that is practically 0, mm/s: the friction on either side of rest is evaluated here.
 const CREEP: f64 = 1e-12;
-/// A balance is met to this part of the largest force so far.
+/// A balance has to close to this fraction of the largest force so far.
 const NEAR: f64 = 1e-12;
-/// Doublings of a bracket that does not hold a root.
+/// How often a bracket without a root is doubled.
 const WIDENINGS: usize = 60;
 
-/// What drives the mass at one time.
+/// The excitation at one time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Input {
     /// Force on the mass, kN.
@@ -63,7 +64,7 @@ pub(super) struct Oscillator<'s> {
     law: AugmentedLaw<f64, MAX_EFFECTS>,
     state: AugmentedState<f64>,
     running: Running,
-    /// Amplitude in mm whose coefficients the law has, and that it is to have from the middle of the swing on.
+    /// Amplitude in mm of the law's current coefficients, and the amplitude for the time after the middle of the swing.
     amplitude: f64,
     next_amplitude: Option<f64>,
     steps: usize,
@@ -74,8 +75,8 @@ pub(super) struct Oscillator<'s> {
 }
 
 impl<'s> Oscillator<'s> {
-    /// At `displacement` mm from the base with `velocity` mm/s, where `input` holds and the base moves with `base_velocity` mm/s, to
-    /// move in steps of `step` s.
+    /// Starts at `displacement` mm from the base with `velocity` mm/s, under `input`, on a base that moves with `base_velocity`
+    /// mm/s. Its steps take `step` s.
     ///
     /// # Errors
     /// A model that the crate refuses.
@@ -127,10 +128,10 @@ impl<'s> Oscillator<'s> {
         Ok((new, moment))
     }
 
-    /// One step to where `input` holds.
+    /// Makes one step, to the time of `input`.
     ///
     /// # Errors
-    /// No velocity within the limits balances the forces; a model that the crate refuses.
+    /// No velocity within the limits balances the forces, or the crate refuses the model.
     pub fn step(&mut self, input: &Input) -> Result<Moment, RespondError> {
         let (now, before) = (self.now, self.before);
         let gain = if self.steps == 0 {
@@ -144,7 +145,7 @@ impl<'s> Oscillator<'s> {
         };
         let displacement = behind(|place| place.relative);
         let velocity = behind(|place| place.velocity);
-        // By the same differences as the rate: else what they err by would move a mass that hardly moves.
+        // By the same differences as the rate: otherwise their error would move a mass that hardly moves.
         let base_velocity = (input.base - behind(|place| place.base)) / gain;
         let inertia = self.mass / gain;
         let excess = |rate: f64| {
@@ -169,19 +170,20 @@ impl<'s> Oscillator<'s> {
             base: input.base,
         };
         let acceleration = (self.now.velocity - velocity) / gain;
-        // At rest the law's own friction is 0: what holds the mass is what the balance says.
+        // At rest the law's own friction is 0, so the balance gives the holding force.
         let force = input.force - self.mass * acceleration;
         self.scale = self.scale.max(force.abs()).max(input.force.abs());
         self.follow()?;
         Ok(self.moment(acceleration, force, input))
     }
 
-    /// Amplitude in mm whose coefficients the law has.
+    /// Amplitude in mm of the law's current coefficients.
     pub fn amplitude(&self) -> f64 {
         self.amplitude
     }
 
-    /// The rate at which `excess` is 0, which rises at least by `inertia` where no spring gives way, sought from `guess`.
+    /// The rate at which `excess` is 0, searched from `guess`. The function rises at least by `inertia` as long as no spring gives
+    /// way.
     fn balanced(
         &self,
         excess: impl Fn(f64) -> f64,
@@ -193,7 +195,7 @@ impl<'s> Oscillator<'s> {
         if first.1.abs() <= near {
             return Ok(guess);
         }
-        // A little beyond, so that rounding leaves it no root short.
+        // A little further, so that rounding does not leave the root outside.
         let mut way = -1.000_001 * first.1 / inertia;
         let mut second = (guess + way, 0.0);
         second.1 = excess(second.0);
@@ -230,13 +232,13 @@ impl<'s> Oscillator<'s> {
         Ok(root(excess, low, high, near))
     }
 
-    /// The damper's force in kN at a motion that may come next.
+    /// The damper's force in kN at a trial motion for the next step.
     fn tried(&self, relative: f64, rate: f64, input: &Input) -> f64 {
         let motion = self.motion(relative, rate, input);
         self.law.force(&mut self.state.clone(), &motion)
     }
 
-    /// No effect that is left sees the acceleration.
+    /// None of the remaining effects sees the acceleration.
     fn motion(&self, relative: f64, rate: f64, input: &Input) -> Motion<f64> {
         Motion {
             displacement: relative,
@@ -248,8 +250,8 @@ impl<'s> Oscillator<'s> {
         }
     }
 
-    /// Takes the amplitude of a half cycle that has ended for the next one's. Coefficients change where the displacement passes the
-    /// middle of the swing: another stiffness there gives and takes the least energy.
+    /// Uses the amplitude of the half cycle that ended for the next one. Coefficients change when the displacement passes the
+    /// middle of the swing: a change of stiffness there adds or removes the least energy.
     fn follow(&mut self) -> Result<(), RespondError> {
         if let Some(amplitude) = self.running.update(self.now.relative, self.step) {
             self.next_amplitude = Some(amplitude).filter(|_| self.specimen.model.law.len() > 1);
@@ -271,7 +273,7 @@ impl<'s> Oscillator<'s> {
             relative_displacement: self.now.relative,
             relative_velocity: self.now.rate,
             damper,
-            // The model's own mass is a part of what the damper's force channel shows.
+            // The damper's force channel includes the model's own mass.
             force: damper + PER_KILOGRAM * self.specimen.model_mass * acceleration,
             input_power: input.force * self.now.velocity
                 - damper * (self.now.velocity - self.now.rate),

@@ -1,19 +1,19 @@
 //! The root of a function between two points at which it has opposite signs.
 
-/// Most evaluations: halving alone takes fewer from the largest velocity to the smallest that is told from 0.
+/// Most evaluations. Halving alone takes fewer to get from the largest velocity to the smallest that differs from 0.
 const MOST: usize = 120;
 
 /// A point and the function there.
 pub(super) type Point = (f64, f64);
 
 /// A root of `function` between `a` and `b`, at which it has opposite signs, to the last bits or until its magnitude is at most
-/// `near`. Where the function jumps from one sign to the other, the place of the jump.
+/// `near`. If the function jumps from one sign to the other, the place of the jump.
 ///
 /// Chandrupatla (1997), Advances in Engineering Software 28, 145–149: inverse quadratic interpolation where that is safe, halving
 /// elsewhere. A force with an infinite slope takes halvings, any other a few steps.
 pub(super) fn root(mut function: impl FnMut(f64) -> f64, a: Point, b: Point, near: f64) -> f64 {
     let (mut one, mut two) = (a, b);
-    // By a secant first: the bracket of a smooth force is narrow.
+    // The first step is a secant: the bracket of a smooth force is narrow.
     let mut part = (one.1 / (one.1 - two.1)).clamp(0.01, 0.99);
     for _ in 0..MOST {
         let x = one.0 + part * (two.0 - one.0);

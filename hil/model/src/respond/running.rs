@@ -1,21 +1,21 @@
-//! Amplitude and cycles of a motion while it goes on: a model whose coefficients stand over amplitude, or that changes with the
-//! cycles, needs them at every step.
+//! Amplitude and cycles of a motion while it runs. A model with coefficients over amplitude, or with a change over cycles, needs
+//! them at every step.
 
-/// A turn counts once the motion has come back by this part of its last amplitude: the ripples of a motion are no cycles.
+/// A turn counts after the motion has come back by this fraction of its last amplitude. This excludes ripples.
 const TURN: f64 = 0.1;
 
-/// What is known of the motion so far.
+/// The state of the motion so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Running {
-    /// Half of the way between the last two turns, mm; `None` before there are two.
+    /// Half the distance between the last two turns, mm; `None` before there are two.
     amplitude: Option<f64>,
-    /// Half cycles that have ended.
+    /// Completed half cycles.
     halves: u32,
-    /// How long the last of them took, s.
+    /// Duration of the last half cycle, s.
     half_period: Option<f64>,
     /// Displacement of the last turn, mm.
     turn: f64,
-    /// The farthest from there since, mm, and how long ago that was, s.
+    /// The farthest displacement from there since, mm, and the time since then, s.
     farthest: f64,
     since_farthest: f64,
     /// Time since the last turn, s.
@@ -24,8 +24,8 @@ pub(super) struct Running {
 }
 
 impl Running {
-    /// One step of `step` s to `displacement` mm. Returns the amplitude in mm of the half cycle that ends, where one does: half of
-    /// the way from the last turn to the one that is now known.
+    /// One step of `step` s to `displacement` mm. Returns the amplitude in mm of the half cycle that ends here, if one does: half
+    /// the distance from the last turn to the new one.
     pub fn update(&mut self, displacement: f64, step: f64) -> Option<f64> {
         if !self.begun {
             *self = Self {
@@ -62,8 +62,8 @@ impl Running {
         Some(amplitude)
     }
 
-    /// Cycles since the motion began. The fraction supposes that a half cycle takes as long as the one before, and waits where it
-    /// takes longer.
+    /// Cycles since the motion began. The fraction assumes that a half cycle takes as long as the one before, and waits if it takes
+    /// longer.
     pub fn cycles(&self) -> f64 {
         let part = self
             .half_period

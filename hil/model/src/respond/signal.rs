@@ -1,26 +1,26 @@
 //! A sampled signal between its samples.
 //!
-//! A force that is sampled a few times a period is no polygon: straight lines between the samples would take a part of its
-//! amplitude. So a smooth signal is interpolated by a windowed sinc, which gives back what lies below 0.3 of the sampling rate.
-//! That would ring beside a jump, so that a signal with jumps is interpolated by cubics through its samples.
+//! Straight lines between the samples would reduce the amplitude of a force that has only a few samples in a period. So a smooth
+//! signal is interpolated by a windowed sinc, which preserves frequencies below 0.3 of the sampling rate. A sinc would ring next to
+//! a jump, so a signal with jumps is interpolated by cubics through its samples.
 
 use std::f64::consts::PI;
 
-/// Samples that a sinc reaches over to each side.
+/// Samples that a sinc covers on each side.
 const REACH: usize = 24;
 /// Width of the sinc's Gaussian window, samples: at the ends of the reach it is e^(−16) = 1e-7, and a sine at 0.3 of the sampling
 /// rate is off by erfc(π·6·0.2) = 1e-7 of its amplitude.
 const WIDTH: f64 = 6.0;
-/// Differences that are taken to see a jump: of a sine at 0.2 of the sampling rate they leave a 71st.
+/// Order of the differences that reveal a jump: they leave a 71st of a sine at 0.2 of the sampling rate.
 const DIFFERENCES: u32 = 8;
-/// A signal whose differences exceed this part of its range has jumps: those of a jump by a seventh of the range do, and those of a
-/// sine do above 0.23 of the sampling rate.
+/// A signal has jumps if its differences exceed this fraction of its range. The differences of a jump by a seventh of the range do,
+/// and those of a sine do above 0.23 of the sampling rate.
 const JUMP: f64 = 0.02;
 
-/// `samples`, at least two, with `substeps` steps between each two, ends included.
+/// `samples`, at least two, with `substeps` steps between each two, both ends included.
 pub(super) fn refined(samples: &[f64], substeps: usize) -> Vec<f64> {
     let last = samples.len() - 1;
-    // Beyond an end the signal goes on as before it, turned about the end: value and slope are continuous there.
+    // Beyond an end the signal continues as its own image, rotated about the end: value and slope are continuous there.
     let sample = |index: isize| match usize::try_from(index) {
         Err(_) => 2.0 * samples[0] - samples[index.unsigned_abs().min(last)],
         Ok(index) if index > last => {
@@ -42,7 +42,7 @@ pub(super) fn refined(samples: &[f64], substeps: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Whether the signal has jumps, or as good as that.
+/// Whether the signal has jumps or changes nearly as fast.
 fn has_jumps(samples: &[f64]) -> bool {
     let mut differences = samples.to_vec();
     for _ in 0..DIFFERENCES {
@@ -56,7 +56,7 @@ fn has_jumps(samples: &[f64]) -> bool {
     largest(&differences) > JUMP * (high - low)
 }
 
-/// Weights of the samples about a place a `part` of a step after the last of their first half.
+/// Weights of the samples about a place that is `part` of a step after the last sample of their first half.
 fn sinc(part: f64) -> Vec<f64> {
     let weight = |index: usize| {
         let t = part - (index as f64 + 1.0 - REACH as f64);
@@ -68,12 +68,12 @@ fn sinc(part: f64) -> Vec<f64> {
         sinc * (-(t / WIDTH).powi(2)).exp()
     };
     let weights: Vec<f64> = (0..2 * REACH).map(weight).collect();
-    // A constant stays one.
+    // A constant remains constant.
     let sum: f64 = weights.iter().sum();
     weights.iter().map(|weight| weight / sum).collect()
 }
 
-/// The same of the cubic through two samples whose slopes are those of the parabolas through them and their neighbours.
+/// The weights of the cubic through two samples, with the slopes of the parabolas through them and their neighbours.
 fn cubic(part: f64) -> Vec<f64> {
     let (u, u2, u3) = (part, part * part, part * part * part);
     [
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Five samples a period: straight lines would take 13 % of the amplitude.
+    /// Five samples a period: straight lines would reduce the amplitude by 13 %.
     #[test]
     fn a_sine_of_five_samples_a_period_comes_back() {
         let sine = |place: f64| (TAU * place / 5.0).sin();
@@ -109,7 +109,7 @@ mod tests {
         let fine = refined(&samples, 8);
         assert!(fine[..48 * 8].iter().all(|&value| value == 0.0));
         let most = fine.iter().fold(0.0_f64, |most, &v| most.max(v));
-        // A cubic overshoots by 2/27 in the step beside the jump.
+        // A cubic overshoots by 2/27 in the step next to the jump.
         assert!(most < 1.0 + 2.01 / 27.0, "{most}");
         let after = &fine[52 * 8..];
         assert!(after.iter().all(|&value| (value - 1.0).abs() < 1e-12));

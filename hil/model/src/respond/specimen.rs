@@ -1,17 +1,17 @@
-//! What of a model acts on a mass: the damper without what belongs to the measurement, and the mass that moves.
+//! The part of a model that acts on a mass: the damper without effects of the measurement, and the moving mass.
 
 use mesh_damper::limits;
 
 use super::RespondError;
 use crate::{AddedEffect, Model, ModelError};
 
-/// kN·s²/mm of a kg.
+/// kN·s²/mm in a kg.
 pub(super) const PER_KILOGRAM: f64 = 1e-6;
 
 /// A mass on a damper.
 #[derive(Clone, Debug)]
 pub(super) struct Specimen {
-    /// The model without inertia and without what belongs to the measurement.
+    /// The model without inertia and without effects of the measurement.
     pub model: Model,
     /// The mass that is fastened to the damper, kg.
     pub mass: f64,
@@ -21,13 +21,13 @@ pub(super) struct Specimen {
     pub left_out: Vec<LeftOut>,
 }
 
-/// An effect that is left out, or that is taken in another way than a prediction takes it.
+/// An effect that is left out, or that acts differently than in a prediction.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
     /// The effect's family.
     pub family: &'static str,
-    /// Why.
+    /// The reason.
     pub reason: &'static str,
 }
 
@@ -35,7 +35,7 @@ impl Specimen {
     /// `mass` kg on the damper of `model`. `offset` keeps the model's constant force.
     ///
     /// # Errors
-    /// A mass that is negative, not finite or too large; no mass at all; a compliance whose steps do not settle.
+    /// The mass is negative, not finite or too large; there is no mass at all; or the steps of a compliance do not settle.
     pub fn new(model: &Model, mass: f64, offset: bool) -> Result<Self, RespondError> {
         if !(0.0..=limits::MASS).contains(&mass) {
             return Err(RespondError::Value {
@@ -84,7 +84,7 @@ impl Specimen {
         Ok(new)
     }
 
-    /// The mass that moves, kg.
+    /// The moving mass, kg.
     pub fn moving_mass(&self) -> f64 {
         self.mass + self.model_mass
     }
@@ -109,8 +109,8 @@ impl Specimen {
         })
     }
 
-    /// The step of a series spring takes the forces of the other effects from the step before: that settles where spring and law
-    /// together are stiffer.
+    /// The step of a series spring uses the forces of the other effects from the previous step. This settles only if spring and law
+    /// together are stiffer than those effects.
     fn refuse_stiff_effects(&self) -> Result<(), RespondError> {
         let Some(spring) = self.effect("compliance").map(|e| sum_of(e, "stiffness")) else {
             return Ok(());
@@ -136,7 +136,7 @@ impl Specimen {
         effects.find(|effect| effect.family.name() == family)
     }
 
-    /// Stiffness of the effects beside the law where nothing slides yet and every stop touches, kN/mm.
+    /// Stiffness of the effects added to the law before anything slides and while every stop touches, kN/mm.
     fn stiffness_of_effects(&self) -> f64 {
         let beside = [
             "stick_slip",
@@ -154,7 +154,7 @@ impl Specimen {
         passive + self.stiffness_of_controlled()
     }
 
-    /// The most that a control input makes of its branch within the range that was fitted, kN/mm.
+    /// The largest stiffness that a control input gives its branch within the fitted range, kN/mm.
     fn stiffness_of_controlled(&self) -> f64 {
         let Some(effect) = self.effect("control_input") else {
             return 0.0;
@@ -166,15 +166,15 @@ impl Specimen {
         strength * sum_of(effect, "stiffness").max(0.0)
     }
 
-    /// About the largest angular frequency of the mass on the damper at a displacement of 0, rad/s.
+    /// Approximate largest angular frequency of the mass on the damper at a displacement of 0, rad/s.
     pub fn fastest(&self) -> f64 {
         let law = self.model.law.iter().map(|node| node.k1);
         let stiffness = law.fold(0.0, f64::max) + self.stiffness_of_effects();
         (stiffness / (PER_KILOGRAM * self.moving_mass())).sqrt()
     }
 
-    /// Energy in J that the springs of the law hold at a displacement of `y` mm, with the coefficients of `amplitude` mm. Those
-    /// of effects that remember something are not among them.
+    /// Energy in J of the springs of the law at a displacement of `y` mm, with the coefficients for `amplitude` mm. It does not
+    /// include the springs of effects with a memory.
     ///
     /// # Errors
     /// As [`Model::law_at`].

@@ -1,4 +1,4 @@
-//! Transmissibility: how far a mass moves on a base that moves by a sine, over frequency and amplitude.
+//! Transmissibility: the motion of a mass relative to the sine motion of its base, over frequency and amplitude.
 
 use std::f64::consts::TAU;
 
@@ -10,23 +10,23 @@ use super::specimen::Specimen;
 use super::{RespondError, Settings};
 use crate::Model;
 
-/// Steps in a cycle of the base, and in one of the mass on its damper, of the finer of two runs.
+/// Steps in a cycle of the base, and in a cycle of the mass on its damper, in the finer of two runs.
 const STEPS_PER_CYCLE: f64 = 512.0;
-/// Cycles between two looks at whether the motion is steady.
+/// Cycles between two checks whether the motion is steady.
 const CYCLES: usize = 8;
 /// Most cycles of one point.
 const MOST_CYCLES: usize = 1024;
-/// The motion is steady where its amplitude and phase change by less than this part from look to look.
+/// The motion is steady when its amplitude and phase change by less than this fraction between two checks.
 const STEADY: f64 = 1e-4;
 
-/// Which frequencies.
+/// The frequencies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepRange {
     /// The first, Hz, 1e-3…1e5.
     pub from: f64,
     /// The last, Hz.
     pub to: f64,
-    /// How many, spread evenly in octaves, 2…10 000.
+    /// Their number, evenly spaced in octaves, 2…10 000.
     pub points: usize,
 }
 
@@ -38,21 +38,21 @@ pub struct SweepPoint {
     pub frequency: f64,
     /// Of the base, mm.
     pub base_amplitude: f64,
-    /// Fundamental of the mass's displacement over the base's.
+    /// Fundamental of the mass's displacement over that of the base.
     pub transmissibility: f64,
-    /// Of that fundamental before the base's, degrees, −180…180.
+    /// Phase of that fundamental ahead of the base's, degrees, −180…180.
     pub phase: f64,
-    /// Largest displacement of the mass from its mean, over the base's.
+    /// Largest displacement of the mass from its mean, over the base's amplitude.
     pub peak: f64,
     /// Half of the range of the damper's displacement, mm.
     pub damper_amplitude: f64,
     /// Largest speed of the damper, mm/s.
     pub damper_speed: f64,
-    /// Cycles until it was steady.
+    /// Cycles until the motion was steady.
     pub cycles: usize,
-    /// Whether it was; false for a motion that does not repeat from cycle to cycle.
+    /// Whether the motion became steady; false for a motion that does not repeat from cycle to cycle.
     pub steady: bool,
-    /// By how much the fundamental changed when the steps were halved, as a part of it.
+    /// Change of the fundamental when the steps were halved, as a fraction of it.
     pub change: f64,
 }
 
@@ -64,15 +64,15 @@ pub struct Sweep {
     pub points: Vec<SweepPoint>,
     /// Mass of the model's own effect `inertia`, kg.
     pub model_mass: f64,
-    /// Effects that do not act on the mass as they act on a prediction.
+    /// Effects that act on the mass differently than in a prediction.
     pub left_out: Vec<super::LeftOut>,
 }
 
-/// The steady motion of a mass on the damper of `model`, whose base moves by sines of `amplitudes` mm. Each begins at rest, so that of
-/// two steady motions it shows the one that is reached from there. `progress` is told how many points are done.
+/// The steady motion of a mass on the damper of `model`, whose base moves by sines of `amplitudes` mm. Each run begins at rest: if
+/// two steady motions exist, it finds the one that is reached from rest. `progress` receives the number of completed points.
 ///
 /// # Errors
-/// As [`super::respond`]; a range or an amplitude that is out of range.
+/// As [`super::respond`]; a range or an amplitude is out of range.
 pub fn sweep(
     model: &Model,
     settings: &Settings,
@@ -149,7 +149,7 @@ impl SweepRange {
     }
 }
 
-/// One steady motion, by two runs of which one has steps twice as long.
+/// One steady motion, from two runs, one with steps twice as long.
 fn steady(
     specimen: &Specimen,
     settings: &Settings,
@@ -170,11 +170,11 @@ fn steady(
 
 struct Run {
     point: SweepPoint,
-    /// Parts of the mass's displacement with the base's sine and with its cosine, mm.
+    /// Components of the mass's displacement along the base's sine and along its cosine, mm.
     fundamental: [f64; 2],
 }
 
-/// Cycles of `steps` steps until the motion repeats itself.
+/// Runs cycles of `steps` steps until the motion repeats itself.
 fn run(
     specimen: &Specimen,
     settings: &Settings,

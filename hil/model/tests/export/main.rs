@@ -1,7 +1,6 @@
-//! A model as a pack, as a Rust module and as C is the same law, and says the same of itself.
+//! A model as a pack, as a Rust module and as C is the same law with the same description.
 //!
-//! The modules beside this file are what the generator writes: `BLESS=1 cargo test -p mesh-damper-model --test export` writes them
-//! again.
+//! The generator writes the modules next to this file: `BLESS=1 cargo test -p mesh-damper-model --test export` writes them again.
 
 #[rustfmt::skip]
 mod alone;
@@ -65,7 +64,7 @@ fn settings(name: &str) -> ExportSettings {
     }
 }
 
-/// The models of the modules: the law alone, and every effect of the crate, in the reverse of the order of a type.
+/// The models of the modules: the law alone, and every effect of the crate, in the reverse order of a type.
 fn models() -> [(&'static str, ModelFile); 4] {
     let mut chunks = DESCRIPTIONS.chunks(MAX_EFFECTS);
     let mut next = || -> Vec<AddedEffect> {
@@ -101,7 +100,7 @@ fn the_modules_in_the_tree_are_what_is_written() {
     }
 }
 
-/// The force of `law` on every tick of the trajectory is the pack's and that of `hil predict`, to the last bit.
+/// The force of `law` at every tick of the trajectory equals that of the pack and of `hil predict`, to the last bit.
 fn is_the_packs(name: &str, law: &mut impl TickLaw) {
     let export = export(name);
     let mut slot = FastLaw::<MAX_EFFECTS>::EMPTY;
@@ -155,7 +154,7 @@ fn a_module_gives_the_force_of_the_pack_bit_for_bit_and_says_the_same() {
     agrees!(third);
 }
 
-/// An export says which input stands at which place, in Rust and in C.
+/// An export names the control input at each index, in Rust and in C.
 #[test]
 fn an_export_names_its_control_inputs() {
     assert_eq!(second::CONTROLS, [CURRENT]);
@@ -166,7 +165,7 @@ fn an_export_names_its_control_inputs() {
     assert!(!header.contains("CONTROL"), "{header}");
 }
 
-/// The identity is that of what the model says, whatever the file's layout, rate, name or revision.
+/// The identity depends on the contents of the model, not on the file's layout, the rate, the name or the revision.
 #[test]
 fn an_identity_is_the_models() {
     let [_, (_, first), (_, second), _] = models();
@@ -258,7 +257,7 @@ fn what_cannot_be_exported_is_refused_by_name() {
     assert!(said.starts_with("effects[0] (delay): time"), "{said}");
 }
 
-/// A pack carries a residual table, a type does not.
+/// A pack can carry a residual table, a static type cannot.
 #[test]
 fn a_residual_table_goes_into_a_pack_alone() {
     let table = CorrectionTable {

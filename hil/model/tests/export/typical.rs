@@ -39,7 +39,7 @@ pub fn two_sines() -> Trajectory {
     let force = moved.iter().map(|y| 2.0 * y).collect();
     let recording = Recording::new("two sines", time, moved, force).unwrap();
     let mut trajectory = Trajectory::of(&recording).unwrap();
-    // Its times are rounded: the export is for this rate to the last bit.
+    // The recording's times are rounded: the export is for this rate to the last bit.
     trajectory.tick = 1.0 / TICK_RATE;
     let current = (0..trajectory.len()).map(|i| (i / 500 % 3) as f64);
     trajectory.controls = Arc::new(vec![ControlChannel {

@@ -1,4 +1,4 @@
-//! What each effect of a model does to a mass.
+//! The action of each effect of a model on a mass.
 
 use std::f64::consts::TAU;
 
@@ -28,7 +28,7 @@ fn a_series_spring_lies_between_mass_and_damper() {
         &Settings::new(mass),
     )
     .unwrap();
-    // The mean of the displacement is that of the start.
+    // The mean of the displacement is that at the start.
     let [sin, cos] = fundamental(&response.moments, tick, frequency, 10, |m| m.velocity);
     // Spring and dashpot in series: D = K·icω/(K + icω); V = iωP/(D − Mω²).
     let (c, size) = (dashpot * omega, spring * spring + (dashpot * omega).powi(2));
@@ -71,7 +71,7 @@ fn a_mass_within_a_gap_floats() {
     );
 }
 
-/// A spring whose stiffness stands over amplitude: 1 kN/mm at 0.1 mm, 2 kN/mm at 0.2 mm.
+/// A spring with a stiffness over amplitude: 1 kN/mm at 0.1 mm, 2 kN/mm at 0.2 mm.
 #[test]
 fn coefficients_are_those_of_the_last_half_cycle() {
     let node = |amplitude, k1| LawNode {
@@ -106,8 +106,8 @@ fn coefficients_are_those_of_the_last_half_cycle() {
             tick * (i as f64 - now / (now - before))
         })
         .collect();
-    // The first half cycle has the least amplitude's coefficients. At its end the spring becomes stiffer in the middle of the
-    // swing, where no energy changes, and the amplitude smaller; that repeats until amplitude and stiffness agree.
+    // The first half cycle has the coefficients of the smallest amplitude. At its end the spring becomes stiffer in the middle of
+    // the swing, where no energy changes, and the amplitude becomes smaller. This repeats until amplitude and stiffness agree.
     let last = &moments[moments.len() - 2000..];
     let amplitude = last
         .iter()
@@ -146,7 +146,7 @@ fn what_belongs_to_the_measurement_is_left_out_by_name() {
     assert_eq!(named, ["offset", "delay", "periodic"]);
     let plain = respond(&bare, &excitation, &settings).unwrap();
     assert_eq!(plain.moments, response.moments);
-    // A preload that nothing balances pushes the mass.
+    // An unbalanced preload pushes the mass.
     let settings = Settings {
         offset: true,
         ..settings
@@ -155,7 +155,7 @@ fn what_belongs_to_the_measurement_is_left_out_by_name() {
     let pushed = respond(&model, &still, &settings).unwrap();
     assert!(pushed.left_out.iter().all(|one| one.family != "offset"));
     let at = pushed.moments.last().unwrap().displacement;
-    // k1·y + k3·y³ = −f0: y = −0.1484 mm, but for what the damping holds.
+    // k1·y + k3·y³ = −f0 gives y = −0.1484 mm, apart from the friction that the damping holds.
     assert!((at + 0.148_4).abs() < 0.01, "{at}");
 }
 

@@ -1,4 +1,4 @@
-//! Where the work goes, against a count of its own.
+//! The energy balance, against a separate count.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ fn random_force(tick: f64, count: usize, size: f64, seed: u64) -> Vec<f64> {
     })
 }
 
-/// The work of the force is found again: as kinetic energy, in springs, in the dashpot, and as slip times friction.
+/// The balance accounts for the work of the force: as kinetic energy, in springs, in the dashpot, and as slip times friction.
 #[test]
 fn the_work_of_a_random_force_is_found_again_piece_by_piece() {
     let (k1, k3, dashpot) = (2.0, 3.0, 2e-3);
@@ -71,7 +71,7 @@ fn the_work_of_a_random_force_is_found_again_piece_by_piece() {
     assert!(energy.residual.abs() < 1e-3 * input, "{energy:?}");
 }
 
-/// The whole balance holds for a base that moves, too, through every kind of effect.
+/// The whole balance closes for a moving base too, with every kind of effect.
 #[test]
 fn the_balance_holds_on_a_moving_base() {
     let mut model = law(2.0, 4.0, 0.05, 0.3);
@@ -94,7 +94,7 @@ fn the_balance_holds_on_a_moving_base() {
     let parts = energy.kinetic + energy.elastic + energy.dissipated;
     assert!((energy.input - parts - energy.residual).abs() < 1e-12);
     assert!(energy.residual.abs() < 5e-3 * energy.input, "{energy:?}");
-    // M·a is what the damper gives, at every sample.
+    // M·a equals the damper's force at every sample.
     let unbalanced = |m: &Moment| (60.0 * KG * m.acceleration + m.force).abs();
     assert!(response.moments[1..].iter().all(|m| unbalanced(m) < 1e-9));
 }

@@ -1,4 +1,4 @@
-//! Dry friction beside a spring under a sine force: Den Hartog (1931), Forced vibrations with combined Coulomb and viscous
+//! Dry friction parallel to a spring under a sine force: Den Hartog (1931), Forced vibrations with combined Coulomb and viscous
 //! friction, Transactions of the ASME 53.
 
 use std::f64::consts::{PI, TAU};
@@ -13,7 +13,7 @@ const OMEGA: f64 = 200.0;
 /// Samples in a cycle.
 const SAMPLES: usize = 200;
 
-/// Under a force of 1 kN at the part `ratio` of the natural frequency, with `friction` kN.
+/// Under a force of 1 kN at `ratio` times the natural frequency, with `friction` kN.
 fn forced(ratio: f64, friction: f64, cycles: usize) -> Vec<Moment> {
     assert!((1.0 / (MASS * KG)).sqrt() - OMEGA < 1e-9);
     let tick = TAU / (ratio * OMEGA * SAMPLES as f64);
@@ -54,7 +54,7 @@ fn with_stops_the_mass_rests_twice_a_cycle_and_nothing_chatters() {
     let last: Vec<&Moment> = moments.iter().rev().take(2 * SAMPLES).collect();
     let resting = last.iter().filter(|m| m.velocity == 0.0).count();
     assert!(resting > SAMPLES / 2, "{resting}");
-    // While it rests friction balances force and spring, below what it can hold.
+    // While the mass rests, friction balances force and spring, below its limit.
     for moment in last
         .iter()
         .filter(|m| m.velocity == 0.0 && m.acceleration == 0.0)
@@ -102,7 +102,7 @@ fn a_force_that_friction_holds_moves_nothing() {
     }
 }
 
-/// |v|^α with a small α is as good as Coulomb's.
+/// |v|^α with a small α is nearly Coulomb friction.
 #[test]
 fn a_small_exponent_is_friction() {
     let (ratio, friction) = (0.8, 0.4);
@@ -120,7 +120,7 @@ fn a_small_exponent_is_friction() {
     assert!((small / none - 1.0).abs() < 1e-3, "{small} {none}");
 }
 
-/// Free vibration on dry friction loses 4F/k a cycle, and stops where the spring no longer moves it.
+/// Free vibration with dry friction loses 4F/k a cycle, and stops where the spring can no longer move the mass.
 #[test]
 fn free_vibration_on_friction_falls_by_equal_steps_and_stops() {
     let tick = 2e-4;
@@ -146,6 +146,6 @@ fn free_vibration_on_friction_falls_by_equal_steps_and_stops() {
     }
     let end = response.moments.last().unwrap();
     assert_eq!(end.velocity, 0.0);
-    // 1.05, 0.85, 0.65, 0.45, 0.25 and 0.05, at which 0.05 kN do not overcome 0.1 kN.
+    // 1.05, 0.85, 0.65, 0.45, 0.25 and 0.05; at the last one 0.05 kN do not overcome 0.1 kN.
     assert!((end.displacement.abs() - 0.05).abs() < 2e-3, "{end:?}");
 }

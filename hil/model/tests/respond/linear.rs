@@ -1,4 +1,4 @@
-//! A spring and a dashpot: the closed forms of any book on vibration.
+//! A spring and a dashpot: the closed forms from any textbook on vibration.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ fn a_sine_force_gives_the_amplitude_and_phase_of_the_closed_form() {
         let (real, imaginary) = (STIFFNESS - MASS * KG * omega * omega, DASHPOT * omega);
         let size = real.hypot(imaginary);
         let amplitude = sin.hypot(cos);
-        // Halving changes the motion by at most 1e-3, and what is left is a third of that.
+        // Halving changes the motion by at most 1e-3, and the remaining error is a third of that.
         assert!(
             (amplitude * size / 0.5 - 1.0).abs() < 1e-3,
             "{frequency}: {amplitude}"
@@ -139,7 +139,7 @@ fn a_base_that_steps_swings_the_mass_about_its_new_place() {
     .unwrap();
     let damped = OMEGA * (1.0 - ZETA * ZETA).sqrt();
     for (index, moment) in response.moments.iter().enumerate() {
-        // The step lies in the middle of the tick before the first sample that has it.
+        // The step lies in the middle of the tick before the first sample with the step.
         let time = tick * (index as f64 - 99.5);
         if time.abs() < 2.0 * tick {
             continue;
@@ -148,7 +148,7 @@ fn a_base_that_steps_swings_the_mass_about_its_new_place() {
             0.0
         } else {
             let (sin, cos) = (damped * time).sin_cos();
-            // The dashpot passes on the step as an impulse.
+            // The dashpot passes the step on as an impulse.
             1.0 - (-ZETA * OMEGA * time).exp() * (cos - ZETA * OMEGA / damped * sin)
         };
         assert!(
@@ -195,7 +195,7 @@ fn the_models_own_mass_is_a_mass() {
     assert_eq!(carried.model_mass, MASS);
     for (own, other) in carried.moments.iter().zip(&fastened.moments) {
         assert_eq!(own.displacement, other.displacement);
-        // What the damper's channel shows: all of the force, or all but what moves the mass.
+        // The reading of the damper's channel: all of the force, or all except the part that moves the mass.
         let inertia = MASS * KG * own.acceleration;
         assert!((own.force - other.force - inertia).abs() < 1e-12);
     }

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use mesh_damper_model::respond::Moment;
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
 
-/// kN·s²/mm of a kg.
+/// kN·s²/mm in a kg.
 const KG: f64 = 1e-6;
 
 /// Eq 13 with one set of coefficients.
@@ -49,7 +49,7 @@ fn sampled(tick: f64, count: usize, signal: impl Fn(f64) -> f64) -> Vec<f64> {
         .collect()
 }
 
-/// Parts with sine and cosine of `frequency` Hz of `channel` over the last `cycles`, samples of `tick` s.
+/// Components of `channel` along sine and cosine of `frequency` Hz over the last `cycles`, with samples of `tick` s.
 fn fundamental(
     moments: &[Moment],
     tick: f64,

@@ -1,4 +1,4 @@
-//! What there can be no motion with is refused by its name, with a remedy.
+//! A value that makes motion impossible is refused by name, with a remedy.
 
 use mesh_damper_model::Model;
 use mesh_damper_model::respond::{Excitation, Settings, SweepRange, respond, sweep};

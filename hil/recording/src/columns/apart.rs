@@ -5,7 +5,7 @@ use crate::channel::Channel;
 use crate::error::{InputError, quoted};
 use crate::files::{Column, Needs, Reading, Table};
 
-/// That the channels that are needed are all in the file, but in no table together; none where this is not what is wrong.
+/// Message that the required channels are all in the file, but not together in one table; `None` if this is not the problem.
 pub(super) fn apart(
     file: &str,
     tables: &[(usize, &Table)],
@@ -58,7 +58,7 @@ fn is_channel(column: &Column, channel: Channel, reading: &Reading) -> bool {
     }
 }
 
-/// Samples a second, to four digits, where the table says it or its first times do.
+/// Samples per second, to four digits, if the table states it or its first times show it.
 fn rate(table: &Table) -> Option<f64> {
     let of_times = || {
         let time = table.columns.iter().find(|column| taken::is_time(column))?;

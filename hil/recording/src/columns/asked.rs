@@ -1,4 +1,4 @@
-//! What is asked about the columns of a recording, with the options to type.
+//! Questions about the columns of a recording, with the options to type.
 
 use super::choose::Choice;
 use super::taken::{self, Candidate, Rank};
@@ -7,13 +7,13 @@ use crate::channel::Channel;
 use crate::error::{InputError, Place, quoted};
 use crate::files::Column;
 
-/// Names that a message lists at most.
+/// Largest number of names in a message.
 pub(super) const MOST: usize = 12;
-/// Options that a message offers at most.
+/// Largest number of options in a message.
 const OPTIONS: usize = 4;
 
 impl Choice<'_> {
-    /// Columns that a channel may be equally well.
+    /// Several columns match a channel equally well.
     pub(super) fn several(&self, channel: Channel, columns: &[&str]) -> InputError {
         let channel = channel.name();
         let options: Vec<String> = columns
@@ -32,7 +32,7 @@ impl Choice<'_> {
         )
     }
 
-    /// A channel's column of which the unit is not known.
+    /// The unit of a channel's column is not known.
     pub(super) fn no_unit(&self, channel: Channel, column: usize, problem: String) -> InputError {
         let name = self.table.columns[column].name.as_str();
         let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
@@ -47,12 +47,12 @@ impl Choice<'_> {
         InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
     }
 
-    /// A channel that no column is.
+    /// No column matches a channel.
     pub(super) fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
         let columns = &self.table.columns;
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let name = channel.name();
-        // Those that could be it: with a unit of it, else without any, as long as they are no other channel.
+        // Columns that could be it: those with a unit of it, else those without a unit, unless they are another channel.
         let is_measured = |column: &Column| !taken::is_surely_other(column);
         let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
             let each = columns
@@ -125,7 +125,7 @@ pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {
     format!("--{option} {quantity}={}", shell(name))
 }
 
-/// A name as a shell takes it: in quotes where it needs them.
+/// A name for a shell: in quotes where it needs them.
 pub fn shell(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
     if !name.is_empty() && name.chars().all(plain) {

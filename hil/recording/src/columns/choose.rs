@@ -1,4 +1,4 @@
-//! The columns that a recording is made of.
+//! Chooses the columns of a recording.
 
 use super::asked::listed;
 use super::taken::{self, Candidate, Rank};
@@ -9,50 +9,50 @@ use crate::files::table::Clock;
 use crate::files::{Needs, Reading, Table, Unmarked};
 use crate::units::Unit;
 
-/// A column that is a channel.
+/// A column used as a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Used {
-    /// Which channel it is.
+    /// The channel.
     pub channel: Channel,
-    /// Its place in the table.
+    /// Its index in the table.
     pub column: usize,
     /// The unit of its values.
     pub unit: Unit,
-    /// How surely it is that channel.
+    /// How certain the choice is.
     pub rank: Rank,
 }
 
-/// A column that is a control input.
+/// A column used as a control input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChosenControl {
-    /// Its place in the table.
+    /// Its index in the table.
     pub column: usize,
     /// Its name in a recording: `current_A`.
     pub name: String,
 }
 
-/// What a recording is made of.
+/// The columns of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
-    /// The place of the table in the file.
+    /// The index of the table in the file.
     pub table: usize,
     /// At most one column of each channel.
     pub used: Vec<Used>,
     /// The control inputs, in the order of their columns.
     pub controls: Vec<ChosenControl>,
-    /// The samples' times, where no column has them.
+    /// The samples' times, if no column has them.
     pub clock: Option<Clock>,
-    /// What was taken for what without being sure, in words.
+    /// Uncertain choices, in words.
     pub guesses: Vec<String>,
     /// Units that were assumed, in words.
     pub assumed: Option<String>,
 }
 
-/// Chooses the columns of a recording among those of a file, of which those that it `needs` must be there.
+/// Chooses the columns of a recording among those of a file; the channels that it `needs` must be there.
 ///
 /// # Errors
-/// A channel that is missing, that two columns may be, or whose unit is not known; a control input that is needed and not there; an
-/// option that names no column; several tables that could be meant. The message has the option that says it.
+/// A channel that is missing, that two columns match, or whose unit is not known; a control input that is needed and not there; an
+/// option that names no column; several tables that match. The message contains the option that decides.
 pub fn choose(
     file: &str,
     tables: &[Table],
@@ -103,7 +103,7 @@ pub fn choose(
     if let Some(error) = super::apart::apart(file, &meant, reading, needs) {
         return Err(error);
     }
-    // The table that looks most like a recording says what is missing.
+    // The table that looks most like a recording gives the message about missing columns.
     let like = |&&(index, _): &&(usize, InputError)| {
         let columns = tables[index].columns.iter();
         columns
@@ -124,7 +124,7 @@ pub fn choose(
     Err(error)
 }
 
-/// Refuses the unit of a quantity that is no channel and has no column: it would change nothing.
+/// Rejects the unit of a quantity that is not a channel and has no column, because it would have no effect.
 fn check_said(reading: &Reading) -> Result<(), InputError> {
     let is_known = |quantity: &str| {
         Channel::ALL
@@ -188,7 +188,7 @@ fn of_table(
         else {
             continue;
         };
-        // What is no part of a recording need not be understood.
+        // Columns that are not part of the recording need not be understood.
         let is_optional = rank < Rank::Own && !needs.has(channel);
         let unit = match choice.unit(channel, column, &mut chosen.guesses) {
             Err(_) | Ok(None) if is_optional => continue,
@@ -197,7 +197,7 @@ fn of_table(
             Err(error) => return Err(error),
         };
         let told = &table.columns[column];
-        // Dates that the table itself has for its times are no guess.
+        // Dates that the table marks as its times are no guess.
         if rank < Rank::Own && !(told.is_time && told.is_stamp) {
             let name = quoted(&told.name);
             let how = if rank == Rank::Unit {
@@ -244,7 +244,7 @@ fn of_table(
     Ok(chosen)
 }
 
-/// What a choice is made from.
+/// Basis of a choice.
 pub(super) struct Choice<'a> {
     pub file: &'a str,
     pub table: &'a Table,
@@ -253,7 +253,7 @@ pub(super) struct Choice<'a> {
 }
 
 impl Choice<'_> {
-    /// The column of a channel, and how surely it is.
+    /// The column of a channel, and the certainty of the choice.
     fn column(
         &self,
         channel: Channel,
@@ -277,7 +277,7 @@ impl Choice<'_> {
             return Ok(None);
         };
         found.retain(|&(_, rank, _)| rank == best);
-        // A unit that the channel cannot have makes a column another one, where there is a better.
+        // A unit that the channel cannot have means another column, if there is a better one.
         if found.len() > 1
             && best < Rank::Own
             && found
@@ -316,13 +316,13 @@ impl Choice<'_> {
         }
     }
 
-    /// Whether the user said what a column is.
+    /// Whether the user assigned a column.
     fn is_spoken_for(&self, column: usize) -> bool {
         let name = self.table.columns[column].name.as_str();
         self.reading.channels.iter().any(|(_, said)| said == name)
     }
 
-    /// Columns that may be a channel as well as the one that is taken for it, though by less.
+    /// Columns that match a channel as well as the chosen one, though with less certainty.
     fn rivals(
         &self,
         channel: Channel,
@@ -347,7 +347,7 @@ impl Choice<'_> {
         (0..columns.len()).filter(is_rival).collect()
     }
 
-    /// The unit of a channel's column; none where nothing says it.
+    /// The unit of a channel's column; `None` if nothing states it.
     fn unit(
         &self,
         channel: Channel,
@@ -397,7 +397,7 @@ impl Choice<'_> {
         }
     }
 
-    /// The unit of a channel's column of which nothing says it. `assumed` takes the one that is assumed.
+    /// The unit of a channel's column without a stated unit. `assumed` records the assumption.
     fn unmarked(
         &self,
         channel: Channel,
@@ -425,7 +425,7 @@ impl Choice<'_> {
         }
     }
 
-    /// The column of a name that the user gave.
+    /// The column with a name that the user gave.
     pub(super) fn named(&self, name: &str, quantity: &str) -> Result<usize, InputError> {
         let columns = &self.table.columns;
         let exact = columns.iter().position(|column| column.name == name);
@@ -452,7 +452,7 @@ impl Choice<'_> {
     }
 }
 
-/// What the user said of a quantity; the last time counts.
+/// The user's setting for a quantity; the last one counts.
 pub(super) fn said<'s>(said: &'s [(String, String)], quantity: &str) -> Option<&'s str> {
     let of_it = said.iter().rev().find(|(of, _)| of == quantity);
     of_it.map(|(_, what)| what.as_str())

@@ -10,7 +10,7 @@ use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
 
 impl Choice<'_> {
-    /// The columns that the user says and those that are named so, in the order of the file.
+    /// The columns that the user names and those with such a name, in the order of the file.
     pub(super) fn controls(
         &self,
         used: &[Used],
@@ -63,7 +63,7 @@ impl Choice<'_> {
             }
         }
         for (name, mut of_it) in found {
-            // A name of our own files is surer than words.
+            // A name in the form of our own files is more certain than words.
             if of_it.iter().any(|(is_own, _)| *is_own) {
                 of_it.retain(|(is_own, _)| *is_own);
             }
@@ -95,7 +95,7 @@ impl Choice<'_> {
         }
     }
 
-    /// A control input that is needed and that no column is.
+    /// No column matches a required control input.
     fn no_input(&self, name: &str) -> InputError {
         let columns = self.table.columns.iter();
         let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
@@ -122,7 +122,7 @@ impl Choice<'_> {
         )
     }
 
-    /// Columns that a control input may be equally well. Given under names of their own, each is one.
+    /// Columns that match a control input equally well. Columns under our own names each count as one input.
     fn several_inputs(&self, name: &str, columns: &[usize]) -> InputError {
         let quantity = name.rsplit_once('_').map_or(name, |(quantity, _)| quantity);
         let names: Vec<&str> = (columns.iter())

@@ -1,24 +1,25 @@
-//! The words of test labs in their languages: of quantities, of what is none, and of what says nothing.
+//! The words of test labs in their languages: for quantities, for other columns, and for neutral parts of a name.
 
 use crate::channel::Channel;
 
-/// What a recording may hold.
+/// A quantity in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Quantity {
     /// A channel.
     Channel(Channel),
-    /// A control input: as a recording's column is called, with the units that it has.
+    /// A control input: its name in a recording's column, with the units that it can have.
     Control(&'static str, &'static [&'static str]),
 }
 
 /// The words of a quantity.
 pub(super) struct Lexicon {
     pub quantity: Quantity,
-    /// Say it alone.
+    /// Words that name it alone.
     pub words: &'static [&'static str],
-    /// Say it alone, and at the end of a longer word: `Prüfkraft`, `试验时间`.
+    /// Words that name it alone, and at the end of a longer word: `Prüfkraft`, `试验时间`.
     pub endings: &'static [&'static str],
-    /// Say it where nothing else stands in the name, beside a unit of it: `x [mm]`; they are too short, or mean something else too.
+    /// Words that name it if they stand alone in the name, next to a unit of it: `x [mm]`. They are too short, or have other
+    /// meanings too.
     pub weak: &'static [&'static str],
 }
 
@@ -257,9 +258,9 @@ pub(super) const LEXICON: [Lexicon; 11] = [
     },
 ];
 
-/// Words of what was asked of a channel, computed of it or counted: not of what was measured.
+/// Words for a demand on a channel, or for a value computed from it or counted, as opposed to a measurement.
 pub(super) const OTHER: &[&str] = &[
-    // Asked of it.
+    // Demands.
     "command",
     "cmd",
     "setpoint",
@@ -287,7 +288,7 @@ pub(super) const OTHER: &[&str] = &[
     "設定",
     "设定",
     "programmed",
-    // What is left between the two.
+    // Differences of the two.
     "error",
     "err",
     "fehler",
@@ -295,7 +296,7 @@ pub(super) const OTHER: &[&str] = &[
     "erreur",
     "errore",
     "deviation",
-    // Computed of it.
+    // Computed values.
     "predicted",
     "model",
     "fit",
@@ -319,7 +320,7 @@ pub(super) const OTHER: &[&str] = &[
     "delta",
     "span",
     "derivative",
-    // Counted.
+    // Counts.
     "count",
     "counts",
     "counter",
@@ -365,10 +366,11 @@ pub(super) const OTHER: &[&str] = &[
     "alarm",
 ];
 
-/// Words of a column that is another one, unless a word and a unit of the channel say that it may be that channel too: `Strain gauge
-/// force [kN]`, `Sample displacement [mm]`. It is never taken for the channel, and asked for where another column would be.
+/// Words for another column, unless a word and a unit of the channel say that it may be that channel too:
+/// `Strain gauge force [kN]`, `Sample displacement [mm]`. Such a column is never chosen for the channel; where another column would
+/// be chosen, the user is asked.
 pub(super) const DOUBTFUL: &[&str] = &[
-    // What was done to it, or what it is of.
+    // Processing, or the object of the measurement.
     "reference",
     "ref",
     "profile",
@@ -429,7 +431,7 @@ pub(super) const DOUBTFUL: &[&str] = &[
     "变形率",
 ];
 
-/// Words that say nothing of the quantity, so that a unit may say it alone: `Ch 1 [mm]`.
+/// Words without information about the quantity, so that a unit alone may determine it: `Ch 1 [mm]`.
 pub(super) const GENERIC: &[&str] = &[
     "ch",
     "chan",
@@ -479,7 +481,7 @@ pub(super) const GENERIC: &[&str] = &[
     "チャンネル",
 ];
 
-/// Words that say of a quantity how or where it was measured, and not that it is another one.
+/// Words for the method or position of a measurement, which do not make it another quantity.
 pub(super) const MEASURED: &[&str] = &[
     "running", "total", "test", "elapsed", "run", "cell", "prüf", "mess", "kolben", "standard",
     "gesamt", "lauf", "ist", "试验", "試験", "测量", "轴向",

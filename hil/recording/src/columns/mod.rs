@@ -1,7 +1,7 @@
-//! Which column of a file is which channel.
+//! Assigns the columns of a file to channels.
 //!
-//! A name of our own files (`force_kN`) says it. Of another file, words in several languages and units say it, and what is taken so is
-//! said; two columns that could be meant equally well are asked for, never chosen.
+//! A name in the form of our own files (`force_kN`) is decisive. In other files words in several languages and units decide, and
+//! the choice is reported. If two columns match equally well, the user is asked.
 
 mod apart;
 mod asked;
@@ -22,29 +22,29 @@ pub use taken::Rank;
 use crate::channel::Channel;
 use crate::files::Column;
 
-/// Whether a name is one of our own files, with a unit: `force_kN`.
+/// Whether a name has the form of our own files, with a unit: `force_kN`.
 pub(crate) fn is_own(name: &str) -> bool {
     taken::is_own(name)
 }
 
-/// Whether a name has a word of a quantity that recordings hold.
+/// Whether a name has a word for a quantity that recordings contain.
 pub(crate) fn is_named(name: &str) -> bool {
     taken::is_named(name)
 }
 
-/// Whether a column may be that of the times.
+/// Whether a column may contain the times.
 pub(crate) fn may_be_time(column: &Column) -> bool {
     let candidates = taken::candidates(column);
     (candidates.iter()).any(|candidate| candidate.channel == Channel::Time)
 }
 
-/// How many words of a text are of a quantity that recordings hold.
+/// Number of words of a text for quantities that recordings contain.
 pub(crate) fn known_words(text: &str) -> usize {
     let words = name::words(text);
     words.iter().filter(|word| words::is_known(word)).count()
 }
 
-/// What a column might be taken for, in words: `force in kN`; none where it says nothing.
+/// Probable meaning of a column, in words: `force in kN`; `None` without one.
 pub fn described(column: &Column) -> Option<String> {
     let candidates = taken::candidates(column);
     let each = candidates.iter().map(|candidate| {
@@ -66,7 +66,7 @@ pub fn described(column: &Column) -> Option<String> {
     Some(channels.join(" or "))
 }
 
-/// Whether a column is of times, by what its file or its name says.
+/// Whether a column contains times, according to its file or its name.
 pub(crate) fn is_time(column: &Column) -> bool {
     taken::is_time(column)
 }

@@ -1,20 +1,20 @@
-//! A column's name: its words, the unit that stands in it, and a scale.
+//! A column's name: its words, its unit, and a scale.
 
 use super::scale::scale;
 use super::spelling;
 
-/// What a column's name holds.
+/// Parts of a column's name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Name {
-    /// Its words in lower case, those of `AxialForce` apart, digits left out; without a unit that is marked, those behind it included.
+    /// Its words in lower case, with `AxialForce` split in two and digits left out; without a marked unit and the words after it.
     pub words: Vec<String>,
-    /// A unit that is marked as one: `[kN]`, `(kN)`, `/ kN`, `, kN`.
+    /// A marked unit: `[kN]`, `(kN)`, `/ kN`, `, kN`.
     pub marked: Option<String>,
-    /// What else may be a unit beside the marked one: `Time (s) / ms`, `Force [kN] -> N`.
+    /// Other possible units next to the marked one: `Time (s) / ms`, `Force [kN] -> N`.
     pub others: Vec<String>,
     /// A factor: `Force [N] (x1000)`.
     pub scale: Option<String>,
-    /// What stands in brackets and is no unit that is known: `Zaman (sn)`.
+    /// Text in brackets that is not a known unit: `Zaman (sn)`.
     pub bracketed: Option<String>,
     /// The last words, which may be a unit, each with the words before it: `Load_N`, `speed mm/s`, `F in kN`; the longest first.
     pub tails: Vec<Tail>,
@@ -23,13 +23,13 @@ pub(super) struct Name {
 /// The last words of a name, which may be a unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tail {
-    /// As they are written.
+    /// As written.
     pub text: String,
     /// The words before them.
     pub before: Vec<String>,
 }
 
-/// A unit that is marked, and what stands before and behind it.
+/// A marked unit, and the text before and after it.
 struct Marked<'t> {
     before: &'t str,
     unit: &'t str,
@@ -37,13 +37,14 @@ struct Marked<'t> {
     is_square: bool,
 }
 
-/// Bytes of a name in which a unit is looked for, which takes the square of them. Convention: no name of a column is longer.
+/// Length of a name in bytes within which a unit is searched for, which takes time in proportion to its square. Convention: no name
+/// of a column is longer.
 const LONGEST: usize = 256;
 
 const BRACKETS: [[char; 2]; 4] = [['[', ']'], ['(', ')'], ['{', '}'], ['<', '>']];
 
 impl Name {
-    /// Takes a name apart.
+    /// Splits a name into its parts.
     pub fn of(text: &str) -> Self {
         let text = text.trim().trim_matches('"').trim();
         if text.len() > LONGEST {
@@ -63,7 +64,7 @@ impl Name {
                 ..Self::default()
             };
         }
-        // `Weg in mm (absolut)`: what ends a name in brackets is said of it too.
+        // `Weg in mm (absolut)`: text in brackets at the end of a name belongs to it.
         let (head, remark) = match bracketed(text).first() {
             Some(last) if last.behind.is_empty() => (last.before, words(last.unit)),
             _ => (text, Vec::new()),
@@ -95,7 +96,7 @@ impl Name {
     }
 }
 
-/// The words before a unit, without the `in` that leads to it.
+/// The words before a unit, without an `in` before it.
 fn before(text: &str) -> Vec<String> {
     let mut words = words(text);
     if words.len() > 1 && words.last().is_some_and(|last| last == "in") {
@@ -104,7 +105,7 @@ fn before(text: &str) -> Vec<String> {
     words
 }
 
-/// What stands in brackets, one kind of them after the other, each from the last on.
+/// Texts in brackets, one kind of brackets after the other, each from the last on.
 fn bracketed(text: &str) -> Vec<Marked<'_>> {
     let kinds = BRACKETS.into_iter().flat_map(|[open, close]| {
         text.rmatch_indices(open).filter_map(move |(begin, _)| {
@@ -120,8 +121,8 @@ fn bracketed(text: &str) -> Vec<Marked<'_>> {
     kinds.filter(|found| !found.unit.is_empty()).collect()
 }
 
-/// The unit of a text that marks it: in brackets, behind a sign, or else whatever stands in square brackets, which hold a unit by
-/// custom; round ones hold anything: `Force (filtered)`.
+/// The unit of a text that marks it: in brackets, after a sign, or else any text in square brackets, which contain a unit by
+/// custom. Round ones may contain anything: `Force (filtered)`.
 fn marked(text: &str) -> Option<Marked<'_>> {
     let mut in_brackets = bracketed(text);
     for is_it in [spelling::is_quantity, spelling::is_unit] {
@@ -137,7 +138,7 @@ fn marked(text: &str) -> Option<Marked<'_>> {
     };
     for (separator, _) in text.match_indices(['/', ',', ';']) {
         let (name, unit) = (text[..separator].trim(), text[separator + 1..].trim());
-        // `velocity_mm/s` is no velocity_mm in seconds.
+        // `velocity_mm/s` is not a `velocity_mm` in seconds.
         let whole = name
             .rsplit(['_', ' '])
             .next()
@@ -151,12 +152,12 @@ fn marked(text: &str) -> Option<Marked<'_>> {
             });
         }
     }
-    // They come first of the kinds.
+    // Square brackets come first.
     in_brackets.truncate(1);
     in_brackets.pop().filter(|found| found.is_square)
 }
 
-/// What may be a second unit: another one that is marked, and the words behind the first.
+/// Possible second units: another marked one, and the words after the first.
 fn others(rest: &str, behind: &str) -> Vec<String> {
     let second = marked(rest).map(|found| found.unit.to_owned());
     let is_end = |c: char| c.is_whitespace() || "()[]{}<>,;".contains(c);

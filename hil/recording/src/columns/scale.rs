@@ -1,6 +1,6 @@
-//! A factor in a column's name: by how much its values were multiplied, or are to be, nobody can tell.
+//! A factor in a column's name. It does not say whether the values were multiplied by it or must be.
 
-/// Words that say that there is one.
+/// Words that announce a factor.
 const WORDS: [&str; 9] = [
     "scaled",
     "factor",
@@ -13,7 +13,7 @@ const WORDS: [&str; 9] = [
     "tausend",
 ];
 
-/// A scale as it is written: `x1000`, `×10`, `*1e3`, `10^3`, `10³`, `1e-3`, `/1000`, `in thousands`.
+/// A scale as written: `x1000`, `×10`, `*1e3`, `10^3`, `10³`, `1e-3`, `/1000`, `in thousands`.
 pub(super) fn scale(text: &str) -> Option<&str> {
     let mut words = text.split(|c: char| !c.is_alphabetic());
     let is_scale = |word: &&str| WORDS.contains(&word.to_lowercase().as_str());
@@ -47,7 +47,7 @@ fn in_figures(text: &str) -> Option<&str> {
     })
 }
 
-/// The number that a text begins with, and no letter behind it: `2kN` is the range of a sensor.
+/// The number at the beginning of a text, if no letter follows: `2kN` is the range of a sensor.
 fn number(text: &str) -> Option<&str> {
     let text = text.trim_start();
     let end = text.find(|c: char| !(c.is_ascii_digit() || ".,".contains(c)));
@@ -65,7 +65,7 @@ fn begins(text: &str) -> bool {
     number(text).is_some()
 }
 
-/// Whether a text ends in a number that no letter begins: `CH1` is a name.
+/// Whether a text ends in a number that does not follow a letter: `CH1` is a name.
 fn ends(text: &str) -> bool {
     let head = text.trim_end_matches(|c: char| c.is_ascii_digit() || ".,".contains(c));
     let number = &text[head.len()..];
@@ -78,7 +78,7 @@ fn is_power(number: &str) -> bool {
     !zeros.is_empty() && zeros.bytes().all(|byte| byte == b'0')
 }
 
-/// What stands about a place of a text, up to blanks and brackets; behind a sign that stands alone, the next word too.
+/// The text about a position, up to blanks and brackets; after a sign that stands alone, the next word too.
 fn around(text: &str, at: usize) -> &str {
     let is_end = |c: char| c.is_whitespace() || "()[]{}<>_".contains(c);
     let begin = text[..at].trim_end_matches(|c: char| !is_end(c)).len();

@@ -3,7 +3,7 @@
 use crate::channel::Channel;
 use crate::units::Unit;
 
-/// Spellings beside a unit's own symbol, in the case in which they are usual.
+/// Spellings in addition to a unit's own symbol, in their usual case.
 const SPELLINGS: &[(Channel, &str, &[&str])] = &[
     (
         Channel::Time,
@@ -105,7 +105,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
     ),
 ];
 
-/// Units of control inputs that are written otherwise too.
+/// Units of control inputs with other spellings.
 const CONTROLS: &[(&str, &[&str])] = &[
     ("A", &["amp", "amps", "ampere", "amperes"]),
     ("V", &["volt", "volts"]),
@@ -114,7 +114,7 @@ const CONTROLS: &[(&str, &[&str])] = &[
     ("T", &["tesla"]),
 ];
 
-/// The unit of a channel that is written so. Case counts where it tells units apart, as in mN and MN.
+/// The unit of a channel with this spelling. Case counts where it distinguishes units, as in mN and MN.
 pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
     let written = written.trim();
     let named = |symbol: &str| {
@@ -140,7 +140,7 @@ pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
     if let [symbol, ..] = spelt(&|each| each == written)[..] {
         return named(symbol);
     }
-    // `MM` and `KN` of a header in capitals; `mn` could be two units, and is none.
+    // `MM` and `KN` of a header in capitals; `mn` could be two units, and is rejected.
     let folded = written.to_lowercase();
     match spelt(&|each| each.to_lowercase() == folded)[..] {
         [symbol] => named(symbol),
@@ -148,7 +148,7 @@ pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
     }
 }
 
-/// The unit of a control input that is written so, of the `known` ones.
+/// The unit of a control input with this spelling, among the `known` ones.
 pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Option<&'static str> {
     let written = written.trim();
     let own = known.iter().find(|unit| **unit == written).copied();
@@ -182,7 +182,7 @@ pub(crate) fn is_quantity(written: &str) -> bool {
         || control_unit(bare, crate::control::UNITS).is_some()
 }
 
-/// Whether a text is a unit of anything that a recording may hold, or the sign that there is none.
+/// Whether a text is a unit of any quantity that a recording may contain, or the sign for none.
 pub(crate) fn is_unit(written: &str) -> bool {
     let bare = bare(written);
     matches!(

@@ -1,4 +1,4 @@
-//! What a column of a file may be taken for.
+//! The channels that a column of a file may be.
 
 use super::name::Name;
 use super::spelling::{bare, control_unit};
@@ -8,10 +8,10 @@ use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 use crate::files::Column;
 
-/// How surely a column is a channel's; the greater is the surer.
+/// How certain it is that a column is a channel; the greater, the more certain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rank {
-    /// By nothing but a unit of the channel.
+    /// Only by a unit of the channel.
     Unit,
     /// By a short word with a unit of it: `x [mm]`.
     Weak,
@@ -19,7 +19,7 @@ pub enum Rank {
     Word,
     /// By a name of our own files: `force_kN`.
     Own,
-    /// The user said so.
+    /// By the user's setting.
     Said,
 }
 
@@ -28,7 +28,7 @@ pub enum Rank {
 pub(super) struct Candidate {
     pub channel: Channel,
     pub rank: Rank,
-    /// What is known of its unit.
+    /// Information about its unit.
     pub unit: UnitFound,
 }
 
@@ -56,20 +56,20 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
         })
     };
     let mut found: Vec<Candidate> = Channel::ALL.into_iter().filter_map(of).collect();
-    // `Force displacement` says nothing, `displacement of load cell [mm]` says it by the unit.
+    // `Force displacement` is not decisive, `displacement of load cell [mm]` is by its unit.
     let known = |each: &Candidate| matches!(each.unit, UnitFound::Known(_));
     if found.len() > 1 && found.iter().any(known) {
         found.retain(known);
     }
-    // A word is surer than a unit alone.
+    // A word is more certain than a unit alone.
     let best = found.iter().map(|each| each.rank).max();
     found.retain(|each| Some(each.rank) == best);
     found
 }
 
-/// How surely a column with these words beside its unit is of a channel; none where it is not.
+/// How certain a column with these words next to its unit is a channel; `None` if it is not.
 fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -> Option<Rank> {
-    // Dates that the table itself has for its times are that whatever they are called: `index`.
+    // Dates that the table marks as its times are times whatever their name: `index`.
     if words::is_other(words) && !(column.is_time && column.is_stamp) {
         return None;
     }
@@ -92,11 +92,11 @@ fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -
     }
 }
 
-/// Whether a column that is no candidate of a channel could be it all the same, beside one that is by `words`.
+/// Whether a column that is no candidate for a channel could still be it, when another column is one by `words`.
 ///
-/// Its unit is of the channel, and its name says no other channel and nothing that was asked or counted. It is the channel as likely
-/// where its name says the channel and something that may spoil it, as `Corrected position [mm]`, or where the candidate's own name
-/// says more than is understood, as `Nominal displacement [mm]` beside `Gauge 4 [mm]`.
+/// Its unit fits the channel, and its name contains no other channel, no demand and no count. The column is as likely the channel
+/// in two cases. Its name may contain the channel and a qualifying word, as in `Corrected position [mm]`. Or the candidate's own
+/// name may contain unknown words, as `Nominal displacement [mm]` next to `Gauge 4 [mm]`.
 pub(super) fn could_be(column: &Column, channel: Channel, is_sure: bool) -> bool {
     if !column.is_numeric || column.is_stamp || own_name(&column.name).is_some() {
         return false;
@@ -112,18 +112,18 @@ pub(super) fn could_be(column: &Column, channel: Channel, is_sure: bool) -> bool
     }
 }
 
-/// Whether all of a column's name is understood: its words are of quantities, of what was measured, or none.
+/// Whether all of a column's name is understood: its words are for quantities, for the measured object, or neutral.
 pub(super) fn is_understood(column: &Column, channel: Channel) -> bool {
     let name = Name::of(&column.name);
     words::are_understood(unit_and_words(column, &name, channel).1)
 }
 
-/// Whether a column's name says that it is not what was measured.
+/// Whether a column's name says that it is not a measurement.
 pub(super) fn is_surely_other(column: &Column) -> bool {
     words::is_surely_other(&Name::of(&column.name).words)
 }
 
-/// A column as it would be if its values were numbers.
+/// A column as if its values were numbers.
 pub(super) fn of_numbers(column: &Column) -> Column {
     Column {
         is_numeric: true,
@@ -131,7 +131,7 @@ pub(super) fn of_numbers(column: &Column) -> Column {
     }
 }
 
-/// Whether a column is of times, by what its file or a word of its name says, a unit beside it or not.
+/// Whether a column contains times, according to its file or a word of its name, with or without a unit.
 pub(super) fn is_time(column: &Column) -> bool {
     let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
     let is_named = || {
@@ -142,7 +142,7 @@ pub(super) fn is_time(column: &Column) -> bool {
     column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
 }
 
-/// Whether a name has a word of some quantity in it, and none that makes it another column.
+/// Whether a name contains a word for some quantity, and none for another column.
 pub(super) fn is_named(text: &str) -> bool {
     if own_name(text).is_some() {
         return true;
@@ -152,14 +152,14 @@ pub(super) fn is_named(text: &str) -> bool {
     is_of(&name.words) || name.tails.iter().any(|tail| is_of(&tail.before))
 }
 
-/// The name that a control input's column has in a recording, and whether it has it in the file already.
+/// The name of a control input's column in a recording, and whether the column has this name in the file already.
 pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
     let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let quantity = column
         .name
         .rsplit_once('_')
         .map_or("", |(quantity, _)| quantity);
-    // A unit that the file says beside such a name has to be the same.
+    // A unit that the file states next to such a name has to be the same.
     let is_same = |said: &str| {
         let unit = control_unit(bare(said), UNITS);
         unit == column.name.rsplit_once('_').map(|(_, unit)| unit)
@@ -173,16 +173,16 @@ pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
     }
     let name = Name::of(&column.name);
     let (unit, words) = control_unit_and_words(column, &name)?;
-    // By what its values are to be multiplied, nobody says here.
+    // The direction of the scaling is not stated here.
     if words::is_other(words) || name.scale.is_some() {
         return None;
     }
-    // A word for it is needed: a unit alone may be of anything that a test rig writes too.
+    // A word is needed: a rig may write many quantities with the same unit.
     let word = words::of_control(words, unit)?;
     Some((format!("{word}_{unit}"), false))
 }
 
-/// Whether a name is one of our own files, with a unit.
+/// Whether a name has the form of our own files, with a unit.
 pub(super) fn is_own(name: &str) -> bool {
     let is_unit = |(channel, symbol): (Channel, &str)| {
         channel.units().iter().any(|unit| unit.symbol == symbol)
@@ -190,7 +190,7 @@ pub(super) fn is_own(name: &str) -> bool {
     own_name(name).is_some_and(is_unit)
 }
 
-/// The channel and the unit's symbol that a name of our own files says: `force_kN`.
+/// The channel and the unit's symbol in a name of the form of our own files: `force_kN`.
 ///
 /// A further word between the two, as in `force_command_kN`, makes it another column.
 pub(super) fn own_name(name: &str) -> Option<(Channel, &str)> {
@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// What a column is taken for, and how surely.
+    /// The channel of a column, and the certainty.
     fn taken(name: &str, unit: Option<&str>) -> String {
         let each = candidates(&column(name, unit)).into_iter().map(|each| {
             let unit = match each.unit {

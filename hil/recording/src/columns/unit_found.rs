@@ -1,4 +1,4 @@
-//! What a column's name and the file say of its unit.
+//! Information about a column's unit in its name and in the file.
 
 use super::name::{Name, words as words_of};
 use super::spelling::{bare, control_unit, unit_of};
@@ -10,20 +10,20 @@ use crate::error::quoted;
 use crate::files::Column;
 use crate::units::Unit;
 
-/// What a column's name and unit say about the unit of a channel.
+/// Information about the unit of a channel in a column's name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum UnitFound {
     /// One of the channel's.
     Known(Unit),
-    /// The file says a unit that the channel cannot have, or that is unknown.
+    /// The file states a unit that the channel cannot have, or that is unknown.
     Unknown(String),
-    /// The file says two, or one that could be two.
+    /// The file states two, or an ambiguous one.
     Unclear(String),
-    /// None is said.
+    /// None is stated.
     None,
 }
 
-/// What the file says of a column's unit, for one channel.
+/// The file's statement about a column's unit, for one channel.
 pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
     match own_name(&column.name) {
         Some((own, symbol)) if own == channel => own_unit(column, channel, symbol),
@@ -31,7 +31,7 @@ pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
     }
 }
 
-/// What stands in the brackets of a name, where it may be a unit and is none that is known: `Zaman (sn)`.
+/// The text in the brackets of a name, if it may be a unit and is not a known one: `Zaman (sn)`.
 pub(super) fn unknown_unit(column: &Column) -> Option<String> {
     let name = Name::of(&column.name);
     let written = name.bracketed?;
@@ -41,13 +41,13 @@ pub(super) fn unknown_unit(column: &Column) -> Option<String> {
     (!is_word || words.iter().any(is_letter)).then_some(written)
 }
 
-/// The unit that a control input's column has.
+/// The unit of a control input's column.
 pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
     let name = Name::of(&column.name);
     control_unit_and_words(column, &name).map(|(unit, _)| unit)
 }
 
-/// The unit of a control input that a column has, and the words of its name without it; none where another unit stands beside it.
+/// The unit of a control input in a column, and the words of its name without it; `None` if there is a second unit.
 pub(super) fn control_unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
@@ -80,7 +80,7 @@ fn of_stamps() -> UnitFound {
     UnitFound::Known(Channel::Time.unit_in(&crate::units::Units::SI))
 }
 
-/// A unit that the name says, beside that which the file says elsewhere.
+/// A unit in the name, when the file states one elsewhere too.
 fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
     match row_unit(column) {
         Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
@@ -90,13 +90,13 @@ fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitF
     }
 }
 
-/// The unit that the file says outside of the name.
+/// The unit that the file states outside the name.
 fn row_unit(column: &Column) -> Option<&str> {
     let said = column.unit.as_deref().map(bare);
     said.filter(|unit| !unit.is_empty())
 }
 
-/// What is said of the unit for a channel, and the words of the name without it.
+/// The statement about the unit for a channel, and the words of the name without it.
 pub(super) fn unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
@@ -133,14 +133,14 @@ pub(super) fn unit_and_words<'n>(
     }
 }
 
-/// Whether a word beside a unit is another unit of the channel; a letter alone is one only as our own files write it.
+/// Whether a word next to a unit is another unit of the channel; a single letter is one only in the form of our own files.
 fn is_another(channel: Channel, unit: Unit, written: &str) -> bool {
     let is_letter = written.chars().count() == 1;
     let own = || channel.units().iter().any(|unit| unit.symbol == written);
     (!is_letter || own()) && unit_of(channel, written).is_some_and(|other| !other.is_same(unit))
 }
 
-/// Whether a unit that capitals make of two, MN of mN, stands where all is in capitals.
+/// Whether a unit that is ambiguous in capitals, as MN for mN, stands in a name that is all in capitals.
 fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
     let letters = || name.chars().filter(|c| c.is_alphabetic());
     let is_capital = letters().count() > 3 && letters().all(char::is_uppercase);

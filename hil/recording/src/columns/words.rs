@@ -1,23 +1,23 @@
-//! What the words in a column's name say it is, in the languages of test labs.
+//! Meaning of the words in a column's name, in the languages of test labs.
 //!
-//! Each quantity has its words in one place, by how they say it: alone, at the end of a longer word, or only beside a unit of it. A word
-//! that means two quantities stands in both, and the unit decides. A word of what was asked or counted, as `setpoint` or `cycle`, makes a
-//! column another one, whatever else its name says. One that may spoil a column or not, as `corrected`, makes a question where another
-//! column would be taken. So does a word that is not known, where a sensor's column has none that is.
+//! Each quantity has its words in one place, sorted by use: alone, at the end of a longer word, or only next to a unit of it. A
+//! word with two meanings is listed in both, and the unit decides. A word for a demand or a count, such as `setpoint` or `cycle`,
+//! makes a column another one, whatever else its name contains. A qualifying word, such as `corrected`, leads to a question if
+//! another column would be chosen. So does an unknown word, if a sensor's column has no known one.
 
 use super::lexicon::{DOUBTFUL, GENERIC, LEXICON, Lexicon, MEASURED, OTHER, Quantity};
 use crate::channel::Channel;
 
-/// How surely a name says what its column is.
+/// How certain a name's meaning is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Certainty {
-    /// A short word, which means this only beside a unit of it.
+    /// A short word, which has this meaning only next to a unit of it.
     Weak,
     /// A name of the quantity.
     Strong,
 }
 
-/// How surely these words are of a channel.
+/// How certain these words mean a channel.
 pub(super) fn of_channel(words: &[String], channel: Channel) -> Option<Certainty> {
     let mut mine = LEXICON
         .iter()
@@ -25,7 +25,7 @@ pub(super) fn of_channel(words: &[String], channel: Channel) -> Option<Certainty
     mine.find_map(|lexicon| lexicon.certainty(words))
 }
 
-/// The control input that the words mean beside this unit.
+/// The control input that the words mean with this unit.
 pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
     LEXICON.iter().find_map(|lexicon| match lexicon.quantity {
         Quantity::Control(name, units) if units.contains(&unit) => {
@@ -35,7 +35,7 @@ pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether the words say that the column is not what was measured of a channel, or that it may be something else.
+/// Whether the words say that the column is not a measurement of a channel, or may be something else.
 pub(super) fn is_other(words: &[String]) -> bool {
     let is_doubtful = |word: &String| {
         DOUBTFUL.contains(&word.as_str())
@@ -46,7 +46,7 @@ pub(super) fn is_other(words: &[String]) -> bool {
     is_surely_other(words) || words.iter().any(is_doubtful)
 }
 
-/// Whether the words say that the column is not what was measured of a channel.
+/// Whether the words say that the column is not a measurement of a channel.
 pub(super) fn is_surely_other(words: &[String]) -> bool {
     let is_it = |word: &String| {
         OTHER.contains(&word.as_str())
@@ -58,7 +58,7 @@ pub(super) fn is_surely_other(words: &[String]) -> bool {
     words.iter().any(is_it)
 }
 
-/// Whether all words are understood, those put together included: `Prüfkraft`, and not `Nennkraft`.
+/// Whether all words are understood, including compounds: `Prüfkraft`, but not `Nennkraft`.
 pub(super) fn are_understood(words: &[String]) -> bool {
     let is_weak = |word: &str| LEXICON.iter().any(|lexicon| lexicon.weak.contains(&word));
     let is_plain = |word: &str| {
@@ -74,7 +74,7 @@ pub(super) fn are_understood(words: &[String]) -> bool {
             all.filter_map(|ending| word.strip_suffix(ending))
         });
         match endings.next() {
-            // The longest ending says most: `试验时间`.
+            // The longest ending is the most specific: `试验时间`.
             Some(first) => {
                 let shortest = endings.fold(first, |a, b| if b.len() < a.len() { b } else { a });
                 let is_alone = |lexicon: &Lexicon| lexicon.words.contains(&word.as_str());
@@ -86,14 +86,14 @@ pub(super) fn are_understood(words: &[String]) -> bool {
     words.iter().all(is_it)
 }
 
-/// Whether the words say nothing of a quantity.
+/// Whether the words contain no information about a quantity.
 pub(super) fn is_generic(words: &[String]) -> bool {
     words
         .iter()
         .all(|word| GENERIC.contains(&word.as_str()) || (word.len() == 1 && words.len() > 1))
 }
 
-/// Whether a word is one of some quantity, on its own.
+/// Whether a word alone names a quantity.
 pub(super) fn is_known(word: &str) -> bool {
     LEXICON.iter().any(|lexicon| lexicon.has(word))
 }
@@ -103,7 +103,7 @@ impl Lexicon {
         if words.iter().any(|word| self.has(word)) {
             return Some(Certainty::Strong);
         }
-        // Beside other words a short one may mean anything: `x axis`, `load p`.
+        // Next to other words a short one may mean anything: `x axis`, `load p`.
         let is_weak = matches!(words, [word] if self.weak.contains(&word.as_str()));
         is_weak.then_some(Certainty::Weak)
     }
@@ -147,7 +147,7 @@ mod tests {
                 .collect();
             assert_eq!(found, [channel], "{text}");
         }
-        // Words that mean something else too need a unit.
+        // Words with other meanings need a unit.
         for (text, channel) in [
             ("last", Force),
             ("charge", Force),

@@ -1,4 +1,4 @@
-//! What stands in for samples that were not measured, from the samples around them.
+//! Substitutes for samples that were not measured, from the samples around them.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -28,8 +28,8 @@ crate::numbers! {
     }
 }
 
-/// Replaces the `unknown` ones of `values`, sampled every `tick` s: a few in a row by the cubic through their neighbours,
-/// more by the sine that the motion is around them, or, where it is none, by a straight line.
+/// Replaces the `unknown` ones of `values`, sampled every `tick` s. A few in a row are replaced by the cubic through their
+/// neighbours; more by the sine of the motion around them, or by a straight line if the motion is not a sine.
 pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
     let gaps = runs(unknown);
     if gaps.is_empty() {
@@ -48,7 +48,7 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
             fit(values, unknown, gap, policy().bridge.neighbours, cubic).map(|(filled, _)| filled)
         } else {
             let reach = (policy().bridge.reach * samples) as usize;
-            // The period is known to a few per cent only; the one that leaves least is taken.
+            // The period is known only to a few per cent; the one with the smallest residual is used.
             (-4..=4)
                 .filter_map(|step| {
                     let w = TAU / (samples * (1.0 + 0.01 * f64::from(step)));
@@ -65,14 +65,14 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
     }
 }
 
-/// Replaces the `unknown` ones of `values` by straight lines between the samples beside them.
+/// Replaces the `unknown` ones of `values` by straight lines between the neighbouring samples.
 pub(super) fn lines(values: &mut [f64], unknown: &[bool]) {
     for gap in runs(unknown) {
         line(values, &gap);
     }
 }
 
-/// A straight line from the sample before to the sample after; at an end of the recording the one that there is.
+/// A straight line from the sample before to the sample after; at an end of the recording the one sample available.
 fn line(values: &mut [f64], gap: &Range<usize>) {
     let before = gap.start.checked_sub(1).map(|index| values[index]);
     let after = values.get(gap.end).copied();
@@ -85,11 +85,11 @@ fn line(values: &mut [f64], gap: &Range<usize>) {
     }
 }
 
-/// Least squares of the four functions `basis` of the place (samples after the gap's middle) through the known samples up
-/// to `reach` from the gap: their values in the gap, and the RMS that they leave over that of the samples about their
+/// Least squares of the four functions `basis` of the position (samples after the gap's middle) through the known samples up to
+/// `reach` from the gap. Returns their values in the gap, and the RMS of the residual divided by that of the samples about their
 /// mean.
 ///
-/// `None` when one side has too few samples to say where the motion goes.
+/// `None` if one side has too few samples to show the course of the motion.
 fn fit(
     values: &[f64],
     unknown: &[bool],

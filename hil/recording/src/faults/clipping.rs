@@ -1,4 +1,4 @@
-//! A channel that ends at the limit of its range: sample after sample at one and the same extreme value.
+//! A channel that is clipped at the limit of its range: sample after sample at the same extreme value.
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
@@ -75,8 +75,7 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .then_some((limit, marked))
 }
 
-/// The smallest difference between two values that are not the same: the step to which they were rounded, or next to
-/// nothing.
+/// The smallest difference between two values that differ: the step to which they were rounded, or almost 0.
 fn rounding(values: &[f64], same: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -92,9 +91,9 @@ fn goes_on(other: &[f64], marked: &[bool]) -> bool {
     let noise = noise_deviation(other);
     let (mut moved, mut by_noise, mut stays) = (0.0, 0.0, 0.0);
     for run in runs(marked).into_iter().filter(|run| run.len() >= 2) {
-        // The ends of the stay belong to the motion that leads to it and away from it.
+        // The ends of the stay belong to the motion before and after it.
         let inner = run.start + run.len() / 6..run.end - run.len() / 6;
-        // So far do n samples of white noise lie apart, about.
+        // About the range of n samples of white noise.
         by_noise += noise * (1.0 + 2.0 * (2.0 * (inner.len() as f64).ln()).sqrt());
         let (low, high) = least_and_largest(&other[inner]);
         moved += high - low;

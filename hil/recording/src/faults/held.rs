@@ -1,4 +1,4 @@
-//! A value that was repeated while the motion went on: a stuck channel, or rows of a logger that had nothing new.
+//! A value repeated while the motion went on: a stuck channel, or rows of a logger without new data.
 
 use std::f64::consts::PI;
 
@@ -35,7 +35,7 @@ pub(super) fn find(
         let mut samples = 0;
         let held = held(values, present);
         for run in &held {
-            // The first of them is a sample as good as any.
+            // The first of them is a valid sample.
             absent[run.start + 1..run.end].fill(true);
             samples += run.len() - 1;
         }
@@ -68,12 +68,12 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
         .map(|run| run.start - 1..run.end)
         .filter(|run| run.len() >= policy().held.shortest)
         .collect();
-    // How often two neighbours are equal where nothing is held, by rounding alone.
+    // Probability that two neighbours are equal by rounding alone, without a held value.
     let in_stretches: usize = stretches.iter().map(|run| run.len() - 1).sum();
     let often = (repeating - in_stretches + 1) as f64 / (values.len() - in_stretches) as f64;
     let step = smallest_step(values, same);
     let noise = noise_deviation(values);
-    // Where the motion is slow, as at its turns, neighbours are equal as often as those of a standing channel.
+    // In a slow motion, as at its turns, neighbours are equal as often as in a standing channel.
     let often = often.max(often_at_rest(step, noise));
     let (low, high) = least_and_largest(values);
     stretches
@@ -91,13 +91,13 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
         .collect()
 }
 
-/// How often two neighbours of a channel that stands are equal, where `noise` is rounded to `step`: the density that their difference,
-/// of deviation √2 times that of the noise, has at 0, times the step.
+/// Probability that two neighbours of a standing channel are equal, where `noise` is rounded to `step`: the density of their
+/// difference, with √2 times the deviation of the noise, at 0, times the step.
 fn often_at_rest(step: f64, noise: f64) -> f64 {
     (step / (2.0 * noise * PI.sqrt())).min(1.0)
 }
 
-/// How often neighbours are equal in the samples around `run`: the turn of a rounded signal is slow.
+/// How often neighbours are equal in the samples around `run`: a rounded signal turns slowly.
 fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
     let before = &repeats[run.start.saturating_sub(policy().held.around)..=run.start];
     let after = &repeats[run.end..(run.end + policy().held.around).min(repeats.len())];
@@ -109,7 +109,7 @@ fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
     equal as f64 / (before.len() + after.len()) as f64
 }
 
-/// Whether the channel jumps when it is let go, by more than the steps, the rounding and the noise before it was held.
+/// Whether the channel jumps at the end of the hold, by more than the steps, the rounding and the noise before it.
 fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) -> bool {
     let before = &values[run.start.saturating_sub(2 * policy().held.shortest)..=run.start];
     let mut steps: Vec<f64> = before
@@ -120,7 +120,7 @@ fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) ->
     jump > policy().held.jump * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
 }
 
-/// The smallest difference between neighbours that are not the same.
+/// The smallest difference between neighbours that differ.
 fn smallest_step(values: &[f64], same: f64) -> f64 {
     values
         .windows(2)
@@ -139,8 +139,8 @@ mod tests {
 
     use super::held;
 
-    /// A sine over `cycles` periods of `samples` each in steps of 1, `levels` of them from end to end, with `noise` before it is rounded. It
-    /// grows a little, so that no turn but the last is at an end.
+    /// A sine over `cycles` periods of `samples` each, rounded to steps of 1, `levels` of them from end to end, with `noise` before
+    /// rounding. It grows a little, so that only the last turn is at an end.
     fn coarse(samples: usize, cycles: usize, levels: f64, noise: f64, seed: u64) -> Vec<f64> {
         let mut random = StdRng::seed_from_u64(seed);
         let count = samples * cycles;
@@ -158,7 +158,7 @@ mod tests {
         held(values, &vec![true; values.len()])
     }
 
-    /// As a converter of 8 to 14 bits has it of a test of 0.1 to 1 Hz: the turns of a slow motion keep one value for some samples.
+    /// As from a converter of 8 to 14 bits in a test of 0.1 to 1 Hz: the turns of a slow motion keep one value for some samples.
     #[test]
     fn a_coarse_channel_is_not_held_where_the_motion_is_slow() {
         let mut wrong = Vec::new();
@@ -179,7 +179,7 @@ mod tests {
         assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
     }
 
-    /// One that stands while the motion goes on jumps when it is let go, or repeats for longer than its noise would.
+    /// A channel that stands while the motion goes on jumps at the end, or repeats for longer than its noise would.
     #[test]
     fn a_coarse_channel_that_is_held_is_found() {
         for noise in [0.0, 1.0] {

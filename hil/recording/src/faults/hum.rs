@@ -1,8 +1,8 @@
-//! A hum of the mains on the channels: a tone of 50 or 60 Hz or a multiple that the motion knows nothing of.
+//! Hum of the mains on the channels: a tone of 50 or 60 Hz or a multiple, unrelated to the motion.
 //!
-//! A displacement of a ten-thousandth of the range at 50 Hz has a velocity that turns the sign of friction. It is a fault of the
-//! channel and no motion where it stands alone in the spectrum, unlike a harmonic of the motion, which has others beside it, and is as
-//! large with the same phase from the beginning to the end, unlike a test at that frequency.
+//! A displacement of a ten-thousandth of the range at 50 Hz has a velocity that reverses the sign of friction. The tone is a
+//! channel fault, rather than a motion, under two conditions. It stands alone in the spectrum, unlike a harmonic of the motion,
+//! which has others near it. And it has the same amplitude and phase from beginning to end, unlike a test at that frequency.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -34,10 +34,10 @@ crate::numbers! {
     }
 }
 
-/// Bins that a line takes to either side under a Hann window.
+/// Bins of a line on either side with a Hann window.
 const LINE: usize = 4;
 
-/// Takes hum that both the displacement and perhaps the force have off the channels.
+/// Removes hum from the displacement, and from the force if it has any.
 pub(crate) fn find(uniform: &mut Uniform, faults: &mut Vec<ChannelFault>) {
     let spectrum = powers(uniform.displacement.clone());
     for mains in policy().hum.mains {
@@ -69,7 +69,7 @@ pub(crate) fn find(uniform: &mut Uniform, faults: &mut Vec<ChannelFault>) {
     }
 }
 
-/// The tone of about so many cycles per sample that stands alone, in rad per sample.
+/// The tone near this many cycles per sample that stands alone, in rad per sample.
 fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
     let count = samples.len() as f64;
     let bins = |low: f64, high: f64| -> Range<usize> {
@@ -80,7 +80,7 @@ fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
     let (off, alone) = (policy().hum.off, policy().hum.alone);
     let around = bins(1.0 - alone, 1.0 + alone);
     let near = bins(1.0 - off, 1.0 + off);
-    // A frequency above half the sampling rate, or a recording too short to tell lines apart.
+    // A frequency above half the sampling rate, or a recording too short to separate lines.
     if (1.0 + off) * about >= 0.5 || around.len() < 16 * LINE {
         return None;
     }
@@ -95,7 +95,7 @@ fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
         return None;
     }
     let mut turn = place_of_line(spectrum, peak) / count * TAU;
-    // The phase that it gains from one half to the other tells its frequency better than the spectrum.
+    // The change of its phase from one half to the other gives its frequency more accurately than the spectrum.
     let middle = samples.len() / 2;
     let [first, second] =
         [0..middle, middle..samples.len()].map(|half| Phasor::of(samples, half, turn));
@@ -122,7 +122,7 @@ struct Phasor {
 }
 
 impl Phasor {
-    /// Of the samples of `range`, under a Hann window, so that a large motion at other frequencies does not count.
+    /// Phasor of the samples of `range`, with a Hann window, so that a large motion at other frequencies has no influence.
     fn of(samples: &[f64], range: Range<usize>, turn: f64) -> Self {
         let (mut sine, mut cosine) = (0.0, 0.0);
         let count = range.len() as f64;
@@ -187,7 +187,7 @@ mod tests {
         tones.map(|f| 0.02 * (TAU * f * time + f * f).sin()).sum()
     }
 
-    /// To a part of the noise, whatever the motion; a bin of the spectrum is 0.05 Hz wide.
+    /// To a part of the noise, for any motion; a bin of the spectrum is 0.05 Hz wide.
     #[test]
     fn a_hum_is_found_with_frequency_and_size() {
         let sine = |time: f64| 0.2 * (TAU * 2.0 * time).sin();
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Neither the harmonics of a motion with corners, which pass through 50 Hz, nor a test at 50 Hz or a sweep over it.
+    /// Neither the harmonics of a motion with corners, which pass through 50 Hz, nor a test at 50 Hz or a sweep across it.
     #[test]
     fn a_motion_is_no_hum() {
         for seed in 0..8 {

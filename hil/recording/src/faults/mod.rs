@@ -1,11 +1,11 @@
-//! Faults of the channels: found between reading and identification, said, and kept from becoming physics.
+//! Channel faults: found between reading and identification, reported, and kept from looking like physics.
 //!
-//! What repeats with the motion is physics, however sharp; what comes once, stands still while the rest moves, or no
-//! passive damper can do is a fault. A recording without faults comes out untouched.
+//! A feature that repeats with the motion is physics, however sharp. A feature is a fault if it comes once, stands still while the
+//! rest moves, or is impossible for a passive damper. A recording without faults is unchanged.
 //!
-//! Whole channels come first (`sign`, `scale`), on the recording as it was read. Then single samples, on the uniform
-//! time base: `clipping`, `held`, `spikes`. Hum comes last, when nothing hides it. Forces that were not measured are left out; displacements are
-//! bridged, because the motion of the samples around them, and what a specimen remembers, depends on them.
+//! Whole channels come first (`sign`, `scale`), on the recording as read. Then single samples follow, on the uniform time base:
+//! `clipping`, `held`, `spikes`. Hum comes last, when nothing hides it. Invalid forces are left out. Invalid displacements are
+//! bridged, because the motion of the samples around them, and the memory of the specimen, depend on them.
 
 use std::borrow::Cow;
 
@@ -35,42 +35,42 @@ crate::numbers! {
 
 pub(super) use shift::Shift;
 
-/// What is wrong with a channel, and how much.
+/// Kind and size of a channel fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ChannelFaultKind {
-    /// Samples that stand out from both of their neighbours.
+    /// Samples that are outliers from both of their neighbours.
     Spikes {
-        /// How many.
+        /// Number of samples.
         samples: usize,
-        /// The largest, over the spread of the channel.
+        /// The largest, relative to the spread of the channel.
         largest: f64,
     },
-    /// A channel that ends at the limit of its range.
+    /// A channel clipped at the limit of its range.
     Clipping {
         /// Samples at the limit.
         samples: usize,
         /// The limit, in the code's unit of the channel.
         limit: f64,
     },
-    /// A value that was repeated while the motion went on.
+    /// A value repeated while the motion went on.
     Held {
         /// Samples that repeat.
         samples: usize,
-        /// In how many stretches.
+        /// Number of stretches.
         stretches: usize,
     },
-    /// Rows that are the row before once more.
+    /// Rows that repeat the row before.
     Repeated {
-        /// How many.
+        /// Number of rows.
         samples: usize,
     },
     /// A last row without a line end, whose last number may have been cut.
     Cut,
-    /// Samples that are not there.
+    /// Missing samples.
     Missing {
-        /// How many.
+        /// Number of samples.
         samples: usize,
-        /// In how many gaps.
+        /// Number of gaps.
         gaps: usize,
     },
     /// Times that are not equal steps.
@@ -80,20 +80,20 @@ pub enum ChannelFaultKind {
         /// Whether the samples were taken in equal steps all the same, and only the times are wrong.
         stamps_only: bool,
     },
-    /// Force and displacement that are not of the same time.
+    /// A time shift between force and displacement.
     Shifted {
-        /// By how much the force is late, s; negative when it is early.
+        /// Delay of the force, s; negative if it is early.
         late: f64,
     },
-    /// A sign that is turned.
+    /// A reversed sign.
     Flipped,
-    /// A unit that is not the one that the column's name says.
+    /// A unit that differs from the one in the column's name.
     Unit {
-        /// What the channel was multiplied by, or would have to be.
+        /// Factor by which the channel was multiplied, or would have to be.
         factor: f64,
-        /// Samples of which that is so.
+        /// Number of samples concerned.
         samples: usize,
-        /// Whether it was done.
+        /// Whether it was repaired.
         mended: bool,
     },
     /// A velocity that is not the derivative of the displacement.
@@ -110,23 +110,23 @@ pub enum ChannelFaultKind {
         /// Time that it is over, s.
         time: f64,
     },
-    /// A zero of the channel that steps once and stays.
+    /// A zero of the channel that steps once and stays there.
     ZeroStep {
-        /// When, s.
+        /// Time, s.
         time: f64,
-        /// By how much, in the code's unit of the channel.
+        /// Change, in the code's unit of the channel.
         change: f64,
     },
-    /// A zero of the channel that is not that of the other recordings of the specimen.
+    /// A zero of the channel that differs from the other recordings of the specimen.
     Zero {
-        /// By how much, in the code's unit of the channel.
+        /// Difference, in the code's unit of the channel.
         change: f64,
         /// Whether it was moved back.
         mended: bool,
     },
     /// Noise that grows towards low frequencies as 1/f.
     Pink {
-        /// Its standard deviation over that of the noise that quick changes show.
+        /// Its standard deviation divided by that of the noise in quick changes.
         times: f64,
     },
 }
@@ -134,14 +134,14 @@ pub enum ChannelFaultKind {
 /// A fault found in a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFault {
-    /// Where.
+    /// The channel.
     pub channel: Channel,
-    /// What.
+    /// The kind.
     pub kind: ChannelFaultKind,
 }
 
 impl std::fmt::Display for ChannelFault {
-    /// What is wrong, how much of it, and what was done.
+    /// The fault, its size, and the repair.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let channel = self.channel.name();
         let left = match self.channel {
@@ -284,14 +284,14 @@ fn stretches_of(count: usize, one: &str, many: &str) -> String {
 }
 
 impl Recording {
-    /// The recording with the channels mended that are wrong as a whole or from some time on: a sign, a unit. What was
-    /// mended is in [`Recording::faults`]; mending twice changes nothing more. Where nothing is, the copy is dropped at once.
+    /// The recording with channels repaired that are wrong as a whole or from some time on: a sign, a unit. [`Recording::faults`]
+    /// lists the repairs; repairing twice changes nothing more. Without a repair the copy is dropped at once.
     #[must_use]
     pub fn mended(&self) -> Cow<'_, Self> {
         let mut recording = self.clone();
         scale::mend(&mut recording);
         sign::mend(&mut recording);
-        // Whatever is mended is said.
+        // Every repair is reported.
         if recording.faults.len() == self.faults.len() {
             Cow::Borrowed(self)
         } else {
@@ -299,13 +299,13 @@ impl Recording {
         }
     }
 
-    /// What [`Recording::mended`] mended, and rows that were written twice.
+    /// The repairs of [`Recording::mended`], and rows that were written twice.
     pub fn faults(&self) -> &[ChannelFault] {
         &self.faults
     }
 }
 
-/// Finds faults of single samples, takes them out of what counts as measured, and bridges the displacement.
+/// Finds faults of single samples, excludes them from the measured samples, and bridges the displacement.
 pub(super) fn examine(uniform: &mut Uniform) -> Vec<ChannelFault> {
     let mut faults = Vec::new();
     let count = uniform.len();
@@ -330,7 +330,7 @@ pub(super) fn examine(uniform: &mut Uniform) -> Vec<ChannelFault> {
     faults
 }
 
-/// The channels of which single samples may be faulty, with what is `absent` of each.
+/// The channels whose single samples may be faulty, with the `absent` samples of each.
 fn sampled<'a>(
     uniform: &'a Uniform,
     absent: &'a mut [Vec<bool>; 2],
@@ -342,7 +342,7 @@ fn sampled<'a>(
     ]
 }
 
-/// Marks what is in `more` too.
+/// Marks the samples of `more` too.
 fn mark(marked: &mut [bool], more: &[bool]) {
     for (marked, more) in marked.iter_mut().zip(more) {
         *marked |= more;
@@ -367,7 +367,7 @@ fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// The value below which `part` (0…1) of `values` lie; 0 of none.
+/// The value below which `part` (0…1) of `values` lie; 0 for no values.
 fn quantile(values: &mut [f64], part: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -387,7 +387,7 @@ fn median_filtered(values: &[f64], half: usize) -> Vec<f64> {
     filtered
 }
 
-/// Spread of a channel: what nine tenths of its samples lie within, about the median.
+/// Spread of a channel: the range about the median that contains nine tenths of its samples.
 fn spread(values: &[f64]) -> f64 {
     let median = quantile(&mut values.to_vec(), 0.5);
     let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();

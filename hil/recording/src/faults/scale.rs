@@ -38,10 +38,10 @@ crate::numbers! {
     }
 }
 
-/// What units differ by. Derived: the prefixes of the SI.
+/// Ratio between neighbouring units. Derived: the prefixes of the SI.
 const THOUSAND: f64 = 1000.0;
 
-/// Mends units that change within a recording, and those of a declared mesh damper; says what cannot be decided.
+/// Repairs units that change within a recording, and those of a declared mesh damper; reports cases that cannot be decided.
 pub(super) fn mend(recording: &mut Recording) {
     for channel in [Channel::Force, Channel::Displacement] {
         mend_changes(recording, channel);
@@ -120,7 +120,7 @@ fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize,
     recording.faults.push(ChannelFault { channel, kind });
 }
 
-/// Finds where the size of one channel, and not that of the other, jumps by a unit, and mends the smaller part.
+/// Finds where the size of one channel, and not that of the other, jumps by a unit, and repairs the smaller part.
 fn mend_changes(recording: &mut Recording, channel: Channel) {
     let other = match channel {
         Channel::Force => Channel::Displacement,
@@ -139,7 +139,7 @@ fn mend_changes(recording: &mut Recording, channel: Channel) {
     if levels.len() == 1 || change(&mended, values(recording, other)).is_some() {
         return;
     }
-    // Thousands that each sample is above the first one's unit.
+    // Powers of a thousand of each sample relative to the first one's unit.
     levels.sort_by_key(|&(at, _)| at);
     let count = mended.len();
     let mut above = vec![0; count];
@@ -161,7 +161,7 @@ fn mend_changes(recording: &mut Recording, channel: Channel) {
     say(recording, channel, THOUSAND.powi(towards), wrong, true);
 }
 
-/// Where the size of `values` jumps by a unit for good, or for a stretch, while `other` goes on; and whether upwards.
+/// Where the size of `values` jumps by a unit, permanently or for a stretch, while `other` continues; and whether upwards.
 fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
     let stretch =
         ((policy().scale.stretch * values.len() as f64) as usize).max(policy().scale.shortest);
@@ -193,7 +193,7 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
     {
         return None;
     }
-    // Nor is one that rests after a motion in another unit: that would have left more than a few times its noise.
+    // Nor is one that rests after a motion in another unit: that would be more than a few times its noise.
     let noise = noise_deviation(&values[smaller.clone()]);
     if own.deviation(smaller.clone()) < policy().scale.above_noise * noise {
         return None;
@@ -206,7 +206,7 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
     } else {
         around.clone().rev().find(too_large)? + 1
     };
-    // Samples about 0 are not too large in either unit: the change is where what was mended is smoothest.
+    // Samples about 0 are not too large in either unit: the change is where the repaired channel is smoothest.
     let near = at.saturating_sub(policy().scale.near).max(2)
         ..(at + policy().scale.near).min(values.len() - 2);
     let roughness = |change: usize| -> f64 {
@@ -274,7 +274,7 @@ impl Sizes {
     }
 }
 
-/// Force per displacement, kN/mm; no spike decides.
+/// Force per displacement, kN/mm, insensitive to spikes.
 fn stiffness(recording: &Recording) -> f64 {
     spread(&recording.force) / spread(&recording.displacement)
 }

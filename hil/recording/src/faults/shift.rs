@@ -1,4 +1,4 @@
-//! Force and displacement that are not of the same time.
+//! A time shift between force and displacement.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -37,12 +37,12 @@ crate::numbers! {
     }
 }
 
-/// Exponents of friction. Whatever its exponent, it is about a sum of these two. Convention: a dry one and a wet one.
+/// Exponents of friction; friction with any other exponent is nearly a sum of these two. Convention: a dry one and a wet one.
 const DRY_AND_WET: [f64; 2] = [0.15, 0.5];
-/// Functions of the motion of which a general damper's force is a sum.
+/// Number of functions of the motion whose sum is a general damper's force.
 const FUNCTIONS: usize = 12;
 
-/// Time by which the force is late against the displacement.
+/// Delay of the force relative to the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) struct Shift {
     /// Ticks; negative when the force is early.
@@ -50,14 +50,14 @@ pub(in super::super) struct Shift {
 }
 
 impl Shift {
-    /// The shift of `trajectory` where it is one that no passive damper has: a force that is early, or late by more than
-    /// its loss angle, so that it gives energy. A lag below that is what the trace calls `delay`.
+    /// The shift of `trajectory` if no passive damper has it: a force that is early, or late by more than its loss angle, so that
+    /// it supplies energy. A smaller lag is the effect `delay` of a trace.
     ///
-    /// Of one frequency a force that is early is one of more loss: that of a dashpot leads by a quarter of a cycle, and its
-    /// harmonics come as its orifices and valves have it. Only several frequencies tell a time from a phase.
+    /// At a single frequency an early force means a larger loss: the force of a dashpot leads by a quarter of a cycle, with
+    /// harmonics from its orifices and valves. Only several frequencies distinguish a time from a phase.
     ///
-    /// A force that comes with the motion, its powers, the direction of the motion, its velocity and its acceleration
-    /// is regressed on those at every shift; the shift that leaves least is the channels'.
+    /// The force is regressed at every shift on the motion, its powers, the direction of the motion, its velocity and its
+    /// acceleration. The shift with the smallest residual is that of the channels.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
         let [lowest, highest] = frequencies(trajectory);
         let several = highest > policy().shift.several * lowest;
@@ -94,8 +94,8 @@ impl Shift {
         (better && impossible && late.abs() >= policy().shift.least).then_some(Self { late })
     }
 
-    /// Whether a force `late` ticks later may be that of such a damper as well: as it is the force leaves not clearly less of that,
-    /// and moved it still takes energy. Of one frequency both may be so.
+    /// Whether a force `late` ticks later may belong to such a damper as well: the unshifted force has no clearly smaller residual,
+    /// and the shifted one still absorbs energy. At a single frequency both may be true.
     pub fn may_be(trajectory: &Trajectory, late: isize) -> bool {
         let reach = late.unsigned_abs();
         if late == 0 || trajectory.len() <= 2 * reach || gives_energy(trajectory, late) {
@@ -106,7 +106,7 @@ impl Shift {
         left(0) >= policy().shift.better * policy().shift.better * left(late)
     }
 
-    /// `force` moved back by this shift, between ticks by a cubic; ends are held.
+    /// `force` moved back by this shift, with a cubic between ticks; ends are held.
     pub fn undone(self, force: &[f64]) -> Vec<f64> {
         let last = force.len() - 1;
         let at = |index: isize| force[index.clamp(0, last as isize) as usize];
@@ -123,7 +123,7 @@ impl Shift {
             .collect()
     }
 
-    /// What is said of it, at `tick` s.
+    /// The channel fault, for `tick` in s.
     pub fn fault(self, tick: f64) -> ChannelFault {
         ChannelFault {
             channel: Channel::Force,
@@ -134,7 +134,7 @@ impl Shift {
     }
 }
 
-/// The lowest and the highest frequency of its steady blocks, Hz; ∞ and 0 where it has none.
+/// The lowest and the highest frequency of its steady blocks, Hz; ∞ and 0 without steady blocks.
 fn frequencies(trajectory: &Trajectory) -> [f64; 2] {
     let blocks = trajectory.blocks.iter();
     let steady = blocks.filter(|block| block.cycles.len() >= policy().shift.steady);
@@ -143,8 +143,8 @@ fn frequencies(trajectory: &Trajectory) -> [f64; 2] {
     })
 }
 
-/// Whether the specimen gives energy in the block of highest frequency, by the force `late` ticks later: more than its noise makes, and
-/// than the sample by which cycles are not whole.
+/// Whether the specimen supplies energy in the block of highest frequency with the force `late` ticks later: more than its noise
+/// and the incomplete sample of a cycle explain.
 fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
     let fastest = trajectory
         .blocks
@@ -166,7 +166,7 @@ fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
     })
 }
 
-/// Samples of the motion at one amplitude, evenly picked, with the functions of it and the inverse of their Gram matrix.
+/// Samples of the motion at one amplitude, evenly chosen, with the functions of the motion and the inverse of their Gram matrix.
 struct ShiftRows {
     samples: Vec<usize>,
     functions: Vec<SVector<f64, FUNCTIONS>>,
@@ -174,13 +174,13 @@ struct ShiftRows {
 }
 
 impl ShiftRows {
-    /// A damper may be another one at every amplitude, as in the published tables.
+    /// A damper may differ at every amplitude, as in the published tables.
     fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
         let inner = reach..trajectory.len() - reach;
         let every = inner.len().div_ceil(policy().shift.most_rows).max(1);
         let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
         for sample in inner.step_by(every) {
-            // Friction jumps there with the velocity, between two samples: that says nothing of parts of a tick.
+            // Friction jumps there with the velocity, between two samples, which says nothing about parts of a tick.
             let near = |kink: &usize| kink.abs_diff(sample) <= policy().shift.about_kinks;
             if trajectory.motion.kinks.iter().any(near) {
                 continue;
@@ -192,7 +192,7 @@ impl ShiftRows {
                 None => groups.push((amplitude, vec![sample])),
             }
         }
-        // As many functions as samples describe anything.
+        // With as many functions as samples anything can be described.
         groups.retain(|(_, samples)| samples.len() >= policy().shift.fewest_samples);
         if groups.len() > policy().cycles.most_amplitudes {
             let all = groups.into_iter().flat_map(|(_, samples)| samples);
@@ -221,7 +221,7 @@ impl ShiftRows {
                 let y = motion.displacement[index] / y_max;
                 let v = motion.velocity[index] / v_max;
                 let a = motion.acceleration[index] / a_max;
-                // One exponent that is off looks like a shift.
+                // A single wrong exponent looks like a shift.
                 let [dry, wet] = DRY_AND_WET.map(|alpha| v.signum() * v.abs().powf(alpha));
                 SVector::from([
                     1.0,
@@ -252,7 +252,7 @@ impl ShiftRows {
         }
     }
 
-    /// Sum of squares that the functions leave of the force `shift` ticks later, and the force's own.
+    /// Sum of squares of the residual for the force `shift` ticks later, and of the force itself.
     fn left(&self, trajectory: &Trajectory, shift: isize) -> (f64, f64) {
         let mut right = SVector::<f64, FUNCTIONS>::zeros();
         let mut power = 0.0;
@@ -275,7 +275,8 @@ mod tests {
     /// mm
     const AMPLITUDE: f64 = 10.0;
 
-    /// A test of a damper of displacement mm and velocity mm/s, twelve cycles at each of the `frequencies`, with the force late by `late` s.
+    /// A test of a damper of displacement mm and velocity mm/s, twelve cycles at each of the `frequencies`, with the force late by
+    /// `late` s.
     fn test(damper: fn(f64, f64) -> f64, frequencies: &[f64], late: f64) -> Trajectory {
         let (mut displacement, mut force) = (Vec::new(), Vec::new());
         for frequency in frequencies {
@@ -293,7 +294,7 @@ mod tests {
         Trajectory::new("test", TICK, &displacement, force, None, None)
     }
 
-    /// Its orifice makes a force of the square of the speed; 80° before the displacement.
+    /// Its orifice gives a force proportional to the square of the speed, 80° ahead of the displacement.
     fn hydraulic(y: f64, v: f64) -> f64 {
         0.015 * y + 0.01 * v * v.abs() / TAU
     }
@@ -325,7 +326,7 @@ mod tests {
         }
     }
 
-    /// What it takes and gives is then but rounding, noise, and the sample by which a cycle is not whole.
+    /// Its energy is then only rounding, noise, and the incomplete sample of a cycle.
     #[test]
     fn a_spring_without_losses_is_in_time() {
         let spring = |y: f64, _: f64| 0.5 + 0.2 * y;
@@ -343,7 +344,7 @@ mod tests {
         }
     }
 
-    /// Early over several frequencies, or so late that it gives energy over any.
+    /// Early at several frequencies, or so late that it supplies energy at any.
     #[test]
     fn what_no_damper_does_is_a_shift() {
         for (frequencies, ticks) in [(&[1.0, 5.0][..], -4.0), (&[1.0, 5.0], 12.0), (&[5.0], 12.0)] {

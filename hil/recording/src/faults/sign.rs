@@ -1,4 +1,4 @@
-//! A force whose sign is turned: against the displacement and giving energy at once.
+//! A force with a reversed sign: opposite to the displacement, and supplying energy.
 
 use super::super::Recording;
 use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered};
@@ -21,10 +21,11 @@ crate::numbers! {
     }
 }
 
-/// Turns the force of `recording` where no passive damper has it as recorded.
+/// Reverses the force of `recording` if no passive damper can have it as recorded.
 ///
-/// A force late by more than the loss angle gives energy too, but keeps a positive stiffness; a mass turns the stiffness
-/// negative, but takes energy. A damper that is no spring has no stiffness that could tell, but gives nearly all it could.
+/// A force late by more than the loss angle supplies energy too, but keeps a positive stiffness. A mass makes the stiffness
+/// negative, but absorbs energy. A damper without a spring has no stiffness as a criterion, but supplies nearly the largest
+/// possible energy.
 pub(super) fn mend(recording: &mut Recording) {
     if !is_flipped(&recording.displacement, &recording.force) {
         return;
@@ -74,7 +75,7 @@ mod tests {
 
     use super::is_flipped;
 
-    /// Of k·y + c·v under a sine, with the force late by a part of a cycle.
+    /// For k·y + c·v under a sine, with the force late by a part of a cycle.
     fn is(stiffness: f64, damping: f64, late: f64) -> bool {
         let phase = |index: usize| TAU * index as f64 / 200.0;
         let samples = 0..2000;

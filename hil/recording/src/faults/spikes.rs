@@ -1,4 +1,4 @@
-//! Samples that stand out from both of their neighbours, and from what the channel does elsewhere in the same state.
+//! Samples that are outliers from both of their neighbours, and from the channel's usual behaviour in the same state.
 
 use std::collections::HashMap;
 
@@ -48,7 +48,7 @@ crate::numbers! {
     }
 }
 
-/// Marks the spikes of displacement and force in `absent`, and mends those of velocity and temperature.
+/// Marks the spikes of displacement and force in `absent`, and repairs those of velocity and temperature.
 pub(super) fn find(
     uniform: &mut Uniform,
     present: &[bool],
@@ -86,10 +86,10 @@ pub(super) fn find(
     }
 }
 
-/// Level of displacement, and direction and octave of its change: where on its way the motion is at a sample.
+/// Level of displacement, and direction and octave of its change: the position of the motion at a sample.
 type State = (i32, i32);
 
-/// The state at every sample, read off the displacement without its spikes.
+/// The state at every sample, from the displacement without its spikes.
 fn states(displacement: &[f64]) -> Vec<State> {
     let y = median_filtered(displacement, policy().spikes.half);
     let range = 2.0 * spread(&y).max(f64::MIN_POSITIVE);
@@ -114,12 +114,12 @@ struct Spikes {
     marked: Vec<bool>,
     samples: usize,
     largest: f64,
-    /// No sample between these is a spike.
+    /// Samples between these are not spikes.
     switched: Option<[f64; 2]>,
 }
 
 impl Spikes {
-    /// The spikes of a channel, which `may_switch` where it does not follow from the motion.
+    /// The spikes of a channel, which `may_switch` if it does not follow from the motion.
     fn of(values: &[f64], states: &[State], usable: &[bool], may_switch: bool) -> Self {
         let spread = spread(values);
         let floor = (policy().spikes.noises * noise_deviation(values))
@@ -133,7 +133,7 @@ impl Spikes {
         let mut left = values.to_vec();
         let unusable: Vec<bool> = usable.iter().map(|usable| !usable).collect();
         bridge::lines(&mut left, &unusable);
-        // Large ones hide small ones beside them.
+        // Large ones hide small ones near them.
         for _ in 0..policy().spikes.passes {
             let before = found.samples;
             found.look(&left, states, usable, floor, policy().spikes.large * spread);
@@ -149,7 +149,7 @@ impl Spikes {
         found
     }
 
-    /// Whether a value lies beyond the levels that the channel switches between, by more than `least`.
+    /// Whether a value lies beyond the levels between which the channel switches, by more than `least`.
     fn is_beyond_levels(&self, value: f64, least: f64) -> bool {
         let beyond = |[low, high]: [f64; 2]| value < low - least || value > high + least;
         self.switched.is_none_or(beyond)
@@ -174,7 +174,7 @@ impl Spikes {
             let largest = apart[run.clone()]
                 .iter()
                 .fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
-            // The median of a few spikes and their neighbours is off, and the neighbours from it.
+            // The median of a few spikes and their neighbours is off, and the neighbours differ from it.
             let high = |&index: &usize| {
                 apart[index] * largest.signum() > policy().spikes.high * largest.abs()
             };
@@ -199,8 +199,8 @@ impl Spikes {
     }
 }
 
-/// The lowest and the highest level of a channel that switches: it stays at one for longer than a spike lasts, and at the next time
-/// that it stays, it does so apart from the first by more than `least`. A drift goes on where it was before a spike.
+/// The lowest and the highest level of a channel that switches. It stays at one for longer than a spike lasts, and at its next stay
+/// it differs from the first by more than `least`. A drift continues where it was before a spike.
 fn switched(values: &[f64], least: f64) -> Option<[f64; 2]> {
     let mut stays: Vec<[f64; 2]> = Vec::new();
     let mut start = 0;
@@ -222,8 +222,8 @@ fn switched(values: &[f64], least: f64) -> Option<[f64; 2]> {
         .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
-/// Whether all of `run` lies beyond what either side leads to, by more than `least`, in the direction `sign`. A step, the
-/// corner of a triangle and a turn of the motion are led to from one side at least.
+/// Whether all of `run` lies beyond the continuation from either side, by more than `least`, in the direction `sign`. A step, the
+/// corner of a triangle and a turn of the motion continue from at least one side.
 fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64) -> bool {
     let beyond = |index: usize, near: usize, far: usize| {
         let slope = (values[near] - values[far]) / (near as f64 - far as f64);
@@ -245,7 +245,7 @@ fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64
     })
 }
 
-/// Nine tenths of the samples around `index`, it and its neighbours left out, lie nearer to the running median than this.
+/// The distance from the running median within which nine tenths of the samples around `index` lie, without it and its neighbours.
 fn around(apart: &[f64], index: usize) -> f64 {
     let before = &apart
         [index.saturating_sub(policy().spikes.around)..index.saturating_sub(policy().spikes.half)];
@@ -255,7 +255,7 @@ fn around(apart: &[f64], index: usize) -> f64 {
     quantile(&mut apart, policy().faults.usually)
 }
 
-/// How far from the running median samples usually lie, state by state.
+/// Usual distance of samples from the running median, state by state.
 struct Usual<'a> {
     apart: &'a [f64],
     samples: HashMap<State, Vec<usize>>,
@@ -270,8 +270,8 @@ impl<'a> Usual<'a> {
         Self { apart, samples }
     }
 
-    /// Nine tenths of the samples in the state of `index` lie nearer than this, those beside it left out; of a rare state,
-    /// those in the states around it too.
+    /// The distance within which nine tenths of the samples in the state of `index` lie, without its neighbours; for a rare state,
+    /// including the states around it.
     fn at(&self, index: usize, state: State) -> f64 {
         let mut around: Vec<f64> = Vec::new();
         for reach in 0..=policy().spikes.reach {
@@ -306,7 +306,7 @@ mod tests {
 
     const SAMPLES: usize = 8000;
 
-    /// Spikes that are found in a temperature of a test at 1 Hz, °C, whose times are off by up to `jitter` of a period.
+    /// Spikes found in a temperature of a test at 1 Hz, °C, whose times are off by up to `jitter` of a period.
     fn spikes(temperature: &[f64], jitter: f64, random: &mut StdRng) -> usize {
         let off = |random: &mut StdRng| jitter * random.random_range(-1.0..1.0);
         let time: Vec<f64> = (0..SAMPLES)
@@ -338,7 +338,7 @@ mod tests {
         next.collect()
     }
 
-    /// Between two levels or three, for long or for a few samples; what is interpolated between uneven times, too.
+    /// Between two levels or three, for long or for a few samples; also with interpolation between uneven times.
     #[test]
     fn a_channel_that_switches_has_no_spikes() {
         let mut random = StdRng::seed_from_u64(1);
@@ -371,7 +371,7 @@ mod tests {
         let drifting: Vec<f64> = (0..SAMPLES).map(drift).collect();
         let switching = switching(&[20.0, 60.0], 200.0, 0.4, &mut random);
         for (mut values, size) in [(drifting, 5.0), (switching, 60.0)] {
-            // Not in the same states of the motion: that would be its own.
+            // Not in the same states of the motion: that would be physics.
             let places = (50..SAMPLES).step_by(103);
             for place in places.clone() {
                 values[place] += size;

@@ -25,8 +25,8 @@ crate::numbers! {
 /// Factors between units. Derived: the prefixes of the SI.
 const THOUSANDS: [f64; 4] = [1e3, 1e-3, 1e6, 1e-6];
 
-/// Mends the velocity of `uniform` where it is a unit or a sign off, and drops it where it is something else. `unknown`
-/// displacements say nothing.
+/// Repairs the velocity of `uniform` if its unit or sign is wrong, and drops it if it is another quantity. `unknown` displacements
+/// are ignored.
 pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<ChannelFault>) {
     let Some(velocity) = &mut uniform.velocity else {
         return;
@@ -87,7 +87,7 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     });
 }
 
-/// Samples to each side that a slope is taken over, so that the displacement's rounding and noise are small beside it.
+/// Samples to each side of a slope, so that the displacement's rounding and noise are small compared with it.
 fn stride(displacement: &[f64]) -> usize {
     let noise = super::super::noise::noise_deviation(displacement);
     let longest = policy().velocity.longest_stride;

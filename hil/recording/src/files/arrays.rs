@@ -1,8 +1,8 @@
-//! Arrays that lie beside each other in a file: which of them are columns of one table.
+//! Finds which arrays of a file are columns of one table.
 //!
-//! Programs that write arrays say in several ways what belongs together: a group of channels with its times, a group for each channel
-//! whose times are the same ones again, a variable `t` beside `y` and `F`. The rule is one: arrays of one length with the same times
-//! are a table.
+//! Programs that write arrays show in several ways which belong together: a group of channels with its times, a group for each
+//! channel with the same times repeated, a variable `t` next to `y` and `F`. There is one rule: arrays of one length with the same
+//! times are a table.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -18,31 +18,32 @@ use crate::error::{InputError, quoted};
 
 /// The most columns that a file may have. Convention: more than any bus logger writes, and little enough to hold their names.
 pub(super) const MOST_COLUMNS: usize = 1 << 17;
-/// The most columns that one array is taken apart into. Convention: as many channels as a rig's loggers have together.
+/// The most columns into which one array is split. Convention: the number of channels of all of a rig's loggers.
 pub(super) const MOST_OF_ARRAY: u64 = 1024;
 
 /// An array of a file, or a column of one.
 #[derive(Clone, Debug)]
 pub(super) struct Array<S> {
-    /// The groups that it lies in, the outermost first.
+    /// The groups that contain it, the outermost first.
     pub group: Vec<String>,
-    /// As it is in a table; its name is the one within the group.
+    /// Its column in a table; its name is the one within the group.
     pub column: Column,
     /// Number of values.
     pub rows: u64,
-    /// Times of its values, where the file says them without an array.
+    /// Times of its values, if the file states them without an array.
     pub clock: Option<Clock>,
     /// Where its values are.
     pub source: S,
 }
 
-/// The tables that arrays make, and where the values of each of their columns are.
+/// The tables made of arrays, and the source of the values of each of their columns.
 pub(super) type Arranged<S> = (Vec<Table>, Vec<Vec<S>>);
 
-/// Puts arrays together into tables, in the order of the file, with what the file says `beside` them. `values` gives an array's values.
+/// Combines arrays into tables, in the order of the file, with the file's other statements in `beside`. `values` returns an array's
+/// values.
 ///
 /// # Errors
-/// Those of `values`.
+/// The errors of `values`.
 pub(super) fn arranged<S: Clone>(
     arrays: Vec<Array<S>>,
     beside: &Beside,
@@ -72,7 +73,7 @@ pub(super) fn arranged<S: Clone>(
     Ok((tables, sources))
 }
 
-/// What the arrays of one table have in common.
+/// The common property of the arrays of one table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Times {
     /// The values of an array of times, as a number that other values do not have.
@@ -86,7 +87,7 @@ struct Member<S> {
     array: Array<S>,
     /// Whether it is the table's column of times.
     is_time: bool,
-    /// Whether its times lie in another group than it does, which nothing but their number says.
+    /// Whether its times lie in another group, so that only their number connects them.
     is_guessed: bool,
 }
 
@@ -117,7 +118,7 @@ fn divided<S>(
         let (times, is_guessed) = match (mark, array.clock) {
             (Some(mark), _) => (Times::Array(mark), false),
             (None, clock) => match nearest(&array.group, &axes) {
-                // Times in its own group count more than a clock, and that more than times elsewhere.
+                // Times in its own group have precedence over a clock, and a clock over times elsewhere.
                 Some((mark, true)) => (Times::Array(mark), false),
                 Some((mark, false)) if clock.is_none() => (Times::Array(mark), true),
                 _ => (clock.map_or(Times::None, Times::Clock), false),
@@ -136,7 +137,7 @@ fn divided<S>(
     Ok(found.into_iter().map(|(_, members)| members).collect())
 }
 
-/// Which arrays are the times of their groups: at most one in each, that which the file calls so if there is one.
+/// The arrays that are the times of their groups: at most one in each, that which the file marks as such if there is one.
 fn axes_of_groups<S>(arrays: &[Array<S>]) -> Vec<bool> {
     let mut axes: HashMap<&[String], usize> = HashMap::new();
     for (index, array) in arrays.iter().enumerate() {
@@ -151,7 +152,7 @@ fn axes_of_groups<S>(arrays: &[Array<S>]) -> Vec<bool> {
     arrays.iter().enumerate().map(is_axis).collect()
 }
 
-/// The times that lie nearest to a group, and whether they lie in it or around it; none where two are equally near.
+/// The times nearest to a group, and whether they lie in it or around it; `None` if two are equally near.
 fn nearest(group: &[String], axes: &[(Vec<String>, u64)]) -> Option<(u64, bool)> {
     let shared = |axis: &[String]| axis.iter().zip(group).take_while(|(a, b)| a == b).count();
     let most = axes.iter().map(|(axis, _)| shared(axis)).max()?;
@@ -161,7 +162,8 @@ fn nearest(group: &[String], axes: &[(Vec<String>, u64)]) -> Option<(u64, bool)>
     around.then_some((*mark, group.starts_with(axis)))
 }
 
-/// A number that no other values have, but for one case in 2⁶⁴: so many columns of times need not be held at once.
+/// A hash of values, which other values share only with a probability of 2⁻⁶⁴, so that many columns of times need not be held at
+/// once.
 fn mark(values: &[f64]) -> u64 {
     let mut hasher = DefaultHasher::new();
     values
@@ -170,7 +172,7 @@ fn mark(values: &[f64]) -> u64 {
     hasher.finish()
 }
 
-/// The members of each run in its order, with one column of times, and the run's name where there are several.
+/// The members of each run in its order, with one column of times, and the run's name if there are several.
 fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member<S>>)> {
     let told: Vec<runs::Member<'_>> = (members.iter())
         .map(|member| runs::Member {
@@ -184,7 +186,7 @@ fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member
     let time = (0..members.len()).find(|&index| members[index].is_time);
     let each = found.into_iter().map(|(path, mut run)| {
         let mut has_time = false;
-        // The same times once more are none.
+        // A repetition of the same times is dropped.
         run.retain(|&index| !members[index].is_time || !std::mem::replace(&mut has_time, true));
         if let (Some(time), false) = (time, has_time) {
             run.insert(0, time);
@@ -323,10 +325,10 @@ mod tests {
     #[test]
     fn arrays_of_the_same_times_are_one_table() {
         let (t, late, y) = ([0.0, 1.0, 2.0], [5.0, 6.0, 7.0], [0.1, 0.2, 0.3]);
-        // Variables beside each other.
+        // Variables next to each other.
         let flat = vec![array("t", &t), array("y", &y), array("F", &y)];
         assert_eq!(said(flat), [": t, y, F"]);
-        // A group for each channel, whose times are the same ones again.
+        // A group for each channel, with the same times repeated.
         let appended = vec![
             array("0/time", &t),
             array("0/y", &y),
@@ -342,7 +344,7 @@ mod tests {
             array("b/y", &y),
         ];
         assert_eq!(said(two), ["a: t, y", "b: t, y"]);
-        // Two runs of one test, whose times are the same: also where only one has them.
+        // Two runs of one test with the same times, also if only one contains them.
         let runs = vec![
             array("1/t", &t),
             array("1/y", &y),
@@ -357,7 +359,7 @@ mod tests {
             .map(|(_, array)| array)
             .collect();
         assert_eq!(said(shared), ["1: t, y, F", "2: t, y, F"]);
-        // Times in a group of their own.
+        // Times in their own group.
         let apart = vec![
             array("x/time", &t),
             array("y/disp", &y),

@@ -1,33 +1,34 @@
-//! Numbers that stand beside arrays in a file: rates, which give arrays without times a clock, and what might have to be applied.
+//! Numbers stored next to arrays in a file: rates, which give arrays without times a clock, and factors that might have to be
+//! applied.
 
 use super::Reading;
 use super::table::Clock;
 
-/// What a number beside arrays says of those that lie below a path.
+/// Statement of a number next to arrays about those below a path.
 #[derive(Clone, Debug)]
 struct Said<T> {
     path: Vec<String>,
     what: T,
 }
 
-/// Samples a second or the time between two, as a file says it.
+/// Samples per second or the time between two, as stated in a file.
 #[derive(Clone, Debug)]
 struct Rate {
     step: f64,
-    /// What it was taken for, in words.
+    /// Its interpretation, in words.
     taken: String,
 }
 
-/// What stands beside the arrays of a file.
+/// The statements next to the arrays of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
     rates: Vec<Said<Rate>>,
     notes: Vec<Said<String>>,
-    /// Whether the user says where the times come from.
+    /// Whether the user states the source of the times.
     is_said: bool,
 }
 
-/// Words of a name that say samples a second, and the time between two, without signs and in lower case; a unit may follow.
+/// Words of a name for samples per second, and for the time between two, without signs and in lower case; a unit may follow.
 const RATES: &[&str] = &[
     "fs",
     "samplerate",
@@ -53,7 +54,7 @@ const STEPS: &[&str] = &[
     "samplingperiod",
     "abtastzeit",
 ];
-/// Units behind them, the first where none is said.
+/// Units after them, the first if none is stated.
 const OF_RATES: &[(&str, &str, f64)] = &[("", "Hz", 1.0), ("hz", "Hz", 1.0), ("khz", "kHz", 1e3)];
 const OF_STEPS: &[(&str, &str, f64)] = &[
     ("", "s", 1.0),
@@ -62,7 +63,7 @@ const OF_STEPS: &[(&str, &str, f64)] = &[
     ("ms", "ms", 1e-3),
     ("us", "us", 1e-6),
 ];
-/// Words of a name that say a factor or an addend of measured values.
+/// Words of a name for a factor or an addend of measured values.
 const FACTORS: &[&str] = &[
     "scale",
     "scaling",
@@ -76,14 +77,14 @@ const FACTORS: &[&str] = &[
 const ADDENDS: &[&str] = &["offset", "bias", "intercept", "zero", "tare"];
 
 impl Beside {
-    /// Heeds what the user says of the file: a rate or the column of times counts before what stands beside them.
+    /// Applies the user's settings for the file: a rate or the column of times has precedence over stored statements.
     pub fn heed(&mut self, reading: &Reading) {
         let has_times = || reading.channels.iter().any(|(of, _)| of == "time");
         self.is_said = reading.rate.is_some() || has_times();
     }
 
-    /// Takes in a number called `name`, which says something of what lies below `path`; whether it is one that a recording heeds.
-    /// `of` is what messages call it: `attribute fs of force`.
+    /// Takes a number called `name`, which is a statement about all below `path`; returns whether it is relevant for a recording.
+    /// `of` is its name in messages: `attribute fs of force`.
     pub fn number(&mut self, path: &[String], name: &str, of: &str, value: f64) -> bool {
         let plain: String = (name.chars().filter(|c| c.is_alphanumeric()))
             .flat_map(char::to_lowercase)
@@ -117,13 +118,13 @@ impl Beside {
         is_one
     }
 
-    /// Keeps a sentence about what lies below `path`.
+    /// Stores a sentence about all below `path`.
     pub fn note(&mut self, path: &[String], what: String) {
         let path = path.to_vec();
         self.notes.push(Said { path, what });
     }
 
-    /// The sentences about some arrays, each of which is the path of one.
+    /// The sentences about some arrays, each given by its path.
     pub fn notes(&self, arrays: &[Vec<String>]) -> Vec<String> {
         let is_of = |said: &&Said<String>| arrays.iter().any(|array| array.starts_with(&said.path));
         let mut notes: Vec<String> = Vec::new();
@@ -135,14 +136,14 @@ impl Beside {
         notes
     }
 
-    /// The rates that say something of some arrays, in words, for who has other times.
+    /// The rates stated for some arrays, in words, for recordings with other times.
     pub fn rates(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = String> {
         let is_of = |said: &&Said<Rate>| arrays.iter().any(|array| array.starts_with(&said.path));
         let each = self.rates.iter().filter(is_of);
         each.map(|said| said.what.taken.clone())
     }
 
-    /// The clock of arrays that have no times, by the rate that lies nearest to each of them, and what to say of it.
+    /// The clock of arrays without times, by the rate nearest to each of them, and a sentence about it.
     pub fn clock(&self, arrays: &[Vec<String>]) -> (Option<Clock>, Option<String>) {
         if self.is_said {
             return (None, None);
@@ -162,7 +163,7 @@ impl Beside {
         let Some(first) = found.first() else {
             return (None, None);
         };
-        // What a rate and a step say of the same clock differs in the last digits.
+        // A rate and a step of the same clock differ in the last digits.
         let is_other = |rate: &&&Rate| (rate.step / first.step - 1.0).abs() > 1e-9;
         if let Some(other) = found.iter().find(is_other) {
             let said = format!(
@@ -221,7 +222,7 @@ mod tests {
             ("dt", 0.0125, Some(0.0125)),
             ("dt_ms", 12.5, Some(0.0125)),
             ("Sample interval (s)", 0.5, Some(0.5)),
-            // What says no more than that it is some rate, and what is none.
+            // Words that say only that it is a rate, and words for other numbers.
             ("rate", 80.0, None),
             ("offset", 80.0, None),
             ("fsr", 80.0, None),
@@ -249,7 +250,7 @@ mod tests {
         assert_eq!(step(&["run/force", "run/disp"]).0, Some(0.02));
         let (none, said) = step(&["run/force", "disp"]);
         assert!(none.is_none() && said.contains("different rates"), "{said}");
-        // What the user says counts first.
+        // The user's setting has precedence.
         let rate = Reading {
             rate: Some(10.0),
             ..Reading::default()

@@ -1,4 +1,4 @@
-//! Other people's decoders on any bytes.
+//! Protection against decoders of other authors that panic.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -7,14 +7,14 @@ use std::sync::Once;
 use crate::error::InputError;
 
 thread_local! {
-    /// Whether this thread is in a decoder, whose panics are told as what they are: a file that it cannot read.
+    /// Whether this thread is in a decoder, whose panics mean a file that it cannot read.
     static DECODES: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does `work` with a decoder of `format`, whose panic becomes an error and says nothing on standard error.
+/// Runs `work` with a decoder of `format`; a panic becomes an error and writes nothing to standard error.
 ///
 /// # Errors
-/// Those of `work`, and a panic.
+/// The errors of `work`, and a panic.
 pub(super) fn guarded<T>(
     format: &str,
     file: &str,
@@ -35,7 +35,7 @@ pub(super) fn guarded<T>(
     done.unwrap_or_else(|_| Err(damaged(format, file, "its decoder gave up")))
 }
 
-/// A file of `format` that is not as it has to be; `why` is what its decoder says.
+/// A malformed file of `format`; `why` is the decoder's message.
 pub(super) fn damaged(format: &str, file: &str, why: impl std::fmt::Display) -> InputError {
     InputError::new(
         file,

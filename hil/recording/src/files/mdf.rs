@@ -1,4 +1,4 @@
-//! MDF 4, of loggers and of asammdf.
+//! MDF 4, as loggers and asammdf write it.
 
 use std::collections::HashMap;
 
@@ -42,7 +42,7 @@ impl Format for Mdf {
     }
 }
 
-/// Where a column's values are: the data group, the channel group, the channel, and the element of its array.
+/// Position of a column's values: the data group, the channel group, the channel, and the element of its array.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     group: (usize, usize),
@@ -82,7 +82,7 @@ fn open<'a>(
     let (arrays, skipped) = mdf.arrays()?;
     let (mut tables, places) =
         arranged(arrays, &Beside::default(), &mut |&place| mdf.values(place))?;
-    // The rate of a table is seen in its first times.
+    // The rate of a table follows from its first times.
     for (table, places) in tables.iter_mut().zip(&places) {
         let time = table
             .columns
@@ -117,7 +117,7 @@ fn open<'a>(
 }
 
 impl Mdf4 {
-    /// The channels that are numbers, and what else is in the file.
+    /// The channels that are numbers, and other contents of the file.
     fn arrays(&self) -> Result<(Vec<Array<Place>>, Vec<String>), InputError> {
         let mut arrays = Vec::new();
         let mut skipped = Vec::new();
@@ -178,7 +178,7 @@ impl Mdf4 {
         let data = &self.file.data_groups()[place.group.0];
         let group = &data.channel_groups[place.group.1];
         let channel = &group.channels[place.channel];
-        // Compressed data says how much it will be, and a channel that has no data of its own may say any number.
+        // Compressed data states its size, and a channel without its own data may state any number.
         let elements = channel
             .array_shape()
             .map_or(1, |shape| shape.iter().product());
@@ -214,12 +214,12 @@ impl Mdf4 {
     }
 }
 
-/// The most operations and brackets of a formula. Convention: ten times what a sensor's conversion has.
+/// The most operations and brackets of a formula. Convention: ten times as many as a sensor's conversion has.
 const MOST_OF_FORMULA: usize = 500;
 
-/// Whether a text of the file is a formula that its decoder would follow by calls within calls, beyond any stack.
+/// Whether a text of the file is a formula that its decoder would follow by nested calls, beyond any stack.
 fn has_endless_formula(bytes: &[u8]) -> bool {
-    // Blocks begin at places that are multiples of eight.
+    // Blocks begin at multiples of eight.
     bytes.chunks_exact(8).enumerate().any(|(index, head)| {
         if !head.starts_with(b"##TX") {
             return false;
@@ -230,7 +230,7 @@ fn has_endless_formula(bytes: &[u8]) -> bool {
         let end = length.unwrap_or(usize::MAX).min(text.len());
         let text = text.get(24..end).unwrap_or_default();
         let signs = text.iter().filter(|byte| b"+-*/^(".contains(byte)).count();
-        // Any other character makes it no formula.
+        // Any other character means that it is not a formula.
         let is_of_formula = |byte: &u8| {
             let is_plain = byte.is_ascii_alphanumeric() || byte.is_ascii_whitespace();
             is_plain || !byte.is_ascii() || b"\0_.,+-*/^()".contains(byte)
@@ -256,7 +256,7 @@ fn unread(channel: &Channel) -> Option<&'static str> {
 fn column(channel: &Channel, element: u64, elements: u64) -> Column {
     let unit = channel.unit.trim();
     let is_time = channel.is_time_channel();
-    // Times are in seconds by the standard, and programs leave the unit out.
+    // Times are in seconds by the standard, and programs omit the unit.
     let unit = if unit.is_empty() && is_time {
         "s"
     } else {
@@ -271,7 +271,7 @@ fn column(channel: &Channel, element: u64, elements: u64) -> Column {
     }
 }
 
-/// The group's name, or its place among those that have none or the same.
+/// The group's name, or its index among those without a name or with the same name.
 fn label(group: &ChannelGroup, names: &mut HashMap<String, usize>) -> String {
     let name = group.acquisition_name.trim();
     let name = if name.is_empty() { "group" } else { name };
@@ -283,7 +283,7 @@ fn label(group: &ChannelGroup, names: &mut HashMap<String, usize>) -> String {
     }
 }
 
-/// What the file's header says, as lines `key: text`.
+/// The file's header as lines `key: text`.
 fn comments(file: &Mf4File) -> Vec<String> {
     let metadata = file.metadata();
     let text = metadata.text().lines().map(|line| line.trim().to_owned());

@@ -1,4 +1,4 @@
-//! Columns in memory, as a program that reads files of its own has them.
+//! Columns in memory, for programs that read files themselves.
 
 use std::path::Path;
 
@@ -7,12 +7,12 @@ use crate::Recording;
 use crate::error::{InputError, Place};
 use crate::rows::RowLines;
 
-/// A column in memory, with what there is to say of it beside its name.
+/// A column in memory, with information in addition to its name.
 #[derive(Clone, Debug)]
 pub struct GivenColumn {
-    /// Its name, its unit where that stands elsewhere, and whether it holds the times. The rest is found out.
+    /// Its name, its unit if that is stated elsewhere, and whether it holds the times. The rest is determined.
     pub column: Column,
-    /// Its values, NaN where one is missing; or why they are no numbers, as `holds words`.
+    /// Its values, NaN for a missing one; or why they are not numbers, for example `holds words`.
     pub values: Result<Vec<f64>, String>,
 }
 
@@ -29,7 +29,7 @@ impl<N: Into<String>> From<(N, Vec<f64>)> for GivenColumn {
 }
 
 impl GivenColumn {
-    /// What a look at its values finds out, as a file's column has it.
+    /// Findings from its values, as for a file's column.
     fn looked_at(self) -> (Column, Result<Vec<f64>, String>) {
         let first = self.values.iter().flatten().copied();
         let column = Column {
@@ -100,10 +100,10 @@ impl Tables for Memory {
 }
 
 impl Recording {
-    /// A recording of columns in memory, whose names are taken as those of a file are: `time_s`, `Force [kN]`, `current_A`; what
-    /// `reading` says of them counts first. What is done with the rows of a file is done here: a row whose displacement or force is
-    /// NaN, as a blank cell is, is left out, and so is one that repeats the row before; a control input that is NaN is as it was
-    /// last. Other columns are ignored.
+    /// A recording from columns in memory, whose names are interpreted like those of a file: `time_s`, `Force [kN]`, `current_A`.
+    /// The settings in `reading` have precedence. Rows are treated like those of a file. A row whose displacement or force is NaN,
+    /// like a blank cell, is left out, and so is one that repeats the row before. A control input that is NaN keeps its last value.
+    /// Other columns are ignored.
     ///
     /// # Errors
     /// As [`Recording::read`]; columns of different lengths. A place is a row, counted from 1.
@@ -128,7 +128,7 @@ impl Recording {
         Self::of_columns_for(name, columns, reading, &Needs::default())
     }
 
-    /// The same for who says what the recording must have. Without a force, where none is needed, it is 0.
+    /// The same for callers with their own requirements. Without a force, if none is needed, it is 0.
     ///
     /// # Errors
     /// As [`Recording::of_columns`], and a control input that is needed and not there.
@@ -141,13 +141,12 @@ impl Recording {
         Self::gathered(name.into(), columns, reading, needs)?.checked()
     }
 
-    /// Of the rows of the columns that it was made of, counted from 0, those that are samples; of a file, its lines.
+    /// The rows of its columns, counted from 0, that are samples; for a file, its lines.
     pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).map(|sample| self.line(sample).saturating_sub(1) as usize)
     }
 
-    /// The channels of columns, of which those that are not needed may be missing, which leaves them empty. They are still to be
-    /// checked.
+    /// The channels of columns. Channels that are not needed may be missing, and are empty then. They are not checked yet.
     pub(crate) fn gathered(
         name: String,
         columns: impl IntoIterator<Item = impl Into<GivenColumn>>,

@@ -1,7 +1,8 @@
-//! The files that recordings come in: one file of code a format, behind one trait.
+//! The file formats of recordings: one source file per format, behind one trait.
 //!
-//! A format says what columns a file has, before any is taken for a channel; [`columns`](crate::columns) says which is which; then the
-//! format reads those that are wanted. So no format knows of forces and displacements, and no rule about names knows of formats.
+//! First a format lists the columns of a file, before any is assigned to a channel. Then [`columns`](crate::columns) assigns them.
+//! Then the format reads the wanted ones. Thus no format depends on forces and displacements, and no rule about names depends on
+//! formats.
 
 mod arrays;
 mod beside;
@@ -40,20 +41,20 @@ use crate::read_limit::ReadLimit;
 
 /// A file format.
 pub trait Format: Sync {
-    /// As messages call it: `MDF4`.
+    /// Its name in messages: `MDF4`.
     fn name(&self) -> &'static str;
 
-    /// The endings of a file's name that it usually has, in lower case and without a point.
+    /// The usual endings of a file's name, in lower case and without a point.
     fn endings(&self) -> &'static [&'static str];
 
-    /// Whether a file that begins with `head`, its first [`Source::HEAD`] bytes or all, is of this format. A file's content says what
-    /// it is, not its name.
+    /// Whether a file that begins with `head`, its first [`Source::HEAD`] bytes or all of it, has this format. The content decides,
+    /// not the name.
     fn recognizes(&self, head: &[u8]) -> bool;
 
-    /// What the file holds. `reading` has what the user said about it.
+    /// The contents of the file. `reading` has the user's settings.
     ///
     /// # Errors
-    /// The file and what is wrong with it, in words of the format: its separator, sheet or group.
+    /// The file and its error, in terms of the format: its separator, sheet or group.
     fn open<'a>(
         &self,
         source: Source<'a>,
@@ -61,15 +62,15 @@ pub trait Format: Sync {
     ) -> Result<Box<dyn Tables + 'a>, InputError>;
 }
 
-/// A file that was opened: its tables, and the values of one of them.
+/// An opened file: its tables, and the values of one of them.
 pub trait Tables {
-    /// The tables that are in the file, with their columns. There is at least one.
+    /// The tables in the file, with their columns. There is at least one.
     fn tables(&self) -> &[Table];
 
     /// The values of the `wanted` columns of table `table`, in their order. Only text has cells that can be `kept`.
     ///
     /// # Errors
-    /// What is wrong with the values, with line or column.
+    /// An error in the values, with line or column.
     fn read(
         self: Box<Self>,
         table: usize,
@@ -78,16 +79,16 @@ pub trait Tables {
     ) -> Result<Values, InputError>;
 }
 
-/// What is kept of a file.
+/// The parts of a file to keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
     /// Its channels.
     Channels,
-    /// These, and all cells as they are written, so that they can be written again.
+    /// Its channels, and all cells as written, so that they can be written again.
     Cells,
 }
 
-/// The formats, in the order in which they are asked whether a file is theirs. Text is the last: it is what nothing else is.
+/// The formats, in the order in which they are tried. Text is the last, because it is the default.
 pub const FORMATS: &[&dyn Format] = &[
     #[cfg(feature = "mdf")]
     &mdf::Mdf,
@@ -106,20 +107,20 @@ pub const FORMATS: &[&dyn Format] = &[
     &text::Text,
 ];
 
-/// What the user says about a file, in the place of what would be guessed.
+/// The user's settings for a file, in place of guesses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// How much of the file is read.
+    /// Limit of the file's size.
     pub limit: ReadLimit,
-    /// The column of a quantity, by its name in the file: of a channel, or of a control input.
+    /// The column of a quantity, by its name in the file: for a channel, or for a control input.
     pub channels: Vec<(String, String)>,
     /// The unit of a quantity's column.
     pub units: Vec<(String, String)>,
-    /// Samples a second, where no column has the times. Hz
+    /// Samples per second, if no column has the times. Hz
     pub rate: Option<f64>,
-    /// The sheet, group or table, where a file has several that could be meant.
+    /// The sheet, group or table, if a file has several that match.
     pub table: Option<String>,
-    /// The decimal sign of numbers in text, where it could be either: `.` or `,`.
+    /// The decimal sign of numbers in text, if it is ambiguous: `.` or `,`.
     pub decimal: Option<char>,
 }
 
@@ -135,7 +136,7 @@ impl From<ReadLimit> for Reading {
 /// Opens a file of any format.
 ///
 /// # Errors
-/// What the file system says, and what the format finds wrong.
+/// An error of the file system, or an error that the format finds.
 pub fn open(
     path: &Path,
     reading: &Reading,
@@ -143,7 +144,7 @@ pub fn open(
     opened(Source::file(path, reading.limit)?, reading)
 }
 
-/// [`open`] of any source of bytes.
+/// [`open`] for any source of bytes.
 ///
 /// # Errors
 /// As [`open`].

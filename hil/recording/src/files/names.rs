@@ -1,9 +1,9 @@
-//! Names of tables that have the same one, and of the columns of arrays with two dimensions.
+//! Names of tables with equal names, and of the columns of two-dimensional arrays.
 
 use super::Table;
 use crate::columns::is_own;
 
-/// Gives tables of one name the number of their samples beside it.
+/// Adds the number of samples to the names of tables with equal names.
 pub(super) fn tell_apart(tables: &mut [Table]) {
     let names: Vec<String> = tables.iter().map(|table| table.name.clone()).collect();
     for (index, table) in tables.iter_mut().enumerate() {
@@ -23,8 +23,8 @@ pub(super) fn tell_apart(tables: &mut [Table]) {
     }
 }
 
-/// The names of the columns that a two-dimensional array is taken apart into: `name #1`, `name #2`; of a single one, `name`. Between
-/// brackets a number would be taken for a unit. A name of our own keeps its unit: `force #1 [kN]`.
+/// The names of the columns into which a two-dimensional array is split: `name #1`, `name #2`; for a single one, `name`. In
+/// brackets a number would look like a unit. A name in our own form keeps its unit: `force #1 [kN]`.
 pub(super) fn name_of(name: &str, index: u64, columns: u64) -> String {
     let number = index.saturating_add(1);
     match name.split_once('_').filter(|_| is_own(name)) {

@@ -1,29 +1,29 @@
-//! What a recording must have, and what is taken for granted of it.
+//! Requirements on a recording, and assumptions about it.
 
 use crate::channel::Channel;
 use crate::units::Units;
 
-/// What a recording must have for what is done with it, and what is taken for granted of it.
+/// Requirements on a recording for its use, and assumptions about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Needs {
-    /// The channels that must be there.
+    /// The required channels.
     pub channels: Vec<Channel>,
-    /// The control inputs that are read, in this order, by their names in a recording: `current_A`. Each must be there. Where none are
-    /// named, all that are found are read.
+    /// The control inputs to read, in this order, by their names in a recording: `current_A`. Each is required. If none are named,
+    /// all that are found are read.
     pub inputs: Option<Vec<String>>,
-    /// The unit of a channel of which nothing says it.
+    /// The unit of a channel for which none is stated.
     pub unmarked: Unmarked,
 }
 
-/// The unit of a channel of which neither the user nor its column says it.
+/// The unit of a channel for which neither the user nor its column states one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Unmarked {
-    /// There is none: the column is refused.
+    /// None: the column is rejected.
     #[default]
     Refused,
     /// One of these, which the user named for such columns.
     Said(Units),
-    /// One of these, which nobody named. [`Recording::assumed`](crate::Recording::assumed) says so.
+    /// One of these, by assumption. [`Recording::assumed`](crate::Recording::assumed) reports it.
     Assumed(Units),
 }
 
@@ -44,7 +44,7 @@ impl Needs {
         }
     }
 
-    /// Time and displacement, because only the motion counts.
+    /// Time and displacement, for uses that need only the motion.
     pub fn motion() -> Self {
         Self::of([Channel::Time, Channel::Displacement])
     }

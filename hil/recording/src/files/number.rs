@@ -1,4 +1,4 @@
-//! Numbers as formats keep them: their sizes, and their values.
+//! Numbers in the representation of file formats: their sizes, and their values.
 
 /// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Of integers of so many bytes.
+    /// Integer type of this many bytes.
     pub fn integer(bytes: usize, is_signed: bool) -> Option<Self> {
         Some(match (bytes, is_signed) {
             (1, true) => Self::I8,
@@ -32,7 +32,7 @@ impl Kind {
         })
     }
 
-    /// Of floats of so many bytes.
+    /// Float type of this many bytes.
     pub fn float(bytes: usize) -> Option<Self> {
         match bytes {
             2 => Some(Self::F16),
@@ -42,7 +42,7 @@ impl Kind {
         }
     }
 
-    /// Bytes that one takes.
+    /// Its size in bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -52,7 +52,7 @@ impl Kind {
         }
     }
 
-    /// The number that begins at a place in some bytes; NaN where they end before it does.
+    /// The number at a position in some bytes; NaN if they end before it does.
     pub fn read(self, bytes: &[u8], at: usize, is_little: bool) -> f64 {
         let size = self.size();
         let Some(cell) = bytes.get(at..at.saturating_add(size)) else {

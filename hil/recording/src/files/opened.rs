@@ -3,7 +3,7 @@
 use super::{Kept, Table, Tables, Values, Wanted};
 use crate::error::{InputError, Place};
 
-/// The values of a column of a table; none where they are no numbers.
+/// The values of a column of a table; `None` if they are not numbers.
 type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a;
 
 /// A file of any format but text.
@@ -15,7 +15,7 @@ pub(super) struct Opened<'a> {
 }
 
 impl<'a> Opened<'a> {
-    /// A file called `name`; `read` gives the values of a column of a table.
+    /// A file called `name`; `read` returns the values of a column of a table.
     ///
     /// # Errors
     /// A file without a table.

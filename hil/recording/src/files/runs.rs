@@ -1,22 +1,23 @@
-//! Groups that hold the same channels again: runs of one test, which are tables of their own though their times be the same.
+//! Groups with the same channels: runs of one test, which are separate tables even if their times are the same.
 
 use std::collections::{HashMap, HashSet};
 
-/// The most tables that arrays of the same times are divided into. Convention: more runs than any test has, and little enough to list.
+/// The most tables into which arrays of the same times are divided. Convention: more runs than any test has, and few enough to
+/// list.
 const MOST: usize = 1 << 10;
 
-/// An array of some groups: where it lies, its name, and whether it holds times.
+/// An array in some groups: its groups, its name, and whether it holds times.
 pub(super) struct Member<'m> {
     pub group: &'m [String],
     pub name: &'m str,
     pub is_time: bool,
 }
 
-/// Some of the members that belong together, by their places, and the groups that tell them from the others.
+/// Members that belong together, by their indices, and the groups that distinguish them from the others.
 pub(super) type Run = (Vec<String>, Vec<usize>);
 
-/// Divides members of the same times into runs: groups side by side that have at least two channels of the same names. What lies
-/// elsewhere belongs to all of them. A single name is no sign: `force/value` and `displacement/value` are channels of one table.
+/// Divides members of the same times into runs: parallel groups that share at least two channel names. Members elsewhere belong to
+/// all of them. A single shared name is not enough: `force/value` and `displacement/value` are channels of one table.
 pub(super) fn runs(members: &[Member<'_>]) -> Vec<Run> {
     below(members, (0..members.len()).collect(), 0)
 }
@@ -39,7 +40,7 @@ fn below(members: &[Member<'_>], of: Vec<usize>, depth: usize) -> Vec<Run> {
     if groups.is_empty() {
         return vec![(Vec::new(), here)];
     }
-    // The channels that lie beside the groups may be a run too.
+    // The channels outside the groups may be a run too.
     let key = |index: usize, depth: usize| {
         (
             members[index].group.get(depth..).unwrap_or_default(),
@@ -157,12 +158,12 @@ mod tests {
                 "rig/2: t, T, rig/2/y, rig/2/F, rig/note/p"
             ]
         );
-        // Each channel in a group of its own.
+        // Each channel in its own group.
         assert_eq!(
             said(&["1/y/v", "1/F/v", "2/y/v", "2/F/v", "2/T/v"]),
             ["1: 1/y/v, 1/F/v", "2: 2/y/v, 2/F/v, 2/T/v"]
         );
-        // Raw channels below those that were made of them.
+        // Raw channels below the channels computed from them.
         assert_eq!(
             said(&["t", "y", "F", "raw/y", "raw/F"]),
             [": t, y, F", "raw: raw/y, raw/F"]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::error::InputError;
 use crate::read_limit::{ReadLimit, open};
 
-/// A file's bytes: its first ones are known, the others come when they are asked for. A pipe does as well as a file.
+/// A file's bytes: the first ones are known, the others are read on request. A pipe works as well as a file.
 pub struct Source<'a> {
     path: PathBuf,
     limit: ReadLimit,
@@ -15,22 +15,22 @@ pub struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// The bytes at the beginning by which formats know their files. The farthest mark is that of tar, at 257; HDF5 may begin at 512,
-    /// 1024 or 2048, behind what a program puts before it.
+    /// The number of bytes at the beginning by which formats recognize their files. The farthest mark is that of tar, at 257; HDF5
+    /// may begin at 512, 1024 or 2048, after a program's own block.
     pub const HEAD: usize = 4096;
 
     /// Opens a file.
     ///
     /// # Errors
-    /// The file and why it cannot be read: there is none, or it is a folder.
+    /// The file and why it cannot be read: it does not exist, or is a folder.
     pub fn file(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         Self::of(path, open(path)?, limit)
     }
 
-    /// What `input` gives; `path` is what errors call it.
+    /// The bytes of `input`; `path` is its name in errors.
     ///
     /// # Errors
-    /// What `input` says when it is read.
+    /// An error of `input`.
     pub fn of(
         path: &Path,
         mut input: impl Read + 'a,
@@ -58,7 +58,7 @@ impl<'a> Source<'a> {
         self.path.display().to_string()
     }
 
-    /// How much of it may be read.
+    /// Limit of its size.
     pub fn limit(&self) -> ReadLimit {
         self.limit
     }
@@ -68,7 +68,7 @@ impl<'a> Source<'a> {
         &self.head
     }
 
-    /// All bytes, one after the other; whoever reads them heeds the limit.
+    /// All bytes, one after the other. The reader must check the limit.
     pub fn stream(self) -> impl Read + 'a {
         io::Cursor::new(self.head).chain(self.rest)
     }
@@ -76,7 +76,7 @@ impl<'a> Source<'a> {
     /// All bytes at once.
     ///
     /// # Errors
-    /// What the file system says, and a file beyond the limit.
+    /// An error of the file system, or a file beyond the limit.
     pub fn bytes(self) -> Result<Vec<u8>, InputError> {
         let (path, limit) = (self.path.clone(), self.limit);
         let mut bytes = Vec::new();

@@ -1,9 +1,9 @@
-//! Formats that are known and not read: what the file is, and how to come by one that is read.
+//! Formats that are recognized and not read: a description of the file, and how to convert it.
 
 use super::{Format, Reading, Source, Tables};
 use crate::error::InputError;
 
-/// Files that are taken for no text.
+/// Files that are not mistaken for text.
 pub(super) struct Unread;
 
 impl Format for Unread {
@@ -29,7 +29,7 @@ impl Format for Unread {
     }
 }
 
-/// How a build without a format says so.
+/// Message of a build without a format.
 macro_rules! left_out {
     ($format:literal) => {
         (
@@ -39,7 +39,7 @@ macro_rules! left_out {
     };
 }
 
-/// What a file is, and what to do instead.
+/// Description of a file, and advice.
 fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let begins = |mark: &[u8]| head.starts_with(mark);
     let is_mdf = begins(b"MDF     ") || begins(b"UnFinMF ");
@@ -110,7 +110,8 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     ))
 }
 
-/// Whether it begins with a matrix of MATLAB 4: five words, of which the first has only four digits, and a name that ends in a zero.
+/// Whether it begins with a matrix of MATLAB 4: five words, of which the first has only four digits, and a name that ends in a
+/// zero.
 fn is_mat_4(head: &[u8]) -> bool {
     let words = |order: fn([u8; 4]) -> u32| -> Option<[u32; 5]> {
         let word = |index: usize| -> Option<u32> {

@@ -1,7 +1,7 @@
-//! Workbooks of Excel, each of whose sheets is a table.
+//! Workbooks of Excel; each sheet is a table.
 //!
-//! A sheet is read as the text that its rows make: where its table begins, which rows are names and units, what stands below it and
-//! which numbers are texts, is found out once, for both.
+//! A sheet is converted to a text of its rows. The same code thus determines for both where the table begins, which rows are names
+//! and units, what follows it and which numbers are texts.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read as _};
@@ -18,12 +18,12 @@ use crate::error::InputError;
 use crate::read_limit::ReadLimit;
 
 const NAME: &str = "Excel";
-/// Rows and columns that Excel's sheets have at most.
+/// Largest numbers of rows and columns in Excel's sheets.
 const MOST_ROWS: u32 = 1 << 20;
 const MOST_COLUMNS: usize = 1 << 14;
-/// Stands for the decimal sign of a number until that of the numbers that are texts is known.
+/// Placeholder for the decimal sign of a number until the sign of the numbers stored as texts is known.
 const DECIMAL: char = '\u{1}';
-/// Numbers that are texts by which the decimal sign of a column of them is known. Convention: more than any head of a text has.
+/// Number of such texts from which the decimal sign of a column is determined. Convention: more than any head of a text has.
 const MOST_TEXTS: usize = 4096;
 
 /// Excel's workbooks since 2007.
@@ -39,7 +39,7 @@ impl Format for Xlsx {
     }
 
     fn recognizes(&self, head: &[u8]) -> bool {
-        // Any ZIP archive begins so; those that are no workbooks say so when they are opened.
+        // Any ZIP archive begins like this; one that is not a workbook is rejected when opened.
         head.starts_with(b"PK\x03\x04")
     }
 
@@ -124,7 +124,7 @@ fn open<'a>(
     Ok(Box::new(sheets))
 }
 
-/// The sheets of a workbook that have a table.
+/// The sheets of a workbook that contain a table.
 #[derive(Default)]
 struct Sheets<'a> {
     tables: Vec<Table>,
@@ -147,7 +147,7 @@ impl Tables for Sheets<'_> {
     }
 }
 
-/// Refuses what unpacks to more than may be read: the workbook's reader keeps its texts whole.
+/// Rejects a file that unpacks to more than the limit, because the workbook's reader holds its texts completely.
 fn unpacks_within(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<(), InputError> {
     let broken = |error: &dyn std::fmt::Display| damaged(NAME, name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
@@ -169,29 +169,29 @@ fn unpacks_within(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<(), Inpu
     Ok(())
 }
 
-/// What the cells of a column are.
+/// Kinds of the cells in a column.
 #[derive(Default)]
 struct Counted {
     numbers: usize,
-    /// Numbers that are texts, each with its row, counted from 1; not all of many.
+    /// Numbers stored as texts, each with its row, counted from 1; only some of many.
     texts: Vec<(u64, String)>,
     of_texts: usize,
 }
 
-/// A sheet while it is read: its rows as lines of cells that tabs divide.
+/// A sheet during reading: its rows as lines of cells separated by tabs.
 #[derive(Default)]
 struct Rows {
     text: String,
-    /// Of each row that ended, its bytes and its cells.
+    /// For each finished row, its number of bytes and of cells.
     ended: Vec<(usize, usize)>,
-    /// Where the row begins in which cells are, and how many it has.
+    /// Beginning of the current row, and its number of cells.
     begin: usize,
     cells: usize,
     columns: BTreeMap<usize, Counted>,
 }
 
 impl Rows {
-    /// Takes in a cell; whether it stands behind those before, within a sheet.
+    /// Adds a cell; returns whether it comes after those before, within a sheet.
     fn take(&mut self, row: u32, column: usize, value: &DataRef<'_>) -> bool {
         let is_behind = (self.ended.len(), self.cells) <= (row as usize, column);
         if !is_behind || row >= MOST_ROWS || column >= MOST_COLUMNS {
@@ -214,7 +214,7 @@ impl Rows {
                 is_number = false;
                 cleaned(text)
             }
-            // An error, as of a division by zero, is no number.
+            // An error, such as a division by zero, is not a number.
             _ => return true,
         };
         if cell.is_empty() {
@@ -247,7 +247,7 @@ impl Rows {
         (self.columns.values()).any(|column| column.numbers + column.of_texts > 0)
     }
 
-    /// Bytes that the lines will have when each has as many cells as the longest.
+    /// Number of bytes of the lines when each has as many cells as the longest.
     fn size(&self) -> u64 {
         let widest = self.columns.keys().next_back().map_or(0, |last| last + 1);
         let rows = self.ended.len() as u64 + 1;
@@ -255,7 +255,7 @@ impl Rows {
         added.saturating_add(self.text.len() as u64)
     }
 
-    /// The decimal sign of numbers that are texts; none where no column is of them.
+    /// The decimal sign of numbers stored as texts; `None` if no column has any.
     fn decimal(&self, file: &str) -> Result<Option<char>, InputError> {
         let of_texts = self.columns.values();
         let of_texts = of_texts.filter(|column| column.of_texts > column.numbers);
@@ -269,7 +269,7 @@ impl Rows {
         }
     }
 
-    /// The sheet's table, as it is in a text.
+    /// The sheet's table, found as in a text.
     fn opened<'a>(
         mut self,
         path: &Path,
@@ -290,7 +290,7 @@ impl Rows {
         let mut lines = String::with_capacity(self.size() as usize);
         let mut at = 0;
         for (bytes, cells) in self.ended {
-            // Columns before the first that holds something are none.
+            // Empty columns before the first one with contents are dropped.
             let line = &self.text[at..at + bytes];
             at += bytes;
             if cells > 0 {
@@ -327,13 +327,13 @@ fn written(value: f64) -> String {
     text.replace('.', &DECIMAL.to_string())
 }
 
-/// A text in one line, without what would be a quote or divide cells.
+/// A text in one line, without characters that would quote or separate cells.
 fn cleaned(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control(), " ");
     text.trim().trim_start_matches('"').trim().to_owned()
 }
 
-/// Days after the last but one of 1899; a workbook of old Macintoshes counts from 1904 on.
+/// Days after 30 December 1899; a workbook of old Macintoshes counts from 1904 on.
 fn days(date: &ExcelDateTime) -> f64 {
     let kind = if date.is_duration() {
         ExcelDateTimeType::TimeDelta
@@ -344,10 +344,10 @@ fn days(date: &ExcelDateTime) -> f64 {
     date.as_f64() + if *date == of_1904 { 1462.0 } else { 0.0 }
 }
 
-/// Days after the last but one of 1899 as a date and a time of day.
+/// Days after 30 December 1899 as a date and a time of day.
 fn stamp(days: f64) -> String {
     const NANOSECONDS: f64 = 86_400e9;
-    // From then to the first of March of the year 0, by which the days are counted below.
+    // To the days since 1 March of the year 0 used below.
     const BEFORE: i64 = 693_899;
     if !(-6e5..3e6).contains(&days) {
         return written(days * 86_400.0);
@@ -358,7 +358,7 @@ fn stamp(days: f64) -> String {
         (day, nanoseconds) = (day + 1.0, 0.0);
     }
     let (day, nanoseconds) = (day as i64 + BEFORE, nanoseconds as u64);
-    // Years that begin in March: the day that comes every fourth one is their last.
+    // Years that begin in March: the leap day is their last.
     let era = day.div_euclid(146_097);
     let of_era = day.rem_euclid(146_097);
     let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;

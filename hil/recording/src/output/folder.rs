@@ -1,4 +1,4 @@
-//! Directories that are made for outputs, and the lock on the one that a command fills.
+//! Directories created for outputs, and the lock on the folder that a command fills.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
 
-/// How often a folder that others remove at the same time is made again.
+/// Largest number of attempts to create a folder that other commands remove at the same time.
 const ATTEMPTS: usize = 16;
 
-/// Directories made on the way, removed again unless they are kept, and the lock on the command's folder.
+/// Directories created on the way, removed again unless they are kept, and the lock on the command's folder.
 ///
-/// The lock is the system's on an open file, so that it goes away with the process however that ends.
+/// The lock is the system's on an open file, so that it ends with the process in any case.
 #[derive(Debug, Default)]
 pub(super) struct Folders {
     made: Vec<PathBuf>,
@@ -19,7 +19,7 @@ pub(super) struct Folders {
 }
 
 impl Folders {
-    /// Makes `directory` and those above it that are missing.
+    /// Creates `directory` and missing ones above it.
     pub fn make(&mut self, directory: &Path) -> io::Result<()> {
         let missing: Vec<&Path> = directory
             .ancestors()
@@ -28,7 +28,7 @@ impl Folders {
         for directory in missing.into_iter().rev() {
             match fs::create_dir(directory) {
                 Ok(()) => self.made.push(directory.to_owned()),
-                // By another command, just now.
+                // Another command has just created it.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && directory.is_dir() => {}
                 Err(error) => return Err(error),
             }
@@ -36,10 +36,10 @@ impl Folders {
         Ok(())
     }
 
-    /// Makes `folder` where it is missing, and locks it.
+    /// Creates `folder` if it is missing, and locks it.
     ///
     /// # Errors
-    /// A folder that cannot be made or opened, or that another holds the lock of.
+    /// A folder that cannot be created or opened, or whose lock another command holds.
     pub fn lock(&mut self, folder: &Path) -> Result<(), InputError> {
         for _ in 0..ATTEMPTS {
             self.make(folder)
@@ -50,11 +50,11 @@ impl Folders {
                     return Ok(());
                 }
                 Err(TryLockError::WouldBlock) => {
-                    // Theirs now, even if it was made here.
+                    // It belongs to the other command now, even if it was created here.
                     self.keep();
                     break;
                 }
-                // Whoever made it gave up and removed it before it was locked here.
+                // Another command removed it before it was locked here.
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::NotFound => {}
                 Err(TryLockError::Error(error)) => {
                     return Err(InputError::io(folder, "lock", &error));
@@ -68,7 +68,7 @@ impl Folders {
         ))
     }
 
-    /// The directories made so far stay.
+    /// Keeps the directories created so far.
     pub fn keep(&mut self) {
         self.made.clear();
     }
@@ -80,19 +80,19 @@ impl Drop for Folders {
         if let Some(lock) = &self.lock {
             lock.remove();
         }
-        // Before the lock is given back, or another could take hold of a folder that is about to go.
+        // Before the lock is released, or another command could lock a folder that is about to be removed.
         for directory in self.made.iter().rev() {
-            // One that is not empty stays, as does one that someone else removed.
+            // A directory that is not empty stays, and so does one that is gone already.
             let _ = fs::remove_dir(directory);
         }
     }
 }
 
-/// A lock on a folder. On Unix it is one on the directory itself and leaves nothing in it.
+/// A lock on a folder. On Unix the directory itself is locked, and nothing is left in it.
 #[cfg(unix)]
 #[derive(Debug)]
 struct Lock {
-    /// Held for as long as it is open.
+    /// Held while it is open.
     _directory: File,
 }
 
@@ -116,12 +116,12 @@ impl Lock {
     }
 }
 
-/// A lock on a folder, where a directory itself cannot be locked: on a file in it, which is removed at the end.
+/// A lock on a folder, for systems that cannot lock a directory: on a file in it, which is removed at the end.
 #[cfg(not(unix))]
 #[derive(Debug)]
 struct Lock {
     path: PathBuf,
-    /// Held for as long as it is open.
+    /// Held while it is open.
     _file: File,
 }
 
@@ -149,7 +149,7 @@ mod tests {
         let folder = root.path().join("a/b");
         let mut first = Folders::default();
         first.lock(&folder).unwrap();
-        // What finds it in use does not take it away, however it is spelled.
+        // A command that finds it in use does not remove it, whatever the spelling of its path.
         for spelled in [folder.clone(), root.path().join("a/./b/../b")] {
             let refused = Folders::default().lock(&spelled).unwrap_err().to_string();
             let said = "in use by another run; wait for it or name another folder";
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
     }
 
-    /// However many give up and remove it again, who is given the lock holds it on the folder that is there.
+    /// However many commands give up and remove it again, the one that gets the lock holds it on the existing folder.
     #[test]
     fn a_folder_that_others_make_and_remove_is_held_by_one() {
         let root = tempfile::tempdir().unwrap();
@@ -185,7 +185,7 @@ mod tests {
                         if folders.lock(&folder).is_ok() {
                             use std::sync::atomic::Ordering::SeqCst;
                             assert_eq!(held.fetch_add(1, SeqCst), 0);
-                            // Alone in it, and it is there.
+                            // It is alone in the folder, and the folder exists.
                             fs::write(folder.join("mine"), "").unwrap();
                             fs::remove_file(folder.join("mine")).unwrap();
                             held.fetch_sub(1, SeqCst);

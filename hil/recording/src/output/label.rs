@@ -1,31 +1,31 @@
-//! What a JSON document says of itself: which it is, and in which version.
+//! The label of a JSON document: its kind and its version.
 
 use serde::Serialize;
 
-/// How a document says which it is. It does so beside its version.
+/// Field in which a document states its kind, next to its version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabelField {
-    /// By a field `format`: `mesh-damper` and its name.
+    /// The field `format`: `mesh-damper` and its name.
     Format,
-    /// By a field `document` with the same, where `format` has meant something else from the start.
+    /// The field `document` with the same content, where `format` has had another meaning from the start.
     Document,
-    /// By fields of its own.
+    /// The document's own fields.
     Own,
 }
 
-/// Which document it is.
+/// Kind of a document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// As `hil schema` knows it.
+    /// Its name in `hil schema`.
     pub name: &'static str,
-    /// Another one when a field goes, or changes its type or its meaning; not when one is added.
+    /// Version; it changes if a field is removed, or changes its type or its meaning, but not if one is added.
     pub version: u32,
-    /// How it says so.
+    /// Field that states it.
     pub field: LabelField,
 }
 
 impl Label {
-    /// The first version of the document `name`, which says so by `field`.
+    /// The first version of the document `name`, stated in `field`.
     pub const fn new(name: &'static str, field: LabelField) -> Self {
         Self {
             name,
@@ -34,7 +34,7 @@ impl Label {
         }
     }
 
-    /// What the field `format` or `document` says.
+    /// Text of the field `format` or `document`.
     pub fn text(self) -> String {
         format!("mesh-damper {}", self.name)
     }
@@ -48,7 +48,7 @@ enum Head {
     Own {},
 }
 
-/// A document, which has fields, with what it says of itself before all else.
+/// A document with fields, preceded by its label.
 #[derive(Serialize)]
 pub struct Labelled<'a, T> {
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all, and never in the place of what a command reads.
+//! Files that are written completely or not at all, and never over an input of the command.
 
 mod folder;
 mod label;
@@ -18,16 +18,16 @@ use place::{Place, Target};
 pub use label::{Label, LabelField, Labelled};
 pub use plan::Plan;
 
-/// The files of one command, gathered while it works and written together at its end; [`Plan::begin`] gives them.
+/// The files of one command, collected while it works and written together at its end; [`Plan::begin`] returns them.
 ///
-/// Each is written beside its place under another name and then renamed, so that a reader never sees half of one; none
-/// is renamed before all are written. An error leaves neither a file nor a directory that was not there before.
+/// Each is written in the same folder under another name and then renamed, so that a reader never sees a part of one; none is
+/// renamed before all are written. An error leaves neither a new file nor a new directory.
 #[derive(Debug)]
 pub struct Outputs {
     planned: Vec<Target>,
     files: Vec<(PathBuf, Vec<u8>)>,
     folders: Folders,
-    /// The recording of a test under way, of which the files are the whole.
+    /// The recording of a running test, which the files will replace.
     unfinished: Option<PathBuf>,
 }
 
@@ -41,7 +41,7 @@ impl Outputs {
         }
     }
 
-    /// The bytes of a file that was planned under this path.
+    /// Adds the bytes of a file that was planned under this path.
     pub fn add(&mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) {
         self.files.push((path.into(), bytes.into()));
     }
@@ -49,7 +49,7 @@ impl Outputs {
     /// The same as indented JSON with a newline at its end.
     ///
     /// # Errors
-    /// A value that JSON cannot hold.
+    /// A value that JSON cannot represent.
     pub fn add_json(
         &mut self,
         path: impl Into<PathBuf>,
@@ -68,11 +68,11 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes all files; directories that are missing are made, and an unfinished recording is removed once the whole is there. The
+    /// Writes all files. Missing directories are created, and an unfinished recording is removed once all files are written. The
     /// command's folder stays locked until `self` is dropped.
     ///
     /// # Errors
-    /// The path that cannot be written and why; one that was not planned.
+    /// The path that cannot be written and why; a path that was not planned.
     pub fn write(&mut self) -> Result<(), InputError> {
         let mut staged: Vec<(TempPath, &Path, &Path)> = Vec::new();
         let mut direct: Vec<(&Target, &[u8])> = Vec::new();
@@ -98,7 +98,7 @@ impl Outputs {
         }
         self.folders.keep();
         if let Some(unfinished) = self.unfinished.take() {
-            // The whole has taken its place, whatever becomes of what is written directly. There may be none.
+            // All files are in place, whatever happens to direct outputs. The unfinished recording may not exist.
             let _ = fs::remove_file(unfinished);
         }
         for (target, bytes) in direct {
@@ -108,7 +108,7 @@ impl Outputs {
     }
 }
 
-/// `bytes` in a file beside `path`, which goes away unless it is renamed; the user calls it `name`.
+/// `bytes` in a temporary file next to `path`, which disappears unless it is renamed; `name` is the user's name for it.
 fn stage(
     name: &Path,
     path: &Path,
@@ -120,12 +120,12 @@ fn stage(
     folders.make(directory).map_err(failed)?;
     let mut file = create_temporary(directory).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
-    // So that a name never stands for less than the whole, whatever happens to the machine after it is given.
+    // So that a name never refers to an incomplete file, even if the machine fails afterwards.
     file.as_file().sync_all().map_err(failed)?;
     Ok(file.into_temp_path())
 }
 
-/// A temporary file is its owner's only; the file that it becomes has the permissions that any new file has.
+/// A temporary file is private to its owner; the final file gets the permissions of any new file.
 #[cfg(unix)]
 fn create_temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
     use std::os::unix::fs::PermissionsExt as _;
@@ -148,7 +148,7 @@ fn write_directly(target: &Target, bytes: &[u8]) -> Result<(), InputError> {
         Place::Device(path) | Place::File(path) => fs::write(path, bytes),
     };
     match written {
-        // Who reads has read enough.
+        // The reader has read enough.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(|error| InputError::io(&target.name, "write", &error)),
     }
@@ -167,7 +167,7 @@ mod tests {
         names
     }
 
-    /// Refused before anything is done, with `said` in the message, and `root` is as it was.
+    /// Refused before anything is done, with `said` in the message, and `root` is unchanged.
     #[track_caller]
     fn refuses(root: &Path, plan: Plan, said: &str) {
         let before = names(root);
@@ -329,7 +329,7 @@ mod tests {
             Plan::new().reads([path("target")]).writes([path("link")]),
             "would replace the input ",
         );
-        // A folder may be reached through a link; it is one folder all the same.
+        // A folder reached through a link is still the same folder.
         symlink(path("folder"), path("other")).unwrap();
         let files = [path("folder/x"), path("other/x")];
         refuses(
@@ -344,7 +344,7 @@ mod tests {
         assert!(!Path::new(device).is_file());
     }
 
-    /// Where a link takes a file's place meanwhile, it is replaced and not followed.
+    /// If a link takes a file's place meanwhile, it is replaced and not followed.
     #[cfg(unix)]
     #[test]
     fn a_link_that_is_made_meanwhile_is_not_followed() {

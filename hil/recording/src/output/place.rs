@@ -1,4 +1,4 @@
-//! Where an output goes, and which file that is however its path is spelled.
+//! The destination of an output, and the identity of its file, independent of the spelling of its path.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -7,13 +7,13 @@ use crate::error::InputError;
 /// The paths that mean standard output.
 const STANDARD_OUTPUT: [&str; 4] = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
 
-/// Where an output goes.
+/// Destination of an output.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Place {
     StandardOutput,
-    /// A device, a pipe or a descriptor: written as it is, as it cannot be renamed over.
+    /// A device, a pipe or a descriptor: written directly, because it cannot be replaced by renaming.
     Device(PathBuf),
-    /// A file or its name to be: absolute, with no link above the last name.
+    /// A file, or a new name: absolute, without links above the last name.
     File(PathBuf),
 }
 
@@ -28,10 +28,10 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// What the output `name` is.
+    /// The destination of the output `name`.
     ///
     /// # Errors
-    /// A directory where a file shall be, or a file where a directory shall be; standard output that is closed.
+    /// A directory in place of a file, or a file in place of a directory; a closed standard output.
     pub fn of(name: PathBuf) -> Result<Self, InputError> {
         let place = place_of(&name)?;
         if place == Place::StandardOutput && is_closed() {
@@ -48,13 +48,13 @@ impl Target {
         Ok(Self { name, place, file })
     }
 
-    /// Whether writing both would keep one of them only. Devices take whatever is written to them.
+    /// Whether writing both would keep only one of them. Devices accept everything written to them.
     pub fn is_same_as(&self, other: &Self) -> bool {
         let same_place = self.place == other.place && !matches!(self.place, Place::Device(_));
         same_place || (self.file.is_some() && self.file == other.file)
     }
 
-    /// Whether it is a link of the user's, to somewhere that the command line does not name.
+    /// Whether it is a link of the user's, to a path that the command line does not name.
     pub fn is_link(&self) -> bool {
         matches!(&self.place, Place::File(path) if path.is_symlink())
     }
@@ -93,7 +93,7 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
     let mut path = known
         .canonicalize()
         .map_err(|error| InputError::io(name, "write", &error))?;
-    // What is not there yet holds no link, so that `..` takes away the name before it.
+    // A path that does not exist yet contains no link, so that `..` removes the name before it.
     for component in parent.strip_prefix(known).unwrap_or(parent).components() {
         match component {
             Component::ParentDir => _ = path.pop(),
@@ -117,7 +117,7 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
     })
 }
 
-/// Whether a link is the system's own: to a device, or to an open descriptor.
+/// Whether a link belongs to the system: to a device, or to an open descriptor.
 fn is_link_of_the_system(path: &Path) -> bool {
     let Some(folder) = path.parent() else {
         return false;
@@ -125,7 +125,7 @@ fn is_link_of_the_system(path: &Path) -> bool {
     folder == Path::new("/dev") || (folder.starts_with("/proc") && folder.ends_with("fd"))
 }
 
-/// Which regular file it is, whatever leads to it: a link, a hard link, another spelling.
+/// Identity of a regular file, independent of the path to it: a link, a hard link, another spelling.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FileIdentity(Identity);
 
@@ -135,7 +135,7 @@ type Identity = (u64, u64);
 type Identity = PathBuf;
 
 impl FileIdentity {
-    /// That of the regular file at `path`; none where there is none.
+    /// Identity of the regular file at `path`; `None` if there is none.
     #[cfg(unix)]
     pub fn of(path: &Path) -> Option<Self> {
         Self::in_metadata(&path.metadata().ok()?)
@@ -156,8 +156,8 @@ impl FileIdentity {
     }
 }
 
-/// Whether standard output was closed when the command began. Rust's runtime opens /dev/null in its place, for reading and writing; a shell
-/// that sends it there opens it for writing alone.
+/// Whether standard output was closed when the command began. Rust's runtime opens /dev/null in its place, for reading and writing;
+/// a shell that redirects to it opens it for writing alone.
 #[cfg(target_os = "linux")]
 fn is_closed() -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -174,7 +174,7 @@ fn is_closed() -> bool {
     false
 }
 
-/// The file that the shell sends standard output to.
+/// The file to which the shell redirects standard output.
 #[cfg(unix)]
 fn identity_of_standard_output() -> Option<FileIdentity> {
     use std::os::fd::AsFd as _;
@@ -191,7 +191,7 @@ fn identity_of_standard_output() -> Option<FileIdentity> {
 mod tests {
     use super::*;
 
-    /// Files may be kept below /dev too.
+    /// Files may also be stored below /dev.
     #[test]
     fn a_link_in_shared_memory_is_the_users() {
         let root = tempfile::tempdir_in("/dev/shm").unwrap();

@@ -1,4 +1,4 @@
-//! What a command reads and writes, stated before it begins.
+//! The files that a command reads and writes, stated before it begins.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use super::folder::Folders;
 use super::place::{FileIdentity, Place, Target};
 use crate::error::InputError;
 
-/// The inputs and outputs of one command, so that an output that would destroy something is refused before any work.
+/// The inputs and outputs of one command, so that an output that would destroy something is rejected before any work.
 ///
 /// ```no_run
 /// # use mesh_damper_recording::output::Plan;
@@ -30,26 +30,26 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Neither inputs nor outputs.
+    /// A plan without inputs and outputs.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Files that are read. Those that are not there are refused when they are read.
+    /// Adds files to read. Missing files are rejected when they are read.
     #[must_use]
     pub fn reads<P: Into<PathBuf>>(mut self, inputs: impl IntoIterator<Item = P>) -> Self {
         self.inputs.extend(inputs.into_iter().map(Into::into));
         self
     }
 
-    /// Files that may be written; `-` is standard output.
+    /// Adds files that may be written; `-` is standard output.
     #[must_use]
     pub fn writes<P: Into<PathBuf>>(mut self, outputs: impl IntoIterator<Item = P>) -> Self {
         self.outputs.extend(outputs.into_iter().map(Into::into));
         self
     }
 
-    /// Files that may be written into `folder`, if there is one, which no other command may fill meanwhile.
+    /// Adds files that may be written into `folder`, if there is one, which no other command may fill meanwhile.
     #[must_use]
     pub fn fills<'a, P: AsRef<Path>>(
         mut self,
@@ -64,19 +64,19 @@ impl Plan {
         self
     }
 
-    /// The file that a test keeps its recording in while it is under way. One that is there is all that a broken-off test
-    /// left, and nothing may take its place.
+    /// Adds the file in which a test stores its recording while it runs. An existing one is the remainder of an interrupted test,
+    /// and must not be overwritten.
     #[must_use]
     pub fn keeps(mut self, unfinished: impl Into<PathBuf>) -> Self {
         self.unfinished = Some(unfinished.into());
         self
     }
 
-    /// Takes hold of the folder, which is made where it is missing, until the outputs are dropped.
+    /// Locks the folder, which is created if missing, until the outputs are dropped.
     ///
     /// # Errors
-    /// An output that is an input, another output, a link, a directory, or below a file; a folder that another command
-    /// fills or that cannot be made; an unfinished recording that is there. None leaves a directory behind.
+    /// An output that is an input, another output, a link, a directory, or below a file; a folder that another command fills or
+    /// that cannot be created; an existing unfinished recording. No error leaves a new directory.
     pub fn begin(self) -> Result<Outputs, InputError> {
         let inputs: Vec<(FileIdentity, &PathBuf)> = self
             .inputs
@@ -93,7 +93,7 @@ impl Plan {
         if let Some(folder) = &self.folder {
             folders.lock(folder)?;
         }
-        // Not before the folder is locked: a test under way keeps one as well.
+        // Not before the folder is locked, because a running test has such a file as well.
         match &self.unfinished {
             Some(left) if left.exists() => Err(InputError::new(
                 left.display().to_string(),
@@ -105,7 +105,7 @@ impl Plan {
     }
 }
 
-/// Refuses an output that would take the place of something else.
+/// Rejects an output that would overwrite something else.
 fn refuse_lost(
     target: &Target,
     inputs: &[(FileIdentity, &PathBuf)],

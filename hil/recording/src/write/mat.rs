@@ -19,15 +19,15 @@ const COMPRESSED: u32 = 15;
 const STRUCTURE: u8 = 2;
 const TEXT: u8 = 4;
 const NUMBERS: u8 = 6;
-/// The longest name that MATLAB takes, and the field that holds one.
+/// The longest name that MATLAB takes, and the length of the field for it.
 const LONGEST: usize = 63;
 
-/// A file that MATLAB, Octave and SciPy load: each column a variable, `comments` a text with a row for each, and `units` a structure
-/// with the unit of each variable that has one.
+/// A file that MATLAB, Octave and SciPy load. Each column is a variable, `comments` is a text with one row per comment, and `units`
+/// is a structure with the units of the variables that have one.
 pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
     let mut file = b"MATLAB 5.0 MAT-file, written by mesh-damper".to_vec();
     file.resize(HEADER - 12, b' ');
-    // No data of subsystems, then the version and the order of bytes.
+    // No subsystem data, then the version and the byte order.
     file.extend([0; 8]);
     file.extend([0, 1, b'I', b'M']);
     let names = identifiers(columns);
@@ -81,7 +81,7 @@ fn matrix(class: u8, dimensions: [usize; 2], name: &str, body: &[u8]) -> Vec<u8>
     element(MATRIX, &inner)
 }
 
-/// Lines as the rows of a text, filled up with blanks.
+/// Lines as the rows of a text, padded with blanks.
 fn text<L: AsRef<str>>(name: &str, lines: &[L]) -> Vec<u8> {
     let lines: Vec<Vec<u16>> = lines
         .iter()
@@ -115,7 +115,7 @@ fn structure(name: &str, fields: &[(String, &str)]) -> Vec<u8> {
     matrix(STRUCTURE, [1, 1], name, &body)
 }
 
-/// The names of variables, no two of which are the same: MATLAB would keep the last alone.
+/// The names of the variables, all different: MATLAB would keep only the last of two with the same name.
 fn identifiers(columns: &[Column<'_>]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for column in columns {
@@ -136,7 +136,7 @@ fn identifiers(columns: &[Column<'_>]) -> Vec<String> {
     names
 }
 
-/// A name as MATLAB takes it: letters, digits and underscores, a letter first.
+/// A name that MATLAB accepts: letters, digits and underscores, starting with a letter.
 fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let mut name: String = name.chars().map(plain).take(LONGEST).collect();

@@ -14,8 +14,9 @@ use crate::channel::Channel as Quantity;
 
 const TOPIC: &str = "/recording";
 
-/// A file with a message for each sample on the topic `/recording`: an object of JSON with a field for each column, as its schema says. A
-/// plot takes `/recording.force_kN`. The messages' times are the samples', from the first of them if that is below 0.
+/// A file with one message per sample on the topic `/recording`: a JSON object with one field per column, as its schema says. A
+/// plot takes `/recording.force_kN`. The times of the messages are those of the samples, counted from the first sample if that is
+/// below 0.
 pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
     // Writing to memory does not fail.
     written(comments, columns).unwrap_or_default()
@@ -50,7 +51,7 @@ fn written(comments: &[String], columns: &[Column<'_>]) -> McapResult<Vec<u8>> {
     let times = nanoseconds(columns);
     for (index, log_time) in times.into_iter().enumerate() {
         let fields = columns.iter().filter_map(|column| {
-            // JSON has no number for what is not measured.
+            // JSON has no number for a value that was not measured.
             let value = column.values.get(index).filter(|value| value.is_finite())?;
             Some((column.name.to_owned(), json!(value)))
         });
@@ -78,7 +79,7 @@ fn written(comments: &[String], columns: &[Column<'_>]) -> McapResult<Vec<u8>> {
     Ok(file.into_inner())
 }
 
-/// The times of the samples, ns; their numbers in ms where no column has times.
+/// The times of the samples, ns; the sample numbers in ms if no column has times.
 fn nanoseconds(columns: &[Column<'_>]) -> Vec<u64> {
     let units = Quantity::Time.units().iter();
     let time = columns.iter().find_map(|column| {

@@ -1,4 +1,4 @@
-//! A recording as the bytes of a file, in the format that the file's name ends in.
+//! Writes a recording as the bytes of a file, in the format of the file's ending.
 
 mod mat;
 #[cfg(feature = "mcap")]
@@ -18,10 +18,10 @@ use crate::control;
 use crate::csv_text::number;
 use crate::error::{InputError, quoted};
 
-/// Significant digits with which numbers made here are written as text: a thousandth of a 24-bit converter's step.
+/// Significant digits of computed numbers in text: a thousandth of a 24-bit converter's step.
 const DIGITS: usize = 9;
 
-/// A format that recordings and tables are written in.
+/// A format of written recordings and tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteAs {
     /// Text: comment lines, a header, rows.
@@ -30,14 +30,14 @@ pub enum WriteAs {
     CsvGz,
     /// Parquet, compressed; units are in the fields' metadata, comments in the file's.
     Parquet,
-    /// A MAT file of version 5, compressed: a variable a column, a structure `units`, and a text `comments`.
+    /// A MAT file of version 5, compressed: one variable per column, a structure `units`, and a text `comments`.
     Mat,
-    /// MCAP, a message a sample on the topic `/recording`, in JSON with its schema, as Foxglove plots it.
+    /// MCAP: one message per sample on the topic `/recording`, in JSON with its schema, ready to plot in Foxglove.
     Mcap,
 }
 
 impl WriteAs {
-    /// All formats, each with the ending of its files' names.
+    /// All formats, each with its file ending.
     pub const ALL: [(Self, &'static str); 5] = [
         (Self::Csv, "csv"),
         (Self::CsvGz, "csv.gz"),
@@ -46,10 +46,10 @@ impl WriteAs {
         (Self::Mcap, "mcap"),
     ];
 
-    /// The format of a file of this name: text where the name has no ending, as standard output has none.
+    /// The format of a file with this name. A name without an ending is text: standard output has none.
     ///
     /// # Errors
-    /// An ending that no format has, or one that this build does not write. To be asked before any work begins.
+    /// The ending belongs to no format, or this build does not write the format. Call this before any work begins.
     pub fn of(path: &Path) -> Result<Self, InputError> {
         let name = path
             .file_name()
@@ -92,7 +92,7 @@ impl WriteAs {
         }
     }
 
-    /// Columns as a file; text by `text`.
+    /// Columns as a file; `text` makes the text formats.
     fn bytes(
         self,
         comments: &[String],
@@ -120,7 +120,7 @@ impl fmt::Display for WriteAs {
     }
 }
 
-/// A word that is no format.
+/// A word that names no format.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoFormat(String);
@@ -146,7 +146,7 @@ type Columns = Vec<(String, Vec<f64>)>;
 /// A column that is written.
 struct Column<'c> {
     name: &'c str,
-    /// As programs write it: `mm/s`.
+    /// Spelled as in programs: `mm/s`.
     unit: Option<&'static str>,
     values: &'c [f64],
 }
@@ -160,7 +160,7 @@ fn named(columns: &Columns) -> Vec<Column<'_>> {
     each.collect()
 }
 
-/// The unit that a column's name ends in.
+/// The unit at the end of a column's name.
 fn unit_in(name: &str) -> Option<&'static str> {
     const OTHERS: [(&str, &str); 7] = [
         ("mm_s2", "mm/s^2"),
@@ -186,15 +186,17 @@ fn unit_in(name: &str) -> Option<&'static str> {
 }
 
 impl Recording {
-    /// The recording as a file of the given name, in the format that the name ends in: see [`WriteAs`].
+    /// The recording as a file of the given name, in the format of the name's ending: see [`WriteAs`].
     ///
-    /// A recording that was read from a text is written as it was read: as text cell by cell, else each column of numbers.
+    /// A recording that was read from a text keeps its text: cell by cell in a text format, as columns of numbers in the other
+    /// formats.
     pub fn to_file(&self, path: &Path) -> Vec<u8> {
         self.written(path, None)
     }
 
-    /// The same with columns `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own unit; columns of these names which the
-    /// recording has already are replaced. `predicted` and `band`, its half width, in kN, one per sample.
+    /// As [`Recording::to_file`], with two more columns, `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own
+    /// unit. They replace columns of these names that the recording already has. `predicted` and its half width `band` are in kN,
+    /// one value per sample.
     pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64], band: &[f64]) -> Vec<u8> {
         self.written(path, Some([band, predicted]))
     }
@@ -208,7 +210,7 @@ impl Recording {
         )
     }
 
-    /// The columns that the recording was read from, as far as they are numbers, or those that it has.
+    /// The columns that the recording was read from if they are numbers, else the recording's channels.
     fn columns(&self, predicted: Option<[&[f64]; 2]>) -> Columns {
         let mut columns: Columns = match &self.source {
             Some(source) => {
@@ -233,7 +235,7 @@ impl Recording {
                     }
                 }
                 let mut columns: Columns = columns.into_iter().flatten().collect();
-                // The text behind the last cell is none.
+                // The text behind the last cell is no column.
                 columns
                     .iter_mut()
                     .for_each(|(_, values)| values.truncate(self.len()));
@@ -262,7 +264,7 @@ impl Recording {
         columns
     }
 
-    /// Each channel's column name, its unit, none of a control input, and its samples.
+    /// For each channel: the name of its column, its unit (none for a control input) and its samples.
     fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
         let units = &self.units;
         let channels = [
@@ -283,16 +285,16 @@ impl Recording {
     }
 }
 
-/// `value` to nine significant digits, as recordings are written, without trailing zeros or an exponent.
+/// `value` to nine significant digits, the precision of written recordings, without trailing zeros or an exponent.
 pub fn decimal(value: f64) -> String {
     let digits = DIGITS - 1;
     let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
-    // Adding zero takes the sign off a negative zero.
+    // Adding zero removes the sign of a negative zero.
     format!("{}", rounded + 0.0)
 }
 
-/// A table as a file of the given name, in the format that the name ends in: comments, and columns, each a name and as many values as the
-/// first has.
+/// A table as a file of the given name, in the format of the name's ending. `columns` are names and values; every column has as
+/// many values as the first.
 pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
     let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
     let owned = || {

@@ -12,8 +12,8 @@ use parquet::file::properties::WriterProperties;
 
 use super::Column;
 
-/// A file that pandas, polars and DuckDB read: each column of floats, with its unit in the field's metadata, and the comments under the
-/// file's key `comments`, a line each.
+/// A file that pandas, polars and DuckDB read. Each column holds floats with the unit in the field's metadata. The comments are
+/// under the file's key `comments`, one line each.
 pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
     let fields = columns.iter().map(|column| {
         let unit = column.unit.map(|unit| ("unit".to_owned(), unit.to_owned()));
@@ -23,7 +23,7 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
     let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
     let comments = (!comments.is_empty()).then(|| comments.join("\n"));
     let comments = comments.map(|comments| vec![KeyValue::new("comments".to_owned(), comments)]);
-    // What is not measured is null. Bytes of floats that lie together compress best.
+    // A value that was not measured is null. Floats compress best when their bytes lie together.
     let arrays = columns.iter().map(|column| {
         let values = column
             .values
@@ -38,7 +38,7 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
         .set_key_value_metadata(comments)
         .build();
     let batch = RecordBatch::try_new(schema.clone(), arrays.collect());
-    // Writing to memory does not fail, and all columns have as many values.
+    // Writing to memory does not fail, and all columns have the same length.
     let written = batch.map_err(Into::into).and_then(|batch| {
         let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
         writer.write(&batch)?;

@@ -7,7 +7,7 @@ use crate::Recording;
 use crate::units::Unit;
 
 impl Recording {
-    /// The recording as text. One that was read from a text is written as it was read, cell by cell.
+    /// The recording as text. A recording that was read from a text is written with the same cells.
     pub(super) fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
@@ -24,7 +24,7 @@ impl Recording {
             .iter()
             .map(|name| predicted.is_some() && columns.iter().any(|column| column == name))
             .collect();
-        // A first cell that begins as a comment does is quoted.
+        // A first cell that looks like a comment is quoted.
         let mut writer = csv::WriterBuilder::new()
             .comment(Some(b'#'))
             .from_writer(bytes);
@@ -72,8 +72,8 @@ impl Recording {
     }
 }
 
-/// Whether a channel's own digits would make another recording of it: times that count from far away, of which a step is less than a
-/// hundred of the last digits, or a displacement that would not change any more.
+/// Whether nine digits would change the recording: times that count from so far away that a step is less than a hundred of the last
+/// digits, or a displacement that would stand still.
 fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
     let written = |value: &f64| unit.from_code(*value);
     if name.starts_with("time") {
@@ -91,8 +91,8 @@ fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
     name.starts_with("displacement") && values.iter().all(is_first)
 }
 
-/// A table as text: comment lines, a header, and a row for each value of the first of `columns`, each of which is a name and as many
-/// values.
+/// A table as text: comment lines, a header, and one row per value of the first column. Each of `columns` is a name with its
+/// values, all of the same length.
 pub(super) fn table(comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for comment in comments {

@@ -1,8 +1,8 @@
-//! What could be read in two ways, and is asked for.
+//! Files that can be read in two ways: the reader asks.
 
 use super::corpus::{Column, Dialect, KN, MM, N, OWN, Outcome, S, SAMPLES, rows, time};
 
-/// A time of the recording that no zero begins.
+/// A time of the recording that does not begin at zero.
 fn late(index: usize) -> f64 {
     9.0 - time(0) + time(index)
 }
@@ -155,7 +155,7 @@ pub fn dialects() -> Vec<Dialect> {
     ]
 }
 
-/// The same in thousandths.
+/// The same with three decimals.
 const LATE: Column = Column {
     values: late,
     scale: 1.0,

@@ -9,7 +9,7 @@ use super::corpus::{Column, KN, MM, N, S, is_true, read, rows};
 use super::encodings::utf16;
 use super::languages::NAMES;
 
-/// How units are given.
+/// How a file gives its units.
 #[derive(Clone, Copy, Debug)]
 enum UnitStyle {
     Square,
@@ -67,15 +67,15 @@ fn coded(text: &str, coding: Coding) -> Vec<u8> {
     }
 }
 
-/// What becomes of the cases: all of them, and those that are read.
+/// Counts of all cases, and of the cases that are read.
 static CASES: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// How many cases are drawn.
 const DRAWN: u32 = 400;
 
-/// Of all cases at least this part is read without a question. 63 % are: a seventh has no unit, in an eighth commas divide cells and
-/// decimals, in an eighth it is MN in capitals, and some names of two words stand between blanks. The share over these draws scatters by 2.4 %, and
-/// four times that is left to them.
+/// At least this fraction of all cases is read without a question. The expected fraction is 63 %: a seventh of the cases has no
+/// unit, in an eighth commas divide both cells and decimals, in an eighth the unit is MN in capitals, and some names of two words
+/// stand between blanks. The fraction scatters by 2.4 % over these draws; the limit leaves four times that.
 const LEAST_READ: f64 = 0.53;
 
 #[test]

@@ -1,4 +1,4 @@
-//! The recording that all dialects hold, and what reading one of them must come to.
+//! The recording that all dialects hold, and the expected outcome of reading each of them.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -21,16 +21,16 @@ pub fn displacement(index: usize) -> f64 {
     2.75 * (TAU * 2.3 * time(index)).sin() + 0.125
 }
 
-/// Force of a sample, kN. Neither in proportion to the displacement nor of its sign.
+/// Force of a sample, kN. It is not proportional to the displacement, and its sign differs.
 pub fn force(index: usize) -> f64 {
     -1.625 * (TAU * 2.3 * time(index) + 0.4).sin() - 0.75
 }
 
-/// A column: a channel in a unit, with so many decimals.
+/// A column: a channel in a unit, with a number of decimals.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     pub values: fn(usize) -> f64,
-    /// What one of the file's units is in s, mm or kN.
+    /// Size of the file's unit in s, mm or kN.
     pub scale: f64,
     pub decimals: usize,
 }
@@ -72,7 +72,7 @@ impl Column {
         text.replace('.', &decimal.to_string())
     }
 
-    /// What half a digit of it is, in s, mm or kN.
+    /// Half of the last digit, in s, mm or kN.
     pub fn rounding(self) -> f64 {
         0.5 * 10_f64.powi(-(self.decimals as i32)) * self.scale
     }
@@ -83,7 +83,7 @@ pub const OWN: [Column; 3] = [S, MM, KN];
 /// The same with the force in N.
 pub const NEWTONS: [Column; 3] = [S, MM, N];
 
-/// Rows of these columns, each with an end.
+/// Rows of these columns, each with a line end.
 pub fn rows(columns: &[Column], separator: &str, decimal: char, end: &str) -> String {
     let row = |index: usize| {
         let cells: Vec<String> = columns
@@ -95,14 +95,14 @@ pub fn rows(columns: &[Column], separator: &str, decimal: char, end: &str) -> St
     (0..SAMPLES).map(row).collect()
 }
 
-/// What becomes of a dialect.
+/// The outcome of reading a dialect.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It is read, and all of this is said.
+    /// It is read, and the guesses contain all of this.
     Read(Vec<&'static str>),
-    /// It is asked about, until these options were given one after the other.
+    /// The reader asks, until the user has given these options one after the other.
     Asked(Vec<&'static str>),
-    /// It is refused with all of this in the message.
+    /// It is refused, and the message contains all of this.
     Refused(Vec<&'static str>),
 }
 
@@ -121,13 +121,13 @@ pub struct Dialect {
     pub family: &'static str,
     pub name: &'static str,
     pub bytes: Vec<u8>,
-    /// As the file has them, by which the digits are known.
+    /// As in the file: they set the digits.
     pub columns: [Column; 3],
     pub outcome: Outcome,
 }
 
 impl Dialect {
-    /// Whether it becomes what it should.
+    /// Whether the outcome is the expected one.
     pub fn check(&self) -> Result<(), String> {
         let said = Reading::default();
         match &self.outcome {
@@ -157,7 +157,7 @@ impl Dialect {
         }
     }
 
-    /// How the dialect is misread, by nobody's word or by any of the right ones: as a recording that is not the true one.
+    /// How the dialect is misread: as a recording that is not the true one, either without an option or with any of the right ones.
     pub fn misread(&self) -> Option<String> {
         let mut said = Reading::default();
         let options = match &self.outcome {
@@ -195,7 +195,7 @@ impl Dialect {
     }
 }
 
-/// Whether a message has this option to be typed. Of a unit it offers two and lists the others.
+/// Whether a message offers this option to type. For a unit it offers two and lists the others.
 fn offers(error: &str, option: &str) -> bool {
     if error.contains(option) {
         return true;
@@ -214,7 +214,7 @@ fn offers(error: &str, option: &str) -> bool {
         && listed.split(", ").any(|each| each == unit)
 }
 
-/// What the command line makes of an option.
+/// Applies an option as the command line would.
 pub fn say(said: &mut Reading, option: &str) {
     let (option, value) = option.split_once(' ').expect("an option and its value");
     let pair = || {
@@ -230,7 +230,7 @@ pub fn say(said: &mut Reading, option: &str) {
     }
 }
 
-/// Reads the bytes as a file is read.
+/// Reads the bytes as a file would be read.
 pub fn read(bytes: &[u8], said: &Reading) -> Result<Recording, String> {
     let file = tempfile::NamedTempFile::new().expect("a file");
     std::fs::write(file.path(), bytes).expect("written");
@@ -241,7 +241,7 @@ fn read_file(path: &Path, said: &Reading) -> Result<Recording, String> {
     Recording::read_as(path, said).map_err(|error| error.to_string())
 }
 
-/// Whether a recording has the true values, to the digits that were written, and all of them.
+/// Whether a recording has all of the true values, to the digits that were written.
 pub fn is_true(recording: &Recording, columns: [Column; 3]) -> Result<(), String> {
     if recording.len() != SAMPLES {
         return Err(format!("{} samples of {SAMPLES}", recording.len()));
@@ -261,7 +261,7 @@ pub fn channels(recording: &Recording) -> [(&'static str, &[f64]); 3] {
 
 /// Whether the values of a channel are the true ones.
 pub fn is_channel_true(name: &str, values: &[f64], column: Column) -> Result<(), String> {
-    // Times may be given from the first on.
+    // Times may count from the first sample.
     let shift = if name == "time" {
         values[0] - (column.values)(0)
     } else {

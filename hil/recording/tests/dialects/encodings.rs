@@ -4,7 +4,7 @@ use super::corpus::{Column, Dialect, MM, N, Outcome, S, rows};
 
 const UM: Column = MM.of(1e-3, 2);
 
-/// The bytes of a text in an encoding; UTF-16 in either order, with a byte order mark or without.
+/// The bytes of a text in an encoding: UTF-16 in either byte order, with or without a byte order mark.
 pub fn utf16(text: &str, big: bool, marked: bool) -> Vec<u8> {
     let mark = marked.then_some(0xfeff);
     let units = mark.into_iter().chain(text.encode_utf16());
@@ -39,7 +39,7 @@ pub fn dialects() -> Vec<Dialect> {
     let named = |names: [&str; 3]| names.join("\t") + "\n" + &rows(&[S, UM, N], "\t", '.', "\n");
     let mut zip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     std::io::Write::write_all(&mut zip, &utf16(&german, false, true)).expect("to memory");
-    // A sign of one byte far behind what is looked at first.
+    // A one-byte sign far behind the part that the reader examines first.
     let late = {
         let pad = ("# ".to_owned() + &"x".repeat(98) + "\n").repeat(4000);
         let rows = rows(&[S, UM, N], ";", ',', "\n");

@@ -1,4 +1,4 @@
-//! What stands above and below the numbers.
+//! Lines above and below the numbers.
 
 use mesh_damper_recording::files::Reading;
 
@@ -14,7 +14,7 @@ fn dialect(name: &'static str, text: String, said: &[&'static str]) -> Dialect {
     }
 }
 
-/// A row that may be no sample is read as one, and that is said.
+/// A row that may not be a sample is read as one, and the reader reports it.
 #[test]
 fn a_row_of_numbers_that_may_be_no_sample_is_said() {
     let samples = || rows(&OWN, ";", ',', "\n");
@@ -34,7 +34,7 @@ fn a_row_of_numbers_that_may_be_no_sample_is_said() {
         sums.contains("the last row of numbers, from line 52 on"),
         "{sums}"
     );
-    // Where all rows are alike there is nothing to say.
+    // Where all rows look alike there is nothing to report.
     let plain = guesses(format!("{names}0,0000;0,00000;0,00000\n{}", samples()));
     assert!(!plain.contains("read as"), "{plain}");
 }

@@ -1,4 +1,5 @@
-//! One recording in the dialects of other programs and countries: each is read rightly, asked about or refused, and none is misread.
+//! One recording in the dialects of other programs and countries: each is read correctly, asked about or refused, and none is
+//! misread.
 
 mod ambiguous;
 mod combinations;
@@ -18,7 +19,7 @@ mod words;
 
 use corpus::{Dialect, Outcome};
 
-/// All dialects, family after family.
+/// All dialects, grouped by family.
 fn all() -> Vec<Dialect> {
     [
         separators::dialects(),

@@ -4,7 +4,7 @@ use mesh_damper_recording::files::Reading;
 
 use super::corpus::{Column, Dialect, N, NEWTONS, OWN, Outcome, S, rows};
 
-/// Micrometres, so large that thousands are divided.
+/// Micrometres: large enough for thousands separators.
 const UM: Column = super::corpus::MM.of(1e-3, 1);
 
 fn grouped(cell: &str, sign: &str) -> String {
@@ -32,7 +32,7 @@ fn with_groups(separator: &str, decimal: char, sign: &str, quote: &str) -> Strin
         + &text.lines().map(line).collect::<String>()
 }
 
-/// Behind the rows by which a text is known nothing is decided anew.
+/// Rows behind those that identify the dialect change no decision.
 #[test]
 fn thousands_that_come_late_are_asked_for() {
     let late = |cell: &str| {

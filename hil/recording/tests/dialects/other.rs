@@ -1,13 +1,13 @@
-//! Answers to a question that are not the right one.
+//! Wrong answers to a question.
 //!
-//! What a file does not say, nobody can refuse: a force of no unit is read in kN if the user says so. But an answer changes what it is
-//! about and nothing else, and one that the file contradicts is refused.
+//! If a file does not say something, nobody can refuse an answer: a force without a unit is read in kN if the user says so. But an
+//! answer changes only its own subject, and an answer that contradicts the file is refused.
 
 use mesh_damper_recording::files::Reading;
 
 use super::corpus::{Column, Dialect, SAMPLES, channels, is_channel_true, read, say};
 
-/// The options that a message has to be typed.
+/// The options that a message offers to type.
 pub fn offered(error: &str) -> Vec<String> {
     let begins = ["--channel ", "--unit ", "--decimal "];
     let places = begins.into_iter().flat_map(|option| {
@@ -24,11 +24,11 @@ pub fn offered(error: &str) -> Vec<String> {
         };
         format!("{option}{}", &rest[..end])
     });
-    // It stands for what the user has to fill in.
+    // A placeholder that the user has to fill in.
     each.filter(|option| !option.ends_with("=NAME")).collect()
 }
 
-/// Whether another option than the right one is refused, or changes what it is about alone.
+/// Whether an option other than the right one is refused, or changes only its own subject.
 pub fn check(
     dialect: &Dialect,
     before: &Reading,
@@ -43,7 +43,7 @@ pub fn check(
             .map_or("", |(about, _)| about)
             .to_owned()
     };
-    // The questions that are left are answered rightly.
+    // The remaining questions get the right answers.
     let mut left = right.iter().filter(|option| about(option) != about(other));
     let recording = loop {
         match (read(&dialect.bytes, &said), left.next()) {
@@ -67,7 +67,7 @@ pub fn check(
             // Whatever the column holds.
             Some("--channel") => is_about,
             Some("--unit") => is_about && factor(name, values, column).is_some(),
-            // A sign that divides thousands takes three digits.
+            // A thousands separator needs three digits.
             _ => {
                 factor(name, values, column).is_some_and(|factor| (factor / 1e3 - 1.0).abs() < 1e-2)
             }
@@ -79,9 +79,9 @@ pub fn check(
     Ok(())
 }
 
-/// By what the values differ from the true ones, where that is one factor.
+/// The factor between the values and the true ones, if there is a single one.
 fn factor(name: &str, values: &[f64], column: Column) -> Option<f64> {
-    // Times may be given from the first on.
+    // Times may count from the first sample.
     let (first, begin) = match name {
         "time" => (values[0], (column.values)(0)),
         _ => (0.0, 0.0),

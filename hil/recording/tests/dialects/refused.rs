@@ -1,4 +1,4 @@
-//! What cannot be read, with what is said of it.
+//! Files that cannot be read, with the expected message.
 
 use super::corpus::{Dialect, KN, MM, OWN, Outcome, S, SAMPLES, rows};
 

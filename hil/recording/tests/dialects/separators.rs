@@ -1,4 +1,4 @@
-//! What divides cells and lines.
+//! Separators of cells and lines.
 
 use super::corpus::{Dialect, NEWTONS, OWN, Outcome, rows};
 

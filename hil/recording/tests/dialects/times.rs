@@ -6,7 +6,7 @@ use super::corpus::{
     Column, Dialect, KN, MM, OWN, Outcome, S, SAMPLES, displacement, force, rows, time,
 };
 
-/// Times in tenths of a millisecond, from the first on.
+/// Times in tenths of a millisecond, counted from the first sample.
 const STAMPED: Column = S.of(1.0, 4);
 
 fn stamped(names: &str, stamp: impl Fn(i64) -> String) -> Vec<u8> {
@@ -33,7 +33,7 @@ fn clock(ticks: i64, from: i64) -> (i64, i64, i64, i64) {
     )
 }
 
-/// What the user says of a column of times of day is not believed where it cannot be.
+/// The reader does not believe a user's statement about a column of times of day if it cannot be true.
 #[test]
 fn times_of_day_are_in_no_unit_that_the_user_says() {
     let bytes = stamped("Time (ms);Disp [mm];Load [kN]", |ticks| {

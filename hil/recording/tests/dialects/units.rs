@@ -1,4 +1,4 @@
-//! Units as they are written.
+//! Spellings of units.
 
 use super::corpus::{Column, Dialect, KN, MM, Outcome, S, rows};
 

@@ -1,11 +1,11 @@
-//! Names that say more than a quantity and its unit.
+//! Names with more in them than a quantity and its unit.
 
 use super::corpus::{Column, Dialect, KN, MM, N, OWN, Outcome, S, SAMPLES, rows};
 
-/// What a column holds that is not the channel: a number that no channel of the recording has.
+/// The content of a column that is not the channel: a number that no channel of the recording has.
 const WRONG: &str = "9.5";
 
-/// Rows in which `%` stands for a column that is none of the channels, and `t`, `y` and `f` for these.
+/// Rows in which `%` stands for a column that is none of the channels, and `t`, `y` and `f` stand for the channels.
 fn table(names: &str, columns: [Column; 3], pattern: &str) -> String {
     let row = |index: usize| {
         let [time, y, force] = columns.map(|column| column.cell(index, '.'));

@@ -1,4 +1,4 @@
-//! The AD5761R as its datasheet describes it on the bus: 24-bit frames, control register, readback in the next frame.
+//! The AD5761R on the bus as its datasheet describes it: 24-bit frames, control register, readback in the next frame.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -9,15 +9,15 @@ use super::ads8688::{Words, one_frame};
 
 const REFERENCE: f64 = 2.5;
 
-/// The part's analogue side, shared with whatever it drives.
+/// The part's analogue side, shared with the part that it drives.
 #[derive(Debug, Default)]
 pub struct DacPins {
     /// Output voltage, V.
     pub volts: Cell<f64>,
     /// While set, every transaction fails as an overrun.
     pub bus_failing: Cell<bool>,
-    /// While set, the part has no supply: from its next frame on it drives 0 V, answers with a data line at low level, and has lost
-    /// its registers.
+    /// While set, the part has no supply: from its next frame on it drives 0 V, answers with a low data line, and has lost its
+    /// registers.
     pub unpowered: Cell<bool>,
 }
 
@@ -28,7 +28,7 @@ pub struct SimulatedAd5761 {
     control: Option<u16>,
     input: u16,
     output: u16,
-    /// What the next frame clocks out.
+    /// Answer in the next frame.
     answer: u16,
 }
 
@@ -46,7 +46,7 @@ pub fn dac_volts(code: u16) -> f64 {
 }
 
 impl SimulatedAd5761 {
-    /// As after power-up: the output is clamped to ground until the control register is written.
+    /// State after power-up: the output is clamped to ground until the control register is written.
     pub fn new(pins: Rc<DacPins>) -> Self {
         Self {
             pins,

@@ -1,4 +1,4 @@
-//! The ADS8688 as its datasheet (TI SBAS582) describes it on the bus: conversion frames, register frames, ranges.
+//! The ADS8688 on the bus as its datasheet (TI SBAS582) describes it: conversion frames, register frames, ranges.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -8,15 +8,14 @@ use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 const CHANNELS: usize = 8;
 const REFERENCE: f64 = 4.096;
 
-/// The part's analogue side, shared with whatever drives it.
+/// The part's analogue side, shared with the parts that drive it.
 #[derive(Debug, Default)]
 pub struct AdcPins {
     /// Input voltages, V.
     pub volts: [Cell<f64>; CHANNELS],
     /// While set, every transaction fails as an overrun.
     pub bus_failing: Cell<bool>,
-    /// While set, the part has no supply: it answers with a data line at low level, and from its next frame on has lost its
-    /// registers.
+    /// While set, the part has no supply: it answers with a low data line, and from its next frame on has lost its registers.
     pub unpowered: Cell<bool>,
 }
 
@@ -25,18 +24,18 @@ pub struct AdcPins {
 pub struct SimulatedAds8688 {
     pins: Rc<AdcPins>,
     registers: [u8; 64],
-    /// The channel that the next conversion frame converts; none after a reset.
+    /// The channel that the next conversion frame converts; `None` after a reset.
     selected: Option<usize>,
 }
 
-/// ±2.5 times the reference: codes to the reference, and that of 0 V.
+/// ±2.5 times the reference: codes per reference, and the code of 0 V.
 const BIPOLAR: (f64, f64) = (65536.0 / 5.0, 32768.0);
 const RANGE_REGISTER: usize = 0x05;
 
-/// The code of `volts`, `gain` codes to the reference with that of 0 V at `zero`.
+/// The code of `volts`, with `gain` codes per reference and the code `zero` for 0 V.
 fn code(volts: f64, gain: f64, zero: f64) -> u16 {
     let code = volts * (1.0 / REFERENCE) * gain + zero;
-    // To the nearest; the cast cuts off and saturates.
+    // To the nearest; the cast truncates and saturates.
     (code + 0.5) as u16
 }
 
@@ -47,7 +46,7 @@ pub fn adc_code(volts: f64) -> u16 {
 }
 
 impl SimulatedAds8688 {
-    /// As after power-up.
+    /// State after power-up.
     pub fn new(pins: Rc<AdcPins>) -> Self {
         Self {
             pins,
@@ -56,7 +55,7 @@ impl SimulatedAds8688 {
         }
     }
 
-    /// The code of `channel` as its range register says: offset binary over the range, saturated.
+    /// The code of `channel` in its register's range: offset binary over the range, saturated.
     #[inline]
     fn convert(&self, channel: usize) -> u16 {
         let (gain, zero) = match self.registers[RANGE_REGISTER + channel] & 0x7 {
@@ -74,7 +73,7 @@ impl SimulatedAds8688 {
         self.selected = None;
     }
 
-    /// What comes out while `sent` goes in, `length` bytes between the edges of chip select.
+    /// The bytes that come out while `sent` goes in, `length` bytes between the edges of chip select.
     #[inline]
     fn frame(&mut self, sent: Words, length: usize) -> Words {
         let [first, second, ..] = sent;
@@ -123,11 +122,11 @@ impl SpiDevice for SimulatedAds8688 {
 /// Largest frame of either part, bytes.
 const FRAME: usize = 4;
 
-/// A frame, whatever its length, with zeros behind it.
+/// A frame of any length, followed by zeros.
 pub(super) type Words = [u8; FRAME];
 
-/// Runs a transaction of one operation as one frame. More than one operation, or a longer frame, is not what these
-/// parts' drivers do: [`ErrorKind::Other`].
+/// Runs a transaction of one operation as one frame. These parts' drivers use neither several operations nor a longer frame:
+/// [`ErrorKind::Other`].
 #[inline]
 pub(super) fn one_frame(
     operations: &mut [Operation<'_, u8>],

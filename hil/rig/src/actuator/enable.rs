@@ -1,4 +1,4 @@
-//! Lines of one bit: the one that connects the valve to the servo amplifier, and those that supervise it.
+//! One-bit lines: the one that connects the valve to the servo amplifier, and those that supervise it.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -13,7 +13,7 @@ pub struct SimulatedEnable {
     stuck: Rc<Cell<bool>>,
 }
 
-/// A line at low level: the crate's end, and the level for the actuator's.
+/// A line at low level: the crate's end, and the level for the actuator's end.
 pub fn enable_line() -> (SimulatedEnable, Rc<Cell<bool>>) {
     let level = Rc::new(Cell::new(false));
     let line = SimulatedEnable {
@@ -24,7 +24,7 @@ pub fn enable_line() -> (SimulatedEnable, Rc<Cell<bool>>) {
 }
 
 impl SimulatedEnable {
-    /// While this is set, the line stays at the level that it has, and nothing says so.
+    /// While this is set, the line silently keeps its level.
     pub fn stuck(&self) -> Rc<Cell<bool>> {
         self.stuck.clone()
     }

@@ -1,5 +1,5 @@
-//! The simulated rig: a servo-hydraulic actuator, its sensors, and the converters and the line that connect them to the
-//! crate. Written in f64 and sharing no code with the crate, but for the bus traits that both speak.
+//! The simulated rig: a servo-hydraulic actuator, its sensors, and the converters and the line that connect them to the crate. It
+//! is written in f64 and shares no code with the crate except the bus traits of both.
 
 mod ad5761;
 mod ads8688;
@@ -13,15 +13,15 @@ pub use enable::{SimulatedEnable, SimulatedInput, enable_line};
 pub use sensor::{Sensor, SensorConfig, SensorFault};
 pub use servo::{Servo, ServoConfig, ServoFault};
 
-/// A field of a simulated part's configuration that makes no sense.
+/// An invalid field in a simulated part's configuration.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{field} = {value}: must be {must_be}")]
 pub struct InvalidField {
     /// The field's name.
     pub field: &'static str,
-    /// What was given.
+    /// The value given.
     pub value: f64,
-    /// What is allowed.
+    /// The condition on the value.
     pub must_be: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! A sensor with its amplifier: lag, gain, offset, noise; the converter that follows quantizes.
+//! A sensor with its amplifier: lag, gain, offset, noise; the converter after it quantizes.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -6,56 +6,56 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{InvalidField, not_negative, positive};
 
-/// What a sensor does to the quantity it measures.
+/// Properties of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorConfig {
     /// The quantity (mm, kN) that gives 10.24 V.
     pub full_scale: f64,
     /// Standard deviation of white noise at the tick rate, in the quantity's unit.
     pub noise: f64,
-    /// What it shows too much, in the quantity's unit.
+    /// Offset added to the quantity, in its unit.
     pub offset: f64,
     /// Time constant of its first-order lag, s; 0 for none.
     pub lag: f64,
 }
 
-/// What is wrong with a sensor.
+/// Fault of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SensorFault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
-    /// It stays where it was.
+    /// It keeps its value.
     Stuck,
     /// A broken wire: the amplifier's input is pulled beyond its range, to 12 V.
     Open,
     /// A broken wire to an amplifier whose input is held at ground: 0 V.
     DroppedOut,
-    /// The amplifier gives no more than what this quantity would give, in either direction.
+    /// The amplifier limits its output to that of this quantity, in either direction.
     Clipped(f64),
-    /// A sample in so many has this quantity added to it.
+    /// One sample in `every` has this quantity added to it.
     Spiking {
         /// In the quantity's unit.
         size: f64,
-        /// From one spike to the next, samples.
+        /// Distance from one spike to the next, samples.
         every: u64,
     },
-    /// It shows more by the sample: the quantity's unit a sample.
+    /// Its offset grows by this much per sample, in the quantity's unit.
     Drifting(f64),
 }
 
-/// A sensor at work.
+/// A running sensor.
 #[derive(Clone, Debug)]
 pub struct Sensor {
     config: SensorConfig,
-    /// What the lag lets through in one step, 1 − e^(−step/lag).
+    /// Part that the lag passes in one step, 1 − e^(−step/lag).
     share: f64,
     lagged: f64,
     volts: f64,
     random: ChaCha8Rng,
-    /// Samples with a fault.
+    /// Number of samples with a fault.
     faulty: u64,
-    /// Set it while running.
+    /// May be set while running.
     pub fault: SensorFault,
 }
 
@@ -68,7 +68,7 @@ impl Sensor {
     /// * `seed`, `stream`: of the noise
     ///
     /// # Errors
-    /// A full scale that is not positive, a negative noise or lag, or what is not finite.
+    /// A full scale that is not positive, a negative noise or lag, or a value that is not finite.
     pub fn new(
         config: SensorConfig,
         step: f64,

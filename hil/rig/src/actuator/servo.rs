@@ -1,27 +1,27 @@
-//! A servo-hydraulic actuator in closed position loop, working against a specimen.
+//! A servo-hydraulic actuator in a closed position loop, working against a specimen.
 //!
-//! - Amplifier: u = gain·(command(t − dead_time) − x)/flow_velocity, confined to ±1.
+//! - Amplifier: u = gain·(command(t − dead_time) − x)/flow_velocity, clamped to ±1.
 //! - Valve: s̈ + 2ζω·ṡ + ω²·s = ω²·u, |s| ≤ 1 (Merritt, Hydraulic Control Systems, 1967, ch. 7).
 //! - Flow, as piston velocity: q = flow_velocity·s·√(1 − sgn(s)·P/force_limit), P the force of the load pressure.
 //! - Oil column: Ṗ = oil_stiffness·(q − v − leakage·P), |P| ≤ force_limit.
-//! - Piston: m·v̇ = P − friction(v) − specimen(x, v), with Stribeck friction
-//!   (coulomb + (stiction − coulomb)/(1 + (v/stribeck)²))·sgn v + viscous·v; it sticks where that exceeds the rest.
+//! - Piston: m·v̇ = P − friction(v) − specimen(x, v), with Stribeck friction (coulomb + (stiction − coulomb)/(1 +
+//!   (v/stribeck)²))·sgn v + viscous·v. It sticks where the friction exceeds the other forces.
 //!
-//! One step is backward Euler in v, P and x, so that c·|v|^α with its infinite slope at v = 0 is a force that stops the
-//! piston and not a rattle. The new v is the root of a monotone function, sought by probing copies of the specimen; the
-//! copy that met it becomes the specimen. Opening and throttling are those of the step's beginning.
+//! One step is backward Euler in v, P and x, so that c·|v|^α with its infinite slope at v = 0 stops the piston instead of making it
+//! rattle. The new v is the root of a monotone function, found by probing copies of the specimen. The copy at the root becomes the
+//! specimen. Opening and throttling are those at the beginning of the step.
 
 use std::collections::VecDeque;
 
 use super::{InvalidField, not_negative, positive};
 use crate::specimen::DamperForce;
 
-/// What an actuator is made of.
+/// Parameters of an actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoConfig {
-    /// Of the position loop, 1/s.
+    /// Gain of the position loop, 1/s.
     pub gain: f64,
-    /// Of the command, s.
+    /// Dead time of the command, s.
     pub dead_time: f64,
     /// Natural frequency of the valve, Hz.
     pub valve_frequency: f64,
@@ -31,25 +31,25 @@ pub struct ServoConfig {
     pub flow_velocity: f64,
     /// Supply pressure times piston area, kN.
     pub force_limit: f64,
-    /// Of the oil columns on both sides, kN/mm.
+    /// Stiffness of the oil columns on both sides, kN/mm.
     pub oil_stiffness: f64,
-    /// Across the piston, mm/s of piston velocity per kN.
+    /// Leakage across the piston, mm/s of piston velocity per kN.
     pub leakage: f64,
-    /// Of piston and grip, kg.
+    /// Mass of piston and grip, kg.
     pub mass: f64,
     /// Friction while moving, kN.
     pub coulomb: f64,
     /// Friction near standstill, kN.
     pub stiction: f64,
-    /// Velocity at which half of their difference is gone, mm/s.
+    /// Velocity at which the friction is midway between both, mm/s.
     pub stribeck: f64,
-    /// kN·s/mm.
+    /// Viscous friction, kN·s/mm.
     pub viscous: f64,
 }
 
 impl Default for ServoConfig {
-    /// A 200 kN machine, as the paper's, with a short, stiff cylinder on hydrostatic bearings: 24 Hz of position loop, an
-    /// oil resonance at 650 Hz, 2 N of friction.
+    /// A 200 kN machine like the paper's, with a short, stiff cylinder on hydrostatic bearings: 24 Hz of position loop, an oil
+    /// resonance at 650 Hz, 2 N of friction.
     fn default() -> Self {
         Self {
             gain: 150.0,
@@ -69,24 +69,24 @@ impl Default for ServoConfig {
     }
 }
 
-/// What is wrong with an actuator.
+/// Fault of an actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ServoFault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
-    /// The valve is centred and takes no command: a broken wire, a relay that fell.
+    /// The valve is centred and ignores commands: a broken wire, a relay that fell.
     Dead,
-    /// The supply gives no more than this piston velocity, mm/s, 0 or more.
+    /// The supply limits the piston velocity to this value, mm/s, 0 or more.
     Saturated(f64),
-    /// It takes commands so many steps later than its dead time.
+    /// Commands arrive later than the dead time by this number of steps.
     Lagging(usize),
 }
 
-/// What a step takes from the configuration, worked out once: a division a step is a tenth of the step.
+/// Constants of a step, computed once from the configuration: one division per step would take a tenth of its time.
 #[derive(Clone, Copy, Debug)]
 struct Dynamics {
-    /// s, and 1/s.
+    /// Length of a step in s, and its inverse in 1/s.
     step: f64,
     rate: f64,
     /// Opening per mm of error.
@@ -94,13 +94,13 @@ struct Dynamics {
     /// ω² and 2ζω of the valve, 1/s² and 1/s.
     valve_stiffness: f64,
     valve_damping: f64,
-    /// Pressure force per mm/s of flow over a step, with the leakage's relief, kN·s/mm.
+    /// Pressure force per mm/s of flow over a step, reduced by the leakage, kN·s/mm.
     oil: f64,
     /// 1/(1 + step·oil_stiffness·leakage).
     relief: f64,
     /// Mass over the step, kN·s/mm.
     inertia: f64,
-    /// What the piston's velocity meets beside the specimen, kN·s/mm.
+    /// Resistance to the piston's velocity without the specimen, kN·s/mm.
     resistance: f64,
     /// 1/kN, s/mm.
     inverse_force_limit: f64,
@@ -129,7 +129,7 @@ impl Dynamics {
     }
 }
 
-/// An actuator and where it is.
+/// An actuator and its state.
 #[derive(Clone, Debug)]
 pub struct Servo<S> {
     config: ServoConfig,
@@ -144,25 +144,25 @@ pub struct Servo<S> {
     pressure_force: f64,
     displacement: f64,
     velocity: f64,
-    /// dF/dv of the specimen as the last step found it, kN·s/mm.
+    /// dF/dv of the specimen in the last step, kN·s/mm.
     slope: f64,
     force: f64,
-    /// Of the step before.
+    /// Force in the step before.
     force_before: f64,
-    /// Set it while running.
+    /// May be set while running.
     pub fault: ServoFault,
 }
 
-/// The balance of forces on the piston is met within this many kN: an eighth of a step of 16 bits over ±5 kN.
+/// The balance of forces on the piston is met within this many kN: an eighth of a 16-bit step over ±5 kN.
 const BALANCE: f64 = 2e-5;
 /// Enough to halve 1 m/s down to 1e-87 mm/s in the variable of [`velocity_of`].
 const MOST_PROBES: usize = 60;
 
 impl<S: DamperForce + Clone> Servo<S> {
-    /// At rest at 0 with the specimen unloaded.
+    /// At rest at 0, with the specimen unloaded.
     ///
     /// # Errors
-    /// The field that is negative, zero where that makes no sense, or not finite.
+    /// A field that is negative, zero where zero is not allowed, or not finite.
     pub fn new(config: ServoConfig, step: f64, specimen: S) -> Result<Self, InvalidField> {
         positive("step", step)?;
         positive("gain", config.gain)?;
@@ -199,7 +199,7 @@ impl<S: DamperForce + Clone> Servo<S> {
         })
     }
 
-    /// Moves on by one step with `command` in mm; while not `enabled` the valve is centred and takes no command.
+    /// Advances by one step with `command` in mm. While not `enabled`, the valve is centred and ignores commands.
     pub fn advance(&mut self, command: f64, enabled: bool) {
         self.commands.push_back(command);
         let later = match self.fault {
@@ -253,7 +253,7 @@ impl<S: DamperForce + Clone> Servo<S> {
         self.dynamics.step
     }
 
-    /// What it works against.
+    /// The specimen.
     pub fn specimen(&self) -> &S {
         &self.specimen
     }
@@ -277,10 +277,10 @@ impl<S: DamperForce + Clone> Servo<S> {
         std::mem::swap(&mut self.specimen, &mut self.trial);
     }
 
-    /// The v at which resistance·v + dry·sgn v + specimen(v) = drive; leaves the specimen at it in `trial`.
+    /// The v at which resistance·v + dry·sgn v + specimen(v) = drive; leaves the specimen at that v in `trial`.
     fn balance(&mut self, drive: f64, dry: f64) -> f64 {
         let resistance = self.dynamics.resistance;
-        // Where it would be if the specimen's force went on as before, and from there by Newton's rule with the last slope.
+        // Starts at the v for a force that continues as before, then uses Newton's rule with the last slope.
         let expected = 2.0 * self.force - self.force_before;
         self.force_before = self.force;
         let friction = if self.velocity == 0.0 {
@@ -322,7 +322,7 @@ impl<S: DamperForce + Clone> Servo<S> {
             let root = (near.0 * far.1 - far.0 * near.1) / (far.1 - near.1);
             velocity = velocity_of(root);
             excess = self.probe(velocity, drive, dry);
-            // Illinois: halve the weight of an end that stays twice.
+            // Illinois rule: halve the weight of an end that stays twice.
             if excess * far.1 < 0.0 {
                 near = far;
             } else {
@@ -333,7 +333,7 @@ impl<S: DamperForce + Clone> Servo<S> {
         velocity
     }
 
-    /// What is too much on the left side at velocity `v`; the specimen's force there goes to `force`.
+    /// Excess of the left side at velocity `v`; the specimen's force there goes to `force`.
     fn probe(&mut self, v: f64, drive: f64, dry: f64) -> f64 {
         let d = &self.dynamics;
         self.trial.clone_from(&self.specimen);
@@ -344,7 +344,7 @@ impl<S: DamperForce + Clone> Servo<S> {
             (v - self.velocity) * d.rate,
             d.step,
         );
-        // Dry friction takes whatever the rest leaves, up to its level, at standstill.
+        // At standstill dry friction balances the other forces, up to its level.
         let rest = d.resistance * v + self.force - drive;
         if v == 0.0 {
             rest - rest.clamp(-dry, dry)
@@ -354,7 +354,7 @@ impl<S: DamperForce + Clone> Servo<S> {
     }
 }
 
-/// In the fifth root of the velocity |v|^α is nearly straight through 0, so that secants find their way.
+/// In the fifth root of the velocity, |v|^α is nearly straight through 0, so that secants converge.
 fn root_of(velocity: f64) -> f64 {
     velocity.abs().powf(0.2).copysign(velocity)
 }

@@ -4,10 +4,10 @@ use mesh_damper::rig::{Knot, STREAM_QUEUE};
 
 use super::Motion;
 
-/// Knots that are given at a time.
+/// Number of knots given at a time.
 const BATCH: usize = STREAM_QUEUE / 2;
 
-/// The host's end of a stream. It counts the ticks, by which it knows which knots the rig has taken out of its queue.
+/// The host's end of a stream. It counts the ticks, and thus knows which knots the rig has taken from its queue.
 #[derive(Clone, Debug)]
 pub struct Feeder {
     knots: Vec<Knot>,
@@ -18,7 +18,7 @@ pub struct Feeder {
 }
 
 impl Feeder {
-    /// At the start of `motion`.
+    /// A feeder at the start of `motion`.
     pub fn new(motion: &Motion) -> Self {
         Self {
             knots: motion.knots().collect(),
@@ -29,20 +29,19 @@ impl Feeder {
         }
     }
 
-    /// Back to the start.
+    /// Returns to the start.
     pub fn restart(&mut self) {
         self.given = 0;
         self.ticks = 0;
         self.complete = false;
     }
 
-    /// The tick has been.
+    /// Counts a tick.
     pub fn tick(&mut self) {
         self.ticks += 1;
     }
 
-    /// What the rig is to have before its next tick: some knots, or an empty slice, once, where there are no more; to be asked
-    /// until there is nothing.
+    /// Knots that the rig needs before its next tick, or once an empty slice after the last knots. Call it until it returns `None`.
     pub fn due(&mut self) -> Option<&[Knot]> {
         let taken = self.ticks.div_ceil(self.knot_ticks) as usize;
         if self.complete || self.given.saturating_sub(taken) > BATCH {

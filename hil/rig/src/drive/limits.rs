@@ -1,8 +1,7 @@
-//! What a motion asks of actuator and rig, and whether they give it: known before anything moves.
+//! Demands of a motion on actuator and rig, and whether they can meet them, checked before anything moves.
 //!
-//! Displacement, velocity, acceleration and command are the motion's own. The force is that of a copy of the specimen along it, and
-//! the following error that of a copy of the actuator which is given the command as the rig begins it: demand, lead times
-//! velocity.
+//! Displacement, velocity, acceleration and command follow from the motion. The force is that of a copy of the specimen along it.
+//! The following error is that of a copy of the actuator with the command as the rig begins it: demand plus lead times velocity.
 
 use mesh_damper_recording::error::{InputError, Place as Where};
 
@@ -11,10 +10,10 @@ use crate::actuator::Servo;
 use crate::specimen::DamperForce;
 use crate::{RigSetup, SetupError};
 
-/// Part of a limit that a motion may ask for: what the sensors' noise and the feedback add has the rest.
+/// Part of a limit that a motion may use; the rest is for the sensors' noise and the feedback.
 const USABLE: f64 = 0.95;
 
-/// The largest that a motion asks for, in either direction.
+/// Largest demands of a motion, in either direction.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Demands {
@@ -28,17 +27,17 @@ pub struct Demands {
     pub command_mm: f64,
     /// Force of the specimen and of the actuator's own mass, kN.
     pub force_kn: f64,
-    /// Distance of the actuator from the demand, mm.
+    /// Difference between actuator and demand, mm.
     pub following_error_mm: f64,
-    /// RMS of that, mm.
+    /// RMS of that difference, mm.
     pub following_error_rms_mm: f64,
 }
 
-/// What the motion of `setup` asks for, which was multiplied by `scale` already.
+/// The demands of the motion of `setup`, to which `scale` was already applied.
 ///
 /// # Errors
-/// A setup without a motion, an actuator that cannot be so, or what is asked for and not given: its value, its limit, and the scale
-/// that would do.
+/// A setup without a motion, an invalid actuator, or a demand beyond its limit: with its value, the limit, and a scale that meets
+/// it.
 pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
     setup: &RigSetup<S, B, N>,
     scale: f64,
@@ -69,7 +68,7 @@ pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
             setup.stream.velocity_limit.min(servo.flow_velocity),
             "mm/s",
         ),
-        // The valve opens no faster than it answers, and the oil gives no more than its force.
+        // The valve opens no faster than it responds, and the oil gives no more than its force.
         (
             "acceleration",
             demands.acceleration_mm_s2,
@@ -104,12 +103,12 @@ pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
 }
 
 fn beyond(field: &str, scale: f64, value: f64, limit: f64, unit: &str) -> InputError {
-    // Two digits, rounded down. What friction makes of a force does not shrink with the motion: it may take a second try.
+    // Two digits, rounded down. The effect of friction on the force does not scale with the motion, so a second try may be needed.
     let scale = scale * limit / value;
     let digit = 10f64.powf(scale.abs().log10().floor() - 1.0);
     let scale = (scale / digit).trunc() * digit;
     let problem = format!("{value:.4} {unit} is beyond the {limit:.4} {unit} that the rig drives");
-    // Without what a binary fraction leaves after those digits.
+    // Without the residue of a binary fraction after those digits.
     let mend = format!(
         "run it smaller, with --scale {}",
         format!("{scale:.9}").trim_end_matches('0')

@@ -1,7 +1,7 @@
-//! Any motion for the rig to follow: what a recording moved, or a band of frequencies with random phases.
+//! Any motion for the rig to follow: one from a recording, or a band of frequencies with random phases.
 //!
-//! A [`Motion`] begins and ends at rest at 0. What was recorded is led in and out in addition, so that nothing of it is left
-//! out; [`limits`] says before a run what it asks of actuator and rig. A [`Feeder`] gives a rig its knots in time.
+//! A [`Motion`] begins and ends at rest at 0. Ramps are added before and after a recorded motion, so that nothing of it is left
+//! out. [`limits`] states its demands on actuator and rig before a run. A [`Feeder`] gives a rig its knots in time.
 
 mod feeder;
 pub mod limits;
@@ -14,10 +14,10 @@ pub use recorded::{Recorded, recorded};
 
 use mesh_damper::rig::Knot;
 
-/// Time from knot to knot, s, as near as the ticks come: cubics between such knots meet 100 Hz within 4e-4 of its amplitude.
+/// Time from knot to knot, s, rounded to whole ticks: cubics between such knots follow 100 Hz within 4e-4 of its amplitude.
 const KNOT_TIME: f64 = 1e-3;
 
-/// At which ticks a motion has its knots.
+/// The ticks at which a motion has its knots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     tick_rate: f64,
@@ -25,7 +25,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// At `tick_rate` Hz, 1…1e6: a knot each millisecond, or at each tick where these are longer.
+    /// The grid for `tick_rate` Hz, 1…1e6: a knot every millisecond, or at every tick if ticks are longer.
     pub fn at(tick_rate: f64) -> Self {
         Self {
             tick_rate,
@@ -33,7 +33,7 @@ impl Grid {
         }
     }
 
-    /// Hz
+    /// Tick rate, Hz.
     pub fn tick_rate(&self) -> f64 {
         self.tick_rate
     }
@@ -49,29 +49,29 @@ impl Grid {
     }
 }
 
-/// Where a motion is: displacement, velocity and acceleration in mm, mm/s and mm/s².
+/// Position of a motion: displacement, velocity and acceleration in mm, mm/s and mm/s².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
-    /// mm
+    /// Displacement, mm.
     pub displacement: f64,
-    /// mm/s
+    /// Velocity, mm/s.
     pub velocity: f64,
-    /// mm/s²
+    /// Acceleration, mm/s².
     pub acceleration: f64,
 }
 
-/// A displacement in mm with its velocity in mm/s at equal steps of time, a cubic from each to the next.
+/// Displacement in mm and velocity in mm/s at equal time steps, with a cubic from each to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     grid: Grid,
     /// At least two; the first and the last are at rest at 0.
     knots: Vec<[f64; 2]>,
-    /// Knots of the ramps at both ends.
+    /// Number of knots of the ramps at both ends.
     ramps: [usize; 2],
 }
 
 impl Motion {
-    /// `core` with what leads to it and from it.
+    /// `core` with the ramps to it and from it.
     fn new(
         grid: Grid,
         mut lead_in: Vec<[f64; 2]>,
@@ -88,22 +88,22 @@ impl Motion {
         }
     }
 
-    /// At which ticks its knots are.
+    /// The ticks of its knots.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// From rest to rest, s.
+    /// Duration from rest to rest, s.
     pub fn duration(&self) -> f64 {
         (self.knots.len() - 1) as f64 * self.grid.step()
     }
 
-    /// How long the ramps at its beginning and at its end take, s.
+    /// Durations of the ramps at its beginning and at its end, s.
     pub fn ramps(&self) -> [f64; 2] {
         self.ramps.map(|knots| knots as f64 * self.grid.step())
     }
 
-    /// Where it is `time` s after its start; at rest at 0 before and after it.
+    /// Its position `time` s after its start; at rest at 0 before and after it.
     pub fn at(&self, time: f64) -> Place {
         let knots = time / self.grid.step();
         let last = self.knots.len() - 1;
@@ -119,7 +119,7 @@ impl Motion {
         )
     }
 
-    /// As a rig takes them: the knots after the first, at which it stands when it starts.
+    /// The knots for a rig: those after the first, at which the rig stands when it starts.
     pub fn knots(&self) -> impl ExactSizeIterator<Item = Knot> {
         self.knots[1..]
             .iter()
@@ -129,14 +129,14 @@ impl Motion {
             })
     }
 
-    /// RMS of the displacement but for the ramps, mm.
+    /// RMS of the displacement without the ramps, mm.
     pub fn rms(&self) -> f64 {
         let core = &self.knots[self.ramps[0]..self.knots.len() - self.ramps[1]];
         let squares: f64 = core.iter().map(|[y, _]| y * y).sum();
         (squares / core.len() as f64).sqrt()
     }
 
-    /// The largest displacement, velocity and acceleration in either direction, of all knots.
+    /// The largest displacement, velocity and acceleration of all knots in either direction.
     pub fn peaks(&self) -> Place {
         let mut peaks = Place::default();
         for pair in self.knots.windows(2) {
@@ -151,7 +151,7 @@ impl Motion {
     }
 }
 
-/// The cubic from one displacement and velocity to others `time` s later, after `part` of that, 0…1.
+/// The cubic from one displacement and velocity to another `time` s later, at `part` of that time, 0…1.
 fn cubic([y0, v0]: [f64; 2], [y1, v1]: [f64; 2], time: f64, part: f64) -> Place {
     let mean = (y1 - y0) / time;
     let bend = 3.0 * mean - 2.0 * v0 - v1;

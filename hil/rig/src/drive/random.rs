@@ -1,5 +1,5 @@
-//! A band of frequencies with random phases, all of one amplitude: it repeats after its duration, and holds power nowhere
-//! else (a multisine: Pintelon and Schoukens, System Identification, 2012, ch. 2).
+//! A band of frequencies with random phases and equal amplitudes. It repeats after its duration, and has no power outside the band
+//! (a multisine: Pintelon and Schoukens, System Identification, 2012, ch. 2).
 
 use std::f64::consts::TAU;
 
@@ -15,21 +15,21 @@ const FORM: &str =
     "write random:rms=0.1mm,from=0.5Hz,to=20Hz,duration=30s,seed=1; only the seed may be left out";
 /// The longest motion, s.
 const LONGEST: f64 = 3600.0;
-/// Periods of the lowest frequency that its ramps take, s.
+/// Length of its ramps, s: one period of the lowest frequency, clamped to this range.
 const RAMP: [f64; 2] = [0.2, 5.0];
 
-/// What such a motion is made of.
+/// Parameters of such a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RandomMotion {
     /// RMS of the displacement, mm, 1e-6…1e4.
     pub rms: f64,
-    /// Lowest frequency, Hz, at least one cycle in the duration.
+    /// Lowest frequency, Hz, with at least one cycle in the duration.
     pub from: f64,
     /// Highest frequency, Hz, above the lowest and at most a tenth of the knots' rate, 100 Hz at ticks of 1 kHz and more.
     pub to: f64,
-    /// Without its ramps, s, up to an hour.
+    /// Duration without its ramps, s, up to an hour.
     pub duration: f64,
-    /// Of the phases.
+    /// Seed of the phases.
     pub seed: u64,
 }
 
@@ -37,7 +37,7 @@ fn refused(field: &str, problem: String, mend: impl Into<String>) -> InputError 
     InputError::new("random motion", problem, mend).at(Place::Field(field.into()))
 }
 
-/// A number with a unit of `units`, or without one, in the first of these.
+/// A number with one of `units`, or without a unit, in which case the first of them applies.
 fn quantity(field: &str, text: &str, units: &[(&str, f64)]) -> Result<f64, InputError> {
     let digits = text.trim_end_matches(|c: char| c.is_alphabetic());
     let unit = &text[digits.len()..];
@@ -65,11 +65,11 @@ fn quantity(field: &str, text: &str, units: &[(&str, f64)]) -> Result<f64, Input
 }
 
 impl RandomMotion {
-    /// What `text` says: `rms=0.1mm,from=0.5Hz,to=20Hz,duration=30s,seed=1`, in any order; the units may be left out, and the
-    /// seed, which is 1 then.
+    /// Parses `text`: `rms=0.1mm,from=0.5Hz,to=20Hz,duration=30s,seed=1`, in any order. Units are optional, and so is the seed,
+    /// which is 1 by default.
     ///
     /// # Errors
-    /// The field that is missing, given twice, unknown, or that cannot be so.
+    /// The field that is missing, given twice, unknown, or invalid.
     pub fn parse(text: &str) -> Result<Self, InputError> {
         let [mut rms, mut from, mut to, mut duration] = [None; 4];
         let mut seed = None;
@@ -114,7 +114,8 @@ impl RandomMotion {
         })
     }
 
-    /// The motion on `grid`. Its duration becomes a whole number of knots, its frequencies are multiples of one over that.
+    /// The motion on `grid`. Its duration is rounded to a whole number of knots; its frequencies are multiples of the inverse of
+    /// the duration.
     ///
     /// # Errors
     /// The field that is out of its range.
@@ -132,7 +133,7 @@ impl RandomMotion {
         }
         let count = (self.duration / grid.step()).round() as usize;
         let period = count as f64 * grid.step();
-        // What a decimal frequency is off its line by is no reason to leave the line out.
+        // A line is included even if a decimal frequency is off it by rounding.
         let first = (self.from * period - 1e-6).ceil().max(1.0) as usize;
         let last = (self.to * period + 1e-6).floor() as usize;
         if first > last || last >= count / 2 {
@@ -156,7 +157,7 @@ impl RandomMotion {
         let velocity = summed(lines.iter().map(|line| line[1]).collect(), count);
         let ramp_time = (1.0 / self.from).clamp(RAMP[0], RAMP[1]);
         let ramp = (ramp_time / grid.step()).ceil() as usize;
-        // It repeats, so that it is there before its start and after its end.
+        // The motion is periodic, so it exists before its start and after its end.
         let at = |knot: usize| [displacement[knot % count], velocity[knot % count]];
         let faded = |knot: usize, done: usize, sign: f64| {
             let s = done as f64 / ramp as f64;
@@ -181,7 +182,7 @@ fn summed(mut lines: Vec<Complex<f64>>, count: usize) -> Vec<f64> {
     let mut samples = plan.make_output_vec();
     match plan.process(&mut lines, &mut samples) {
         Ok(()) => samples,
-        // Only for lines that are not real where they have to be, and there are none.
+        // Possible only for lines that must be real and are not, and there are none.
         Err(_) => vec![0.0; count],
     }
 }

@@ -1,7 +1,7 @@
 //! A recorded motion, to be run again.
 //!
-//! Displacement and velocity are estimated as a trace estimates them, by cubics over windows that leave the noise out: a
-//! rig that followed the noise would shake. What was left out is said. From sample to sample the cubic that meets both leads.
+//! Displacement and velocity are estimated as in a trace, by cubics over windows that reject the noise, because a rig that followed
+//! the noise would shake. The rejected part is reported. Between samples the motion is the cubic that meets both.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::{InputError, Place as Where};
@@ -9,22 +9,22 @@ use mesh_damper_recording::motion::MotionEstimate;
 
 use super::{Grid, Motion, Place, cubic};
 
-/// Ramps that are tried, s: the first by which nothing exceeds the motion's own peaks is taken, or the gentlest.
+/// Durations of ramps to try, s: the first one that exceeds none of the motion's own peaks is used, else the gentlest.
 const RAMPS: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0];
 
-/// A motion out of a recording.
+/// A motion from a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     /// From rest to rest.
     pub motion: Motion,
-    /// RMS of what was taken for the displacement's noise and left out, mm, scaled as the motion is.
+    /// RMS of the part that was taken for displacement noise and rejected, mm, scaled like the motion.
     pub left_out: f64,
 }
 
-/// The displacement of `recording`, with `shift` mm added and then times `scale`, on `grid`.
+/// The displacement of `recording` on `grid`, with `shift` mm added and then multiplied by `scale`.
 ///
 /// # Errors
-/// A scale or a shift that is no number, a recording with a gap, or one shorter than two knots.
+/// A scale or a shift that is not a number, a recording with a gap, or one shorter than two knots.
 pub fn recorded(
     recording: &Recording,
     scale: f64,
@@ -87,7 +87,7 @@ pub fn recorded(
         acceleration: scale * estimate.acceleration[sample],
     };
     let lead_in = lead(&end(0, 0, 1.0), &peaks, grid);
-    // The way out is a way in, backwards in time.
+    // The ramp out is a ramp in, reversed in time.
     let lead_out = lead(&end(count, last, -1.0), &peaks, grid);
     let lead_out = lead_out.into_iter().rev().map(|[y, v]| [y, -v]).collect();
     Ok(Recorded {

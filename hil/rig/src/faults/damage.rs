@@ -1,4 +1,4 @@
-//! A specimen that can be damaged while it is tested, settles after its start and changes with the temperature.
+//! A specimen that can be damaged during a test, settles after its start and changes with the temperature.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -8,30 +8,29 @@ use mesh_damper_reference::tables;
 
 use crate::specimen::{DamperForce, REFERENCE_TEMPERATURE};
 
-/// What state a specimen is in.
+/// Condition of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
-    /// Part of the elastic force that is there.
+    /// Remaining part of the elastic force.
     pub stiffness: f64,
-    /// Part of the friction that is there.
+    /// Remaining part of the friction.
     pub friction: f64,
-    /// Half width of the gap that has opened, mm. In it there is no friction either, where it is wider than a fiftieth of the
-    /// amplitude.
+    /// Half width of the gap that has opened, mm. Inside a gap wider than a fiftieth of the amplitude there is no friction either.
     pub gap: f64,
-    /// kN.
+    /// Preload, kN.
     pub preload: f64,
-    /// Of what has seized beside it, kN/mm.
+    /// Stiffness of seized parts, in addition, kN/mm.
     pub added_stiffness: f64,
-    /// Of what damps beside it, or drives where it is negative, kN·s/mm.
+    /// Additional damping, kN·s/mm; a negative value drives the motion.
     pub added_damping: f64,
-    /// °C.
+    /// Temperature, °C.
     pub temperature: f64,
-    /// Part of the force that it loses for each degree beyond 20 °C, 1/°C.
+    /// Relative loss of force per degree above 20 °C, 1/°C.
     pub warm_loss: f64,
 }
 
 impl Condition {
-    /// Whole, at the reference temperature.
+    /// Undamaged, at the reference temperature.
     pub const NEW: Self = Self {
         stiffness: 1.0,
         friction: 1.0,
@@ -44,16 +43,16 @@ impl Condition {
     };
 }
 
-/// Eq 13 in a condition that whoever holds the other end of `condition` sets.
+/// Eq 13 in a condition that the owner of the other end of `condition` sets.
 #[derive(Clone, Debug)]
 pub struct Damaged {
     coefficients: Coefficients,
-    /// Half width up to which a gap takes no friction, mm.
+    /// Half width up to which a gap does not affect friction, mm.
     narrow: f64,
     condition: Rc<Cell<Condition>>,
 }
 
-/// Part of the amplitude up to which a gap is narrow: its wires do not all let go at one place, so that there is still friction.
+/// Part of the amplitude up to which a gap is narrow: its wires do not all separate at one position, so that friction remains.
 const NARROW: f64 = 0.02;
 
 impl Damaged {
@@ -68,7 +67,7 @@ impl Damaged {
         (specimen, condition)
     }
 
-    /// Of its eq 13 while whole.
+    /// Coefficients of its eq 13 while undamaged.
     pub fn coefficients(&self) -> Coefficients {
         self.coefficients
     }

@@ -1,4 +1,4 @@
-//! Many cycles of a healthy specimen, which settles after its start and is warmed and cooled, in surroundings that are not quiet.
+//! Many cycles of a healthy specimen, which settles after its start and is warmed and cooled, in noisy surroundings.
 
 use mesh_damper::health::Channel;
 use mesh_damper::rig::State;
@@ -10,22 +10,22 @@ use crate::signals::{Interference, OnChannel, OnTemperature};
 use crate::specimen::REFERENCE_TEMPERATURE;
 use crate::{Bench, RigSetup, SetupError};
 
-/// Hz: the least ticks to the cycle, and with them the most noise.
+/// Frequency, Hz: the fewest ticks per cycle, and thus the most noise.
 const FREQUENCY: f64 = 10.0;
-/// Part of its force that it loses while it beds in, and cycles in which that settles.
+/// Part of its force that it loses while it beds in, and the cycles of that.
 const RUN_IN: (f64, f64) = (0.1, 25.0);
 /// Loss of force per degree, 1/°C.
 const WARM_LOSS: f64 = 0.004;
-/// °C: of a chamber that warms in so many cycles, and of what swings about that with so many.
+/// Temperature rise of a chamber in °C with the number of cycles in which it warms, and a swing about it with its number of cycles.
 const CHAMBER: (f64, f64) = (20.0, 600.0);
 const SWING: (f64, f64) = (5.0, 1000.0);
 
-/// What goes on beside the test. The specimen settles, and the chamber warms, in all of them.
+/// Disturbances during the test. In all of them the specimen settles, and the chamber warms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Surroundings {
-    /// Nothing else.
+    /// No further disturbance.
     Settling,
     /// Both channels pick up the mains, 0.2 % of their amplitudes.
     Hum,
@@ -50,7 +50,7 @@ impl Surroundings {
         Self::TemperatureNoise,
     ];
 
-    /// What it does to the signals, of channels with amplitudes of these voltages.
+    /// Its interference with the signals, for channels with amplitudes of these voltages.
     fn interference(self, volts: [f64; 2]) -> Vec<Interference> {
         let channels = [Channel::Displacement, Channel::Force]
             .into_iter()
@@ -82,7 +82,7 @@ impl Surroundings {
         }
     }
 
-    /// Amplitudes over the largest one, with the part of the cycles that each takes.
+    /// Amplitudes relative to the largest one, with the part of the cycles of each.
     fn blocks(self) -> &'static [(f64, f64)] {
         match self {
             Self::Blocks => &[(0.6, 0.25), (1.0, 0.25), (0.8, 0.25), (0.5, 0.25)],
@@ -94,33 +94,33 @@ impl Surroundings {
 /// Cycles from one pause to the next.
 const PAUSE_EVERY: u32 = 60;
 
-/// What came of them.
+/// Results of a healthy run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Healthy {
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm.
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// RMS of the force channel's noise over that of the force.
+    /// RMS of the force channel's noise divided by that of the force.
     pub noise: f64,
-    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
     pub follow: f64,
-    /// What went on beside the test.
+    /// Disturbances during the test.
     pub surroundings: Surroundings,
-    /// Run.
+    /// Number of cycles run.
     pub cycles: u32,
-    /// Faults that were named, and stops, each with its cycle.
+    /// Faults reported and stops, each with its cycle.
     pub false_alarms: Vec<(u32, String)>,
-    /// What else was named: run-in and temperature.
+    /// Other reports: run-in and temperature.
     pub noted: Vec<(u32, String)>,
 }
 
-/// Runs `cycles` with `noise` and `follow` as in [`Healthy`]. After a false alarm events are cleared, and the rig is started again
-/// where it had stopped.
+/// Runs `cycles` with `noise` and `follow` as in [`Healthy`]. After a false alarm the events are cleared, and a stopped rig is
+/// started again.
 ///
 /// # Errors
-/// A setup that one of its parts refuses.
+/// A setup that one of its parts rejects.
 pub fn run_healthy(
     (density, amplitude): (f64, f64),
     (noise, follow): (f64, f64),
@@ -185,13 +185,13 @@ pub fn run_healthy(
                 if telemetry.command == 0.0 {
                     let stopped = format!("stop: {cause:?}");
                     healthy.false_alarms.push((healthy.cycles, stopped));
-                    // A rig at rest forgets its fault.
+                    // A rig at rest can clear its fault.
                     if bench.rig.clear().is_err() || bench.rig.start().is_err() {
                         break;
                     }
                 }
             }
-            // A start is refused until it has come to rest.
+            // A start is refused until the rig has come to rest.
             State::Idle | State::Done => {
                 if telemetry.command == 0.0 {
                     bench.rig.start()?;
@@ -202,7 +202,7 @@ pub fn run_healthy(
     Ok(healthy)
 }
 
-/// The specimen after so many cycles.
+/// The specimen after this many cycles.
 fn settled(cycle: f64) -> Condition {
     let (loss, settling) = RUN_IN;
     let left = 1.0 - loss * (1.0 - (-cycle / settling).exp());

@@ -1,4 +1,4 @@
-//! The kinds of faults, how they are put into the rig, and what they should be called.
+//! The kinds of faults, how they are injected into the rig, and their correct names.
 
 use std::cell::Cell;
 use std::f64::consts::TAU;
@@ -10,7 +10,7 @@ use super::damage::{Condition, Damaged};
 use crate::Plant;
 use crate::actuator::{SensorFault, ServoFault};
 
-/// What is faulty.
+/// The faulty part of the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -24,7 +24,7 @@ pub enum Group {
 }
 
 impl Group {
-    /// Cycles within which its faults are to be found.
+    /// Cycles within which its faults must be found.
     pub fn cycles(self) -> f64 {
         match self {
             Self::Specimen => 5.0,
@@ -33,7 +33,7 @@ impl Group {
     }
 }
 
-/// A kind of fault. What its size is stands at [`InjectedFault::sizes`].
+/// A kind of fault. [`InjectedFault::sizes`] describes its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -63,9 +63,9 @@ pub enum InjectedFault {
     ActuatorDead,
 }
 
-/// What a drift has come to where it counts as a fault, part of the amplitude.
+/// Amount at which a drift counts as a fault, as a part of the amplitude.
 const DRIFTED: f64 = 0.05;
-/// Ticks from one spike to the next: a prime, so that they come at every place of a cycle.
+/// Ticks from one spike to the next: a prime, so that spikes come at every position of a cycle.
 const SPIKES_EVERY: u64 = 337;
 
 impl InjectedFault {
@@ -92,9 +92,9 @@ impl InjectedFault {
         Self::ActuatorDead,
     ];
 
-    /// Sizes that are tried: the part of force, or of friction, that is gone; a gap's half width over the amplitude; a preload,
-    /// a spike, or a drift in one cycle, over the amplitude of its channel; the level at which a channel is cut off over that;
-    /// the largest speed over the one demanded; a lag in rad. 1 where there is nothing to size.
+    /// Sizes to try: the lost part of force or of friction; a gap's half width relative to the amplitude; a preload, a spike, or a
+    /// drift per cycle, relative to the amplitude of its channel; the clipping level of a channel relative to the same; the largest
+    /// speed relative to the demanded one; a lag in rad. 1 for a kind without a size.
     pub fn sizes(self) -> &'static [f64] {
         match self {
             Self::WireBreakage | Self::FrictionWear => &[0.05, 0.1, 0.2],
@@ -109,7 +109,7 @@ impl InjectedFault {
         }
     }
 
-    /// What it is a fault of.
+    /// The part of the rig that is faulty.
     pub fn group(self) -> Group {
         match self {
             Self::WireBreakage | Self::FrictionWear | Self::Loosening | Self::PreloadShift => {
@@ -120,7 +120,7 @@ impl InjectedFault {
         }
     }
 
-    /// What it should be called.
+    /// Its correct name.
     pub fn cause(self) -> HealthCause {
         let (displacement, force) = (Channel::Displacement, Channel::Force);
         match self {
@@ -146,7 +146,7 @@ impl InjectedFault {
         }
     }
 
-    /// Cycles from its beginning until it counts as there: a drift has to come to 5 % of the amplitude.
+    /// Cycles from its beginning until it counts as present: a drift must reach 5 % of the amplitude.
     pub fn lead(self, size: f64) -> f64 {
         match self {
             Self::DisplacementDrifting | Self::ForceDrifting => DRIFTED / size,
@@ -154,7 +154,7 @@ impl InjectedFault {
         }
     }
 
-    /// Puts it into `plant`, whose specimen moves by ±`amplitude` mm at `frequency` Hz and gives ±`force` kN.
+    /// Injects it into `plant`, whose specimen moves by ±`amplitude` mm at `frequency` Hz and gives ±`force` kN.
     pub(super) fn inject(
         self,
         size: f64,
@@ -213,15 +213,15 @@ impl InjectedFault {
     }
 }
 
-/// What a healthy rig does.
+/// Motion of a healthy rig.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HealthyMotion {
-    /// mm.
+    /// Amplitude, mm.
     pub(super) amplitude: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub(super) frequency: f64,
     /// Largest force, kN.
     pub(super) force: f64,
-    /// s.
+    /// Length of a tick, s.
     pub(super) tick: f64,
 }

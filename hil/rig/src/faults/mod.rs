@@ -1,5 +1,5 @@
-//! The fault campaign: what the rig's monitor finds of faults that are put into specimen, sensors and actuator at a moment
-//! that it does not know, what it calls them, and how often it cries wolf.
+//! The fault campaign: which faults the rig's monitor finds that are injected into specimen, sensors and actuator at an unknown
+//! moment, how it names them, and how often it raises a false alarm.
 
 mod attack;
 mod damage;
@@ -31,39 +31,40 @@ pub use trial::{Outcome, Trial, run_trial, run_trial_with};
 
 use crate::SetupError;
 
-/// What a campaign is made of.
+/// Contents of a campaign.
 #[derive(Clone, Debug)]
 pub struct Campaign {
     /// Kinds of faults.
     pub kinds: Vec<InjectedFault>,
     /// Density in g/cm³, amplitude in mm, frequency in Hz.
     pub specimens: Vec<(f64, f64, f64)>,
-    /// RMS of the force channel's noise over that of the force.
+    /// RMS of the force channel's noise divided by that of the force.
     pub noises: Vec<f64>,
-    /// Parts of the cycle at which faults begin: at other places in an eighth of it each, by which the actuator is watched.
+    /// Parts of the cycle at which faults begin, each at another position within an eighth of a cycle, because the actuator is
+    /// watched by eighths.
     pub moments: Vec<f64>,
-    /// Healthy cycles, spread over the specimens.
+    /// Number of healthy cycles, spread over the specimens.
     pub healthy_cycles: u32,
     /// Attacks.
     pub attacks: Attacks,
 }
 
-/// How many attacks a campaign has.
+/// Number of attacks in a campaign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Attacks {
-    /// One in so many of the attacks alone and of the pairs that are known to be hard; 0 for none.
+    /// One in this many of the single attacks and of the pairs that are known to be hard; 0 for none.
     pub one_in: usize,
-    /// Pairs that are drawn.
+    /// Number of drawn pairs.
     pub pairs: u32,
-    /// Trials that the adversary draws, and the number of the first.
+    /// Number of trials that the adversary draws, and the number of the first.
     pub adversary: u32,
-    /// That number.
+    /// Number of the first.
     pub first: u64,
 }
 
 impl Campaign {
-    /// All of it: every kind in every size on four specimens at three levels of noise, every attack likewise, 1000 pairs of attacks
-    /// beside those that are known to be hard, and 1e5 healthy cycles.
+    /// The whole campaign: every kind in every size on four specimens at three levels of noise, every attack in the same way, 1000
+    /// pairs of attacks in addition to those that are known to be hard, and 1e5 healthy cycles.
     pub fn whole() -> Self {
         Self {
             kinds: InjectedFault::ALL.into(),
@@ -91,7 +92,7 @@ impl Campaign {
             noises: vec![0.01],
             moments: vec![0.356, 0.919],
             healthy_cycles: 18_000,
-            // Of six trials to a kind and size, each time another.
+            // Of six trials per kind and size, a different one each time.
             attacks: Attacks {
                 one_in: 5,
                 pairs: 12,
@@ -118,8 +119,8 @@ impl Campaign {
         }
     }
 
-    /// What is tried on an image: every kind in every size at two moments, in the second with a law that follows, on
-    /// one specimen at the largest noise, and a third of such attacks.
+    /// The campaign for an image: every kind in every size at two moments, at the second with adaptation, on one specimen at the
+    /// largest noise, and a third of such attacks.
     pub fn on_image() -> Self {
         Self {
             specimens: vec![(3.0, 0.1, 10.0)],
@@ -134,7 +135,7 @@ impl Campaign {
         }
     }
 
-    /// Every trial of it, numbered by its seed.
+    /// All trials, numbered by their seeds.
     pub fn trials(&self) -> Vec<Trial> {
         let mut all = Vec::new();
         for &kind in &self.kinds {
@@ -144,7 +145,7 @@ impl Campaign {
                 {
                     for (loudness, &noise) in self.noises.iter().enumerate() {
                         for (part, &moment) in self.moments.iter().enumerate() {
-                            // Every second one, at every moment, noise and specimen.
+                            // Every second trial, at every moment, noise and specimen.
                             let follows = (specimen + loudness + part) % 2 == 1;
                             all.push(Trial {
                                 kind,
@@ -165,7 +166,7 @@ impl Campaign {
         all
     }
 
-    /// Every attack of it.
+    /// All attacks.
     pub fn attack_trials(&self) -> AttackTrials {
         let some = |trials: Vec<AttackTrial>| match self.attacks.one_in {
             0 => Vec::new(),
@@ -187,7 +188,7 @@ impl Campaign {
         }
     }
 
-    /// Every slow change of it, at the largest noise.
+    /// All slow changes, at the largest noise.
     pub fn slow_changes(&self) -> Vec<SlowChange> {
         let mut all = Vec::new();
         for (changing, size) in SlowChange::SIZES {
@@ -209,11 +210,11 @@ impl Campaign {
         self.noises.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Runs it; `done` is called after each trial, each slow change, and the healthy cycles of each specimen, with a law that
-    /// stays and with one that follows.
+    /// Runs it. `done` is called after each trial, each slow change, and the healthy cycles of each specimen, without adaptation
+    /// and with it.
     ///
     /// # Errors
-    /// A setup that one of its parts refuses.
+    /// A setup that one of its parts rejects.
     pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Summary, SetupError> {
         let outcomes: Vec<Outcome> = self
             .trials()
@@ -264,7 +265,7 @@ impl Campaign {
         Ok(Summary::of(outcomes, slow, healthy, attacks))
     }
 
-    /// Every specimen with a law that stays and with one that follows, in all surroundings; two thirds of the cycles in those of
+    /// Every specimen without and with adaptation, in all surroundings; two thirds of the cycles are in those of
     /// [`Surroundings::Settling`], which take longest.
     fn healthy_runs(&self) -> Vec<HealthyRun> {
         if self.healthy_cycles == 0 {
@@ -292,14 +293,14 @@ impl Campaign {
         runs
     }
 
-    /// How often [`Campaign::run`] calls `done`.
+    /// Number of times that [`Campaign::run`] calls `done`.
     pub fn steps(&self) -> u64 {
         let faults = self.trials().len() + self.slow_changes().len() + self.healthy_runs().len();
         (faults + self.attack_trials().len()) as u64
     }
 }
 
-/// A healthy run to come.
+/// A healthy run to do.
 struct HealthyRun {
     specimen: (f64, f64),
     follow: f64,
@@ -314,22 +315,23 @@ pub struct AttackTrials {
     pub singles: Vec<AttackTrial>,
     /// Two attacks each.
     pub pairs: Vec<AttackTrial>,
-    /// Up to four, drawn.
+    /// Up to four attacks each, drawn.
     pub adversary: Vec<AttackTrial>,
 }
 
 impl AttackTrials {
-    /// How many there are.
+    /// Number of trials.
     pub fn len(&self) -> usize {
         self.singles.len() + self.pairs.len() + self.adversary.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Those whose attack also acts on a controller that is asked for each tick over a link: it never finds that link silent.
+    /// The trials whose attacks also act on a controller that is asked for each tick over a link: such a controller never finds
+    /// that link silent.
     pub fn over_a_link(mut self) -> Self {
         let is_heard = |trial: &AttackTrial| {
             let mut kinds = trial.attacks.iter().map(|attack| attack.kind);
@@ -341,10 +343,10 @@ impl AttackTrials {
         self
     }
 
-    /// Has `run` run each of them, several at once.
+    /// Runs each trial by `run`, several at once.
     ///
     /// # Errors
-    /// What `run` refuses.
+    /// The error of `run`.
     fn run(
         &self,
         run: impl Fn(&AttackTrial) -> Result<AttackOutcome, SetupError> + Sync,

@@ -1,24 +1,28 @@
-//! What is asked of the monitor.
+//! Requirements on the monitor.
 
 use super::attack::{AttackSummary, Hazards};
 use super::summary::Summary;
 use crate::check::{Check, failures};
 
-/// Part of the faults that must be called what they are, or by two causes of which one is what they are.
+/// Part of the faults that must be named correctly, at least as one of two causes.
 const RIGHT: f64 = 0.95;
-/// Part of the attacks that must be found, and found as soon as they have to be.
+/// Part of the attacks that must be found, and part that must be found in time.
 const FOUND: f64 = 0.98;
 const IN_TIME: f64 = 0.95;
-/// Healthy cycles to one false alarm.
+/// Healthy cycles per false alarm.
 const CYCLES_TO_A_FALSE_ALARM: f64 = 1e5;
 
-/// Ticks on end for which a limit may be exceeded: those after which the rig stops.
+/// Successive ticks for which a limit may be exceeded: those after which the rig stops.
 const TICKS_BEYOND: u32 = 10;
 
-/// What is asked of `summary`: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy
-/// cycles or part of them, slow changes followed or named, no limit exceeded for longer than it takes to stop, every stop in time. Of the attacks no hazardous
-/// state but behind a constant gain, a channel that was just lost beside another attack or a line that stays high, or while the controller is not called, 98 % found, 95 % in time, and as many called what they are or may be; of the settings that are
-/// none, none taken.
+/// The requirements on `summary`.
+///
+/// Faults: every fault found in time, the cause right in 95 %, at most one false alarm in 1e5 healthy cycles or part of them, slow
+/// changes followed or reported, no limit exceeded for longer than it takes to stop, every stop in time.
+///
+/// Attacks: no hazardous state except behind a constant gain, behind a channel that was just lost together with another attack,
+/// behind a line that stays high, or while the controller is not called; 98 % found, 95 % in time, and the same part named
+/// correctly. Invalid settings: none accepted.
 pub fn requirements(summary: &Summary) -> Vec<Check> {
     let mut checks = Vec::new();
     for kind in &summary.kinds {
@@ -88,12 +92,12 @@ pub fn requirements(summary: &Summary) -> Vec<Check> {
     checks
 }
 
-/// The [`requirements`] that `summary` falls short of, each in a line.
+/// The [`requirements`] that `summary` does not meet, one line each.
 pub fn missed(summary: &Summary) -> Vec<String> {
     failures(requirements(summary))
 }
 
-/// What is asked of the attacks.
+/// The requirements on the attacks.
 fn of_attacks(attacks: &AttackSummary) -> Vec<Check> {
     let mut checks = Vec::new();
     let sets = [
@@ -115,7 +119,7 @@ fn of_attacks(attacks: &AttackSummary) -> Vec<Check> {
             )
         }).of(counts.trials));
     }
-    // The adversary's may be too small or too short to be found.
+    // The adversary's attacks may be too small or too short to be found.
     for (what, counts) in &sets[..2] {
         let shares = [
             ("found", counts.found, FOUND),

@@ -1,4 +1,4 @@
-//! A specimen that changes slowly: within what the law may follow it is followed and no fault, beyond it is named.
+//! A specimen that changes slowly: within the limit of the adaptation the change is followed and no fault, beyond it is reported.
 
 use mesh_damper::health::HealthCause;
 use mesh_damper::rig::{CycleReport, State};
@@ -8,33 +8,33 @@ use super::damage::{Condition, Damaged};
 use super::trial::setup;
 use crate::{Bench, SetupError};
 
-/// Most by which the law follows in a campaign, part of each coefficient.
+/// Largest adaptation in a campaign, as a part of each coefficient.
 pub const FOLLOW: f64 = 0.1;
 /// Cycles until the change begins: the run-in is over by then.
 const STEADY: u32 = 220;
-/// Cycles over which it comes, evenly.
+/// Cycles of the change, which is linear.
 pub const CHANGING: u32 = 300;
-/// Cycles after it, the last of which tell how well it was followed; then something breaks.
+/// Cycles after it, of which the last show how well it was followed; then the specimen breaks.
 const AFTER: u32 = 60;
 const BROKEN: u32 = 10;
 const JUDGED: usize = 20;
-/// Hz: the least ticks to the cycle, and with them the most noise.
+/// Frequency, Hz: the fewest ticks per cycle, and thus the most noise.
 const FREQUENCY: f64 = 10.0;
-/// Part of the energy within which a change is to be followed, and how much larger than before the law's error may be.
+/// Part of the energy within which a change must be followed, and the factor by which the law's error may grow.
 const CLOSE: f64 = 0.01;
 const LARGER: f64 = 1.1;
-/// What breaks at once after that, part of the force, and cycles within which it is to be named.
+/// Size of the sudden break after that, as a part of the force, and cycles within which it must be reported.
 const BREAK: f64 = 0.05;
 const SOON: u32 = 5;
-/// How far from the bound a change may be when it is named: noise is on what it is told by.
+/// Permitted distance of a change from the bound when it is reported: its statistic contains noise.
 const NEAR: f64 = 0.02;
 
-/// What changes.
+/// The changing quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Changing {
-    /// All of the force: wires break one by one, or harden.
+    /// The whole force: wires break one by one, or harden.
     Force,
     /// The friction alone.
     Friction,
@@ -44,55 +44,55 @@ pub enum Changing {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlowChange {
-    /// What changes.
+    /// The changing quantity.
     pub changing: Changing,
-    /// What it comes to, part of that.
+    /// Its final relative change.
     pub size: f64,
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm.
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// RMS of the force channel's noise over that of the force.
+    /// RMS of the force channel's noise divided by that of the force.
     pub noise: f64,
-    /// Of the sensors' noise.
+    /// Seed of the sensors' noise.
     pub seed: u64,
 }
 
-/// What came of it.
+/// Outcome of a slow change.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlowOutcome {
-    /// What was tried.
+    /// The change.
     pub change: SlowChange,
-    /// Faults that were named before the break, each with its cycle and with what the change had come to then.
+    /// Faults reported before the break, each with its cycle and the amount of the change at that time.
     pub named: Vec<(u32, String, f64)>,
-    /// The first is that of the change.
+    /// Whether the first is that of the change.
     pub right: bool,
-    /// RMS of the law's error over that of the measured force before the change.
+    /// RMS of the law's error divided by that of the measured force before the change.
     pub before: f64,
-    /// At the end, where the law follows.
+    /// The law's error at the end with adaptation.
     pub followed: Left,
-    /// Where it stays as it was given.
+    /// The law's error at the end without adaptation.
     pub stayed: Left,
-    /// Whether a law that stays has the change named.
+    /// Whether the change is reported without adaptation.
     pub stayed_named: bool,
-    /// Cycles from the break after it to its name, and that, where nothing was named before.
+    /// Cycles from the break to its report, and its name, if nothing was reported before.
     pub broken: Option<(u32, String)>,
 }
 
-/// By how much a law misses the specimen.
+/// Error of a law on the specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Left {
-    /// RMS of its error over that of the measured force.
+    /// RMS of its error divided by that of the measured force.
     pub error: f64,
-    /// Its energy over the measured one, less 1.
+    /// Its energy divided by the measured one, minus 1.
     pub energy: f64,
 }
 
-/// A rig's cycles, and what its monitor named.
+/// A rig's cycles, and the reports of its monitor.
 struct Watched {
-    /// Of full amplitude.
+    /// Cycles at full amplitude.
     reports: Vec<CycleReport>,
     named: Vec<(u32, HealthCause)>,
 }
@@ -107,7 +107,7 @@ fn mean(cycles: &[CycleReport], of: fn(&CycleReport) -> f32) -> f64 {
 }
 
 impl Watched {
-    /// Of [`JUDGED`] cycles before `end`.
+    /// The last [`JUDGED`] cycles before `end`.
     fn cycles(&self, end: usize) -> &[CycleReport] {
         let end = end.min(self.reports.len());
         self.reports
@@ -126,7 +126,7 @@ impl Watched {
 }
 
 impl SlowChange {
-    /// What may be followed, and what goes beyond.
+    /// Changes within the adaptation, and beyond it.
     pub const SIZES: [(Changing, f64); 5] = [
         (Changing::Force, -0.08),
         (Changing::Force, 0.08),
@@ -135,7 +135,7 @@ impl SlowChange {
         (Changing::Friction, -0.2),
     ];
 
-    /// Whether the law may follow all of it.
+    /// Whether the adaptation may follow all of it.
     pub fn is_within(&self) -> bool {
         self.size.abs() <= FOLLOW
     }
@@ -147,16 +147,16 @@ impl SlowChange {
         }
     }
 
-    /// What it has come to after `cycle` cycles.
+    /// Its amount after `cycle` cycles.
     fn at(&self, cycle: u32) -> f64 {
         let part = f64::from(cycle.saturating_sub(STEADY)) / f64::from(CHANGING);
         self.size * part.min(1.0)
     }
 
-    /// Runs it with a law that follows and with one that stays.
+    /// Runs it with adaptation and without.
     ///
     /// # Errors
-    /// A setup that one of its parts refuses.
+    /// A setup that one of its parts rejects.
     pub fn run(&self) -> Result<SlowOutcome, SetupError> {
         let followed = self.watch(FOLLOW)?;
         let stayed = self.watch(0.0)?;
@@ -229,8 +229,8 @@ impl SlowChange {
 }
 
 impl SlowOutcome {
-    /// Whether it was followed where it may be, and what broke then was named; and whether it was named soon, having been
-    /// followed so far, where it goes beyond.
+    /// Whether a change within the limit was followed, and the break after it reported; and whether a change beyond the limit was
+    /// reported soon, and followed until then.
     pub fn holds(&self) -> bool {
         if self.change.is_within() {
             self.named.is_empty()

@@ -1,4 +1,4 @@
-//! What a campaign came to.
+//! Results of a campaign.
 
 use serde::Serialize;
 
@@ -8,63 +8,64 @@ use super::kind::{Group, InjectedFault};
 use super::slow::SlowOutcome;
 use super::trial::Outcome;
 
-/// Of one kind and size.
+/// Results for one kind and size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KindSummary {
-    /// What was put in.
+    /// The kind.
     pub kind: InjectedFault,
-    /// How large, in the unit of the trials.
+    /// Its size, in the unit of the trials.
     pub size: f64,
-    /// What it is a fault of.
+    /// The faulty part of the rig.
     pub group: Group,
-    /// How often.
+    /// Number of trials.
     pub trials: usize,
     /// Faults that were found.
     pub found: usize,
-    /// Found as soon as they have to be.
+    /// Faults found in time.
     pub in_time: usize,
-    /// Called what they are.
+    /// Faults named correctly.
     pub right: usize,
-    /// Called by two causes, of which the second is what they are.
+    /// Faults reported with two causes, of which the second is correct.
     pub both: usize,
-    /// Cycles until a cause was named, of those that were found.
+    /// Median of the cycles until a cause was reported, of the faults that were found.
     pub median_cycles: Option<f64>,
-    /// The most cycles.
+    /// The largest number of cycles.
     pub worst_cycles: Option<f64>,
 }
 
-/// What the monitor made of every fault that was put into the rig.
+/// Results of the monitor for all faults injected into the rig.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// Injected faults by kind, size by size.
     pub kinds: Vec<KindSummary>,
-    /// Trials.
+    /// Number of trials.
     pub trials: usize,
     /// Faults that were found.
     pub found: usize,
-    /// Found as soon as they have to be.
+    /// Faults found in time.
     pub in_time: usize,
-    /// Called what they are.
+    /// Faults named correctly.
     pub right: usize,
-    /// Called by two causes, of which the second is what they are.
+    /// Faults reported with two causes, of which the second is correct.
     pub both: usize,
-    /// Causes that were named before there was a fault.
+    /// Causes reported before there was a fault.
     pub early: usize,
-    /// Largest true displacement over its limit, in any trial.
+    /// Largest true displacement divided by its limit, in any trial.
     pub displacement: f64,
-    /// Largest true force over its limit.
+    /// Largest true force divided by its limit.
     pub force: f64,
-    /// Most ticks on end that a limit was truly exceeded for, by more than noise hides, while the line was high.
+    /// Largest number of successive ticks for which a limit was truly exceeded, by more than noise can hide, while the line was
+    /// high.
     pub ticks_beyond: u32,
-    /// Rigs that stopped, and those that were at rest in time.
+    /// Number of rigs that stopped.
     pub stopped: usize,
-    /// Likewise.
+    /// Number of these that were at rest in time.
     pub stopped_in_time: usize,
-    /// Healthy cycles run.
+    /// Number of healthy cycles.
     pub healthy_cycles: u64,
-    /// Faults that were named in them.
+    /// Faults reported in them.
     pub false_alarms: usize,
     /// Specimen by specimen.
     pub healthy: Vec<Healthy>,
@@ -79,7 +80,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of these trials, slow changes, healthy runs and attacks.
+    /// Summary of these trials, slow changes, healthy runs and attacks.
     pub fn of(
         outcomes: Vec<Outcome>,
         slow: Vec<SlowOutcome>,

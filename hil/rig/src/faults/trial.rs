@@ -15,61 +15,61 @@ use super::damage::{Condition, Damaged};
 use super::kind::{HealthyMotion, InjectedFault};
 use crate::{Bench, Controlled, RigSetup, SetupError, TICK_RATE};
 
-/// A fault, and the test that it comes into.
+/// A fault, and the test in which it occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trial {
-    /// What it is.
+    /// The kind.
     pub kind: InjectedFault,
-    /// How large: a part, a ratio or rad, as [`InjectedFault::sizes`] says.
+    /// Its size: a part, a ratio or rad, as [`InjectedFault::sizes`] describes.
     pub size: f64,
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm.
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// RMS of the force channel's noise over that of the force.
+    /// RMS of the force channel's noise divided by that of the force.
     pub noise: f64,
     /// Part of the cycle at which it begins.
     pub moment: f64,
-    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
     pub follow: f64,
-    /// Of the sensors' noise.
+    /// Seed of the sensors' noise.
     pub seed: u64,
 }
 
-/// What came of it.
+/// Outcome of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
-    /// What was tried.
+    /// The trial.
     pub trial: Trial,
-    /// The first cause that was named, where one was; then all, in order.
+    /// All reported causes in order.
     pub named: Vec<String>,
-    /// Cycles from when the fault counted as there to when the first cause was named; 0 where that was before.
+    /// Cycles from the time when the fault counted as present to the first report; 0 if it was before.
     pub cycles: Option<f64>,
-    /// The first cause is that of the fault.
+    /// Whether the first cause is that of the fault.
     pub right: bool,
-    /// The first event says two causes, and the second is that of the fault.
+    /// Whether the first event reports two causes, of which the second is that of the fault.
     pub both: bool,
-    /// A cause was named before there was a fault.
+    /// Whether a cause was reported before there was a fault.
     pub false_alarm: bool,
-    /// Why the rig stopped, where it did.
+    /// Trip cause, if the rig stopped.
     pub stopped: Option<String>,
-    /// Largest true displacement over its limit.
+    /// Largest true displacement divided by its limit.
     pub displacement: f64,
-    /// Largest true force over its limit.
+    /// Largest true force divided by its limit.
     pub force: f64,
-    /// Most ticks on end that displacement or force truly were beyond a limit, by more than noise hides, while the line was
-    /// high.
+    /// Largest number of successive ticks for which displacement or force truly exceeded a limit, by more than noise can hide,
+    /// while the line was high.
     pub ticks_beyond: u32,
-    /// The command went back to 0, and the line had dropped, within the ticks that are stated.
+    /// Whether the command went back to 0, and the line had dropped, within the stated ticks.
     pub stopped_in_time: bool,
 }
 
 impl Outcome {
-    /// Whether it was found as soon as it has to be.
+    /// Whether it was found in time.
     pub fn in_time(&self) -> bool {
         let within = self.trial.kind.group().cycles();
         self.cycles.is_some_and(|cycles| cycles <= within)
@@ -78,12 +78,12 @@ impl Outcome {
 
 /// Cycles at full amplitude before a fault: settling, learning and a few more.
 const HEALTHY: u32 = 24;
-/// Cycles that a fault is watched for, beside those of its lead.
+/// Cycles for which a fault is watched, in addition to those of its lead.
 const WATCHED: u32 = 8;
-/// Part of a limit from which it is exceeded beyond doubt: three times the noise of 1 % of a force's RMS, which is a third of its
+/// Part of a limit above which it is exceeded beyond doubt: three times the noise of 1 % of a force's RMS, which is a third of its
 /// limit here.
 const BEYOND: f64 = 1.01;
-/// Noise of the force channel as [`RigSetup::new`] sets it, over the RMS of the force.
+/// Noise of the force channel as [`RigSetup::new`] sets it, divided by the RMS of the force.
 pub(super) const USUAL_NOISE: f64 = 0.004;
 
 /// The rig that tests `specimen` at `frequency` Hz in blocks of these amplitudes in mm and cycles, with `noise` and `follow` as in
@@ -124,7 +124,7 @@ pub(super) fn peak(specimen: &Damaged, amplitude: f64, frequency: f64) -> f64 {
 /// Runs it with the controller in this process.
 ///
 /// # Errors
-/// A setup that one of its parts refuses.
+/// A setup that one of its parts rejects.
 pub fn run_trial(trial: &Trial) -> Result<Outcome, SetupError> {
     run_trial_with(trial, Bench::new)
 }
@@ -132,7 +132,7 @@ pub fn run_trial(trial: &Trial) -> Result<Outcome, SetupError> {
 /// Runs it on the rig that `wire_up` makes of its setup, wherever the controller runs.
 ///
 /// # Errors
-/// As [`run_trial`], and those of the link to the controller.
+/// As [`run_trial`], and the errors of the link to the controller.
 pub fn run_trial_with<R: Controlled<Damaged>>(
     trial: &Trial,
     wire_up: impl FnOnce(RigSetup<Damaged, 1, 1>) -> Result<R, SetupError>,
@@ -141,7 +141,7 @@ pub fn run_trial_with<R: Controlled<Damaged>>(
     test.run(&mut wire_up(setup)?)
 }
 
-/// A trial, and what has to be known of its rig.
+/// A trial, with data for the evaluation of its rig.
 struct Test<'t> {
     trial: &'t Trial,
     condition: Rc<Cell<Condition>>,
@@ -246,7 +246,7 @@ impl<'t> Test<'t> {
             outcome.false_alarm = tick < begins;
             outcome.right = cause == trial.kind.cause();
             outcome.both = !outcome.right && or == Some(trial.kind.cause());
-            // The tick that finds it is over as well.
+            // The tick that finds it has passed as well.
             let since = (tick + 1) as f64 - begins as f64;
             let lead = trial.kind.lead(trial.size);
             outcome.cycles = Some((since / ticks_per_cycle - lead).max(0.0));

@@ -1,4 +1,4 @@
-//! What can happen to the voltage of a channel.
+//! Interference with the voltage of a channel.
 
 use std::f64::consts::TAU;
 
@@ -9,73 +9,73 @@ use rand_distr::{Distribution, StandardNormal};
 use super::Active;
 use crate::actuator::adc_code;
 
-/// What acts on the voltage of a channel.
+/// Interference with the voltage of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OnChannel {
-    /// It is multiplied by `factor`, which is reached bit by bit over `ticks`; 0 for at once.
+    /// Multiplies it by `factor`, which is reached linearly over `ticks`; 0 for at once.
     Gain {
         /// 1 changes nothing, −1 reverses the sign.
         factor: f64,
-        /// Until it is reached.
+        /// Ticks until it is reached.
         ticks: f64,
     },
-    /// This voltage is added.
+    /// Adds this voltage.
     Offset(f64),
-    /// It falls to 0 V for `samples`, at once and then at random, on average every `every` samples.
+    /// Sets it to 0 V for `samples`, first at once and then at random, on average every `every` samples.
     DropOuts {
         /// Mean distance from one to the next, samples.
         every: f64,
-        /// How long each is.
+        /// Length of each, samples.
         samples: u32,
     },
-    /// An open input: white noise of this RMS, V, in the place of the signal.
+    /// An open input: replaces the signal by white noise of this RMS, V.
     Open(f64),
-    /// It stays where it was, with noise evenly spread over ± this, V.
+    /// Freezes it, with noise uniform over ± this, V.
     Frozen(f64),
-    /// Noise evenly spread over ±`volts` is added for `samples` out of every `every`.
+    /// Adds noise uniform over ±`volts` for `samples` out of every `every`.
     Bursts {
-        /// Largest voltage that is added.
+        /// Largest voltage added.
         volts: f64,
-        /// From the beginning of one to that of the next, samples.
+        /// Distance from the beginning of one to that of the next, samples.
         every: u64,
-        /// How long each is.
+        /// Length of each, samples.
         samples: u64,
     },
-    /// A sine is added.
+    /// Adds a sine.
     Hum {
-        /// Its amplitude.
+        /// Its amplitude, V.
         volts: f64,
-        /// Hz.
+        /// Its frequency, Hz.
         frequency: f64,
     },
-    /// A data bit of the converter does not change any more.
+    /// A data bit of the converter is stuck.
     StuckBit {
         /// 0 for the least significant, up to 15.
         bit: u32,
-        /// What it stays at.
+        /// Its level.
         high: bool,
     },
-    /// One sample in `every` is 0 V.
+    /// Sets one sample in `every` to 0 V.
     ZeroOneIn(u64),
-    /// One sample in `every` is as it should be, the others are 0 V.
+    /// Keeps one sample in `every`, and sets the others to 0 V.
     GoodOneIn(u64),
-    /// One sample in `every` is clamped to ±`volts`.
+    /// Clamps one sample in `every` to ±`volts`.
     ClampedOneIn {
         /// Largest voltage of such a sample.
         volts: f64,
-        /// From one to the next, samples.
+        /// Distance from one to the next, samples.
         every: u64,
     },
-    /// This voltage is added to one sample.
+    /// Adds this voltage to one sample.
     Spike(f64),
 }
 
-/// V at the converter's full scale, and codes to it.
+/// V at the converter's full scale, and codes per full scale.
 const FULL_SCALE: f64 = 10.24;
 const CODES: f64 = 32768.0;
 
 impl OnChannel {
-    /// What arrives of `volts` at `time` s.
+    /// Voltage that arrives for `volts` at `time` s.
     pub(super) fn act(
         self,
         volts: f64,

@@ -1,7 +1,7 @@
-//! What can happen to the signals between the plant and its controller, and to the clock that calls the controller.
+//! Interference with the signals between the plant and its controller, and with the clock that calls the controller.
 //!
-//! The rig in this process and the image in lockstep both pass every signal through [`Signals`], so that the same interference
-//! acts on both.
+//! The rig in this process and the image in lockstep both pass every signal through [`Signals`], so that the same interference acts
+//! on both.
 
 mod channel;
 mod other;
@@ -14,52 +14,52 @@ use mesh_damper::health::Channel;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Something that acts on a signal while it is there.
+/// Interference that acts on a signal while it is active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Interference {
-    /// On the voltage of a channel.
+    /// With the voltage of a channel.
     Channel(Channel, OnChannel),
     /// The cables of displacement and force are swapped.
     Swapped,
-    /// On the temperature that the controller is given.
+    /// With the temperature for the controller.
     Temperature(OnTemperature),
-    /// Every control input that the controller is given has this value.
+    /// Sets every control input for the controller to this value.
     Controls(f32),
-    /// On what reaches the servo amplifier.
+    /// With the output to the servo amplifier.
     Output(OnOutput),
-    /// On how often the controller is called.
+    /// With the calls of the controller.
     Clock(OnClock),
-    /// Whoever is linked to the controller is not heard any more.
+    /// The other end of the controller's link is no longer heard.
     Silence,
 }
 
-/// Names an interference that was begun.
+/// Identifies an active interference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Begun(u64);
 
-/// An interference at work.
+/// An active interference.
 #[derive(Clone, Copy, Debug)]
 struct Active {
     begun: Begun,
     what: Interference,
     /// Ticks for which it has acted.
     ticks: u64,
-    /// V: what a frozen signal holds.
+    /// Value of a frozen signal, V.
     held: f64,
-    /// Samples that a drop-out still takes.
+    /// Remaining samples of a drop-out.
     left: u32,
 }
 
 /// The two channels at a sample, V: displacement, then force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensed {
-    /// What the sensors put out.
+    /// Output of the sensors.
     pub put_out: [f64; 2],
-    /// What arrived at the converter.
+    /// Input of the converter.
     pub arrived: [f64; 2],
 }
 
-/// The signals of a plant, and what acts on them in the order in which it was begun.
+/// The signals of a plant, and the interferences in the order in which they began.
 #[derive(Clone, Debug)]
 pub struct Signals {
     active: Vec<Active>,
@@ -68,11 +68,11 @@ pub struct Signals {
     sensed: Sensed,
 }
 
-/// Stream of the seed's random numbers; those before it are the sensors'.
+/// Stream of the seed's random numbers; those before it belong to the sensors.
 const STREAM: u64 = 2;
 
 impl Signals {
-    /// Nothing acts on them yet.
+    /// Signals without interference.
     pub(crate) fn new(seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(STREAM);
@@ -84,7 +84,7 @@ impl Signals {
         }
     }
 
-    /// From the next tick on `what` acts, after what acts already.
+    /// From the next tick on `what` acts, after the interferences that are active.
     pub fn begin(&mut self, what: Interference) -> Begun {
         let begun = Begun(self.count);
         self.count += 1;
@@ -98,7 +98,7 @@ impl Signals {
         begun
     }
 
-    /// It acts no more.
+    /// Ends it.
     pub fn end(&mut self, begun: Begun) {
         self.active.retain(|active| active.begun != begun);
     }
@@ -108,13 +108,13 @@ impl Signals {
         self.sensed
     }
 
-    /// Whether whoever is linked is still heard.
+    /// Whether the other end of the link is still heard.
     pub fn is_heard(&self) -> bool {
         let silent = |active: &Active| active.what == Interference::Silence;
         !self.active.iter().any(silent)
     }
 
-    /// What arrives of the voltages `put_out` at `time` s.
+    /// Voltages that arrive for the outputs `put_out` at `time` s.
     pub(crate) fn channels(&mut self, put_out: [f64; 2], time: f64) -> [f64; 2] {
         let mut arrived = put_out;
         for active in &mut self.active {
@@ -132,7 +132,7 @@ impl Signals {
         arrived
     }
 
-    /// What arrives of a temperature in °C.
+    /// Temperature that arrives for the true one, °C.
     pub(crate) fn temperature(&mut self, true_one: f64) -> f32 {
         let random = &mut self.random;
         self.active
@@ -143,7 +143,7 @@ impl Signals {
             })
     }
 
-    /// What arrives of the control inputs.
+    /// Control inputs that arrive.
     pub(crate) fn controls(&self, true_ones: [f32; CONTROLS]) -> [f32; CONTROLS] {
         self.active
             .iter()
@@ -153,7 +153,7 @@ impl Signals {
             })
     }
 
-    /// What reaches the servo of the DAC's voltage and the enable line's level.
+    /// Voltage and level at the servo, for the DAC's voltage and the enable line's level.
     pub(crate) fn output(&mut self, volts: f64, enabled: bool) -> (f64, bool) {
         let mut reaches = (volts, enabled);
         for active in &mut self.active {
@@ -165,7 +165,7 @@ impl Signals {
         reaches
     }
 
-    /// Steps that the plant takes until the controller is called again.
+    /// Number of steps of the plant until the controller is called again.
     pub(crate) fn steps(&mut self) -> u32 {
         let mut steps = 1;
         for active in &mut self.active {

@@ -1,18 +1,18 @@
-//! What can happen to temperature, output and clock.
+//! Interference with temperature, output and clock.
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::Active;
 
-/// What acts on the temperature that the controller is given.
+/// Interference with the temperature for the controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OnTemperature {
     /// It reads this, °C, finite or not.
     Reads(f32),
-    /// It reads so many degrees more.
+    /// It reads this many degrees more.
     Added(f32),
-    /// Noise evenly spread over ± so many degrees is added.
+    /// Adds noise uniform over ± this many degrees.
     Noise(f32),
 }
 
@@ -26,12 +26,12 @@ impl OnTemperature {
     }
 }
 
-/// What acts on the way from the controller to the servo amplifier.
+/// Interference between the controller and the servo amplifier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OnOutput {
     /// The DAC has lost its supply: 0 V.
     BrownOut,
-    /// The DAC takes no new value.
+    /// The DAC accepts no new value.
     Holds,
     /// The DAC puts out this part of the voltage.
     Gain(f64),
@@ -55,19 +55,19 @@ impl OnOutput {
     }
 }
 
-/// What acts on the timer that calls the controller.
+/// Interference with the timer that calls the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnClock {
     /// Half of the ticks are missing.
     HalfRate,
-    /// So many ticks are missing, once.
+    /// This many ticks are missing, once.
     Stall(u32),
-    /// After every so many ticks one is missing.
+    /// One tick is missing after every this many.
     Loses(u64),
 }
 
 impl OnClock {
-    /// Ticks that are missing after the one with this number.
+    /// Number of ticks missing after the one with this number.
     pub(super) fn missed(self, tick: u64) -> u32 {
         match self {
             Self::HalfRate => 1,

@@ -1,10 +1,10 @@
-//! Each interference does to the signals what it says.
+//! Each interference changes the signals as documented.
 
 use super::*;
 
 const LSB: f64 = 20.48 / 65536.0;
 
-/// What arrives of `samples` V of displacement and of 1 V of force, while `what` acts, at 10 kHz.
+/// Voltages that arrive for `samples` V of displacement and 1 V of force, while `what` acts, at 10 kHz.
 fn arrived(what: Interference, samples: impl IntoIterator<Item = f64>) -> Vec<[f64; 2]> {
     let mut signals = Signals::new(1);
     signals.begin(what);
@@ -14,7 +14,7 @@ fn arrived(what: Interference, samples: impl IntoIterator<Item = f64>) -> Vec<[f
         .collect()
 }
 
-/// Of the displacement alone, whose force must stay as it is.
+/// The same for the displacement alone, where the force must stay unchanged.
 fn displacement(on: OnChannel, samples: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let both = arrived(Interference::Channel(Channel::Displacement, on), samples);
     both.into_iter()
@@ -62,7 +62,7 @@ fn drop_outs_begin_at_once_and_come_as_often_as_they_are_to() {
     let arrived = displacement(on, constant(20_000));
     assert_eq!(arrived[..2], [0.0, 0.0]);
     assert!(arrived.iter().all(|volts| [0.0, 2.0].contains(volts)));
-    // From one to the next there are 100 samples beside the two; the count's standard deviation is 14.
+    // From one to the next there are 100 samples in addition to the two; the standard deviation of the count is 14.
     let gone = arrived.iter().filter(|volts| **volts == 0.0).count() / 2;
     assert!((150..250).contains(&gone), "{gone}");
 }
@@ -95,7 +95,7 @@ fn bursts_and_a_hum_are_added() {
         frequency: 50.0,
     };
     let arrived = displacement(hum, constant(400));
-    // 200 ticks to its cycle.
+    // 200 ticks per cycle.
     assert_eq!(arrived[0], 2.0);
     assert!((arrived[50] - 2.1).abs() < 1e-12 && (arrived[150] - 1.9).abs() < 1e-12);
     assert!((arrived[350] - arrived[150]).abs() < 1e-9);
@@ -140,7 +140,7 @@ fn swapped_cables_show_each_the_other_and_what_ended_acts_no_more() {
         ticks: 0.0,
     };
     signals.begin(Interference::Channel(Channel::Force, half));
-    // In the order in which they were begun.
+    // In the order in which they began.
     assert_eq!(signals.channels([2.0, 1.0], 0.0), [1.0, 1.0]);
     signals.end(swapped);
     assert_eq!(signals.channels([2.0, 1.0], 0.0), [2.0, 0.5]);

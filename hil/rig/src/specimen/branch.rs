@@ -1,36 +1,36 @@
-//! Effects that act beside eq 13, and what each remembers.
+//! Effects parallel to eq 13, and their states.
 
 use std::f64::consts::TAU;
 
 use super::hidden::{HiddenEffect, SlipShape};
 use super::{REFERENCE_TEMPERATURE, unlisted};
 
-/// Longest substep of a dashpot that yields, s: its implicit rule of the first order is then late by half of it, a thousandth of a period of
-/// 100 Hz.
+/// Longest substep of a yielding dashpot, s: its implicit first-order rule is late by half of it, a thousandth of a period of 100
+/// Hz.
 const YIELDING_SUBSTEP: f64 = 2e-5;
 
 /// One call of the specimen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
-    /// s since the test began.
+    /// Time since the test began, s.
     pub time: f64,
-    /// mm.
+    /// Displacement, mm.
     pub displacement: f64,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity: f64,
-    /// mm/s².
+    /// Acceleration, mm/s².
     pub acceleration: f64,
-    /// s since the previous call.
+    /// Time since the previous call, s.
     pub dt: f64,
-    /// Hz of the block that runs, where it is known.
+    /// Frequency of the running block in Hz, if known.
     pub frequency: Option<f64>,
     /// Force of eq 13, kN.
     pub law: f64,
-    /// Its damping, kN.
+    /// Damping force of eq 13, kN.
     pub damping: f64,
 }
 
-/// An effect and what it remembers.
+/// An effect and its state.
 #[derive(Debug)]
 pub(super) struct Hidden {
     effect: HiddenEffect,
@@ -45,7 +45,7 @@ impl Clone for Hidden {
         }
     }
 
-    /// Into the room that is there: an actuator tries copies of its specimen every tick.
+    /// Reuses the memory, because an actuator tries copies of its specimen every tick.
     #[inline]
     fn clone_from(&mut self, source: &Self) {
         self.effect = source.effect;
@@ -80,13 +80,13 @@ enum Memory {
         displacement: f64,
     },
     Controlled {
-        /// What of the input has arrived; none before the first call.
+        /// The part of the input that has arrived; `None` before the first call.
         arrived: Option<f64>,
         force: f64,
         displacement: f64,
     },
     Slack {
-        /// Where the spring's free end is pushed or pulled, from the middle of the play, mm.
+        /// Position of the spring's free end relative to the middle of the play, mm.
         place: f64,
         displacement: f64,
     },
@@ -136,7 +136,7 @@ impl Hidden {
         Self { effect, memory }
     }
 
-    /// °C, of the effect that sets it.
+    /// Temperature in °C, for the effect that sets it.
     pub fn temperature(&self) -> Option<f64> {
         match self.memory {
             Memory::Heat { temperature } => Some(temperature),
@@ -144,7 +144,7 @@ impl Hidden {
         }
     }
 
-    /// kN beside eq 13.
+    /// Force in addition to eq 13, kN.
     pub fn force(&mut self, step: &Step) -> f64 {
         let y = step.displacement;
         match (self.effect, &mut self.memory) {
@@ -222,7 +222,7 @@ impl Hidden {
                 if stiffness == 0.0 {
                     return 0.0;
                 }
-                // Its branch is that of an input of 1, and carries its viscosity beside it.
+                // Its branch is that of an input of 1; its viscosity is added separately.
                 yielded(force, moved, step.dt, [stiffness, yields, rate, 0.0]);
                 now * (*force + c * step.velocity)
             }
@@ -286,12 +286,12 @@ impl Hidden {
     }
 }
 
-/// Moves a spring with a dashpot that yields behind it by `moved` mm within `dt` s; `force` is what both have, kN.
+/// Moves a spring with a yielding dashpot behind it by `moved` mm within `dt` s; `force` is that of both, kN.
 fn yielded(force: &mut f64, moved: f64, dt: f64, [stiffness, yields, rate, c]: [f64; 4]) {
     let substeps = (dt / YIELDING_SUBSTEP).ceil().max(1.0);
     let dt = dt / substeps;
     for _ in 0..substeps as usize {
-        // What the spring would have if the dashpot stood, less what it loses to that within the substep.
+        // The spring's force if the dashpot stood still, minus its loss within the substep.
         let held = *force + stiffness * moved / substeps;
         let dashpot = |w: f64| yields * (w / rate).tanh() + c * w;
         let slope = |w: f64| {
@@ -304,7 +304,7 @@ fn yielded(force: &mut f64, moved: f64, dt: f64, [stiffness, yields, rate, c]: [
     }
 }
 
-/// Where a rising function is 0, between 0 and `most`: by Newton's steps, and by halves where one leads out of what is left.
+/// The zero of a rising function between 0 and `most`: by Newton steps, and by bisection if one leaves the remaining interval.
 fn root(function: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, most: f64) -> f64 {
     let (mut low, mut high) = (0.0, most);
     let mut at = 0.0;
@@ -334,7 +334,7 @@ fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
     let count = stretch.len() as f64;
     match shape {
         SlipShape::Smooth { exponent } => {
-            // Substeps keep the explicit midpoint rule accurate however far the caller moves at once.
+            // Substeps keep the explicit midpoint rule accurate, however far the caller moves at once.
             let substeps = (moved.abs() / (0.02 * limit)).ceil().max(1.0);
             let by = moved / substeps;
             let slope = |x: f64| {
@@ -366,7 +366,8 @@ fn slip(stretch: &mut [f64], moved: f64, limit: f64, shape: SlipShape) -> f64 {
     stretch.iter().sum::<f64>() / count
 }
 
-/// Counts cycles: as they run where their frequency is known, else by halves, passages through zero after a swing of at least a fifth of the largest so far.
+/// Counts cycles. With a known frequency it counts them as they run; otherwise it counts half cycles, which are passages through
+/// zero after a swing of at least a fifth of the largest so far.
 #[derive(Clone, Debug, Default)]
 struct CycleCount {
     largest: f64,
@@ -382,7 +383,7 @@ impl CycleCount {
         self.completed
     }
 
-    /// Cycles completed, by halves.
+    /// Cycles completed, in half cycles.
     fn update(&mut self, displacement: f64) -> f64 {
         self.largest = self.largest.max(displacement.abs());
         if displacement * self.side < 0.0 {

@@ -1,4 +1,4 @@
-//! A specimen with an effect that nobody declared.
+//! A specimen with an undeclared effect.
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::protocol::{PROTOCOL, motion};
@@ -10,36 +10,36 @@ use serde::Serialize;
 
 use super::{DamperForce, HiddenEffect, SlipShape, Specimen};
 
-/// Least RMS force of a drawn effect over the RMS force of eq 13, under [`PROTOCOL`].
+/// Smallest RMS force of a drawn effect relative to the RMS force of eq 13, under [`PROTOCOL`].
 pub const SMALLEST_SHARE: f64 = 0.05;
-/// The largest.
+/// Largest RMS force, in the same way.
 pub const LARGEST_SHARE: f64 = 0.30;
 
-/// Amplitude whose row of the tables a drawn specimen varies, mm: that of the paper's own tests.
+/// Amplitude of the tables' row that a drawn specimen varies, mm: that of the paper's own tests.
 const REFERENCE_AMPLITUDE: f64 = 0.1;
-/// Times a second at which a share is computed: 100 to the shortest period.
+/// Rate at which a share is computed, Hz: 100 points in the shortest period.
 const SHARE_RATE: f64 = 1000.0;
-/// A fixture and piston heavier than this are not moved at 10 Hz by a machine for these specimens, kg.
+/// Mass of fixture and piston above which a machine for these specimens cannot move them at 10 Hz, kg.
 const LARGEST_MASS: f64 = 500.0;
 
-/// What [`draw`] hid.
+/// The effect that [`draw`] hid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DrawnEffect {
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
     /// The effect.
     pub effect: HiddenEffect,
-    /// Its RMS force over that of eq 13, under [`PROTOCOL`].
+    /// Its RMS force relative to that of eq 13, under [`PROTOCOL`].
     pub share: f64,
 }
 
 /// A specimen and its one hidden effect, the same for the same seed.
 ///
-/// The density is one of the table's five, the coefficients those of 0.1 mm varied by ±15 % each, the family any of the
-/// nine, each once among seeds 9n…9n + 8, and its size such that the effect's RMS force is between [`SMALLEST_SHARE`] and
-/// [`LARGEST_SHARE`] of the law's under [`PROTOCOL`]. What no specimen could be is drawn again: a stiffness that
-/// turns negative somewhere in the protocol's range, or a mass of more than 500 kg.
+/// The density is one of the table's five. The coefficients are those of 0.1 mm, each varied by ±15 %. The family is any of the
+/// nine, each once among seeds 9n…9n + 8. The size is such that the effect's RMS force is between [`SMALLEST_SHARE`] and
+/// [`LARGEST_SHARE`] of the law's under [`PROTOCOL`]. An impossible specimen is drawn again: a stiffness that becomes negative in
+/// the protocol's range, or a mass of more than 500 kg.
 pub fn draw(seed: u64) -> (Specimen, DrawnEffect) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let family = family(seed);
@@ -67,7 +67,7 @@ fn family(seed: u64) -> usize {
     order[(seed % 9) as usize]
 }
 
-/// RMS force of `effect` over the RMS force of eq 13 with `coefficients`, under [`PROTOCOL`].
+/// RMS force of `effect` relative to the RMS force of eq 13 with `coefficients`, under [`PROTOCOL`].
 pub fn force_share(coefficients: Coefficients, effect: HiddenEffect) -> f64 {
     let mut specimen = Specimen::new(coefficients).with(effect);
     let (mut law, mut added) = (0.0, 0.0);
@@ -97,7 +97,7 @@ fn varied(nominal: Coefficients, rng: &mut impl Rng) -> Coefficients {
     }
 }
 
-/// Family number `family`, 0…8, with size ±1 and its other parameters drawn from where the protocol shows them.
+/// Family number `family`, 0…8, with size ±1 and its other parameters drawn from a range that the protocol can show.
 fn unit_effect(family: usize, rng: &mut impl Rng) -> HiddenEffect {
     let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
     match family {
@@ -133,8 +133,8 @@ fn unit_effect(family: usize, rng: &mut impl Rng) -> HiddenEffect {
     }
 }
 
-/// Whether the elastic force still rises with displacement everywhere in the protocol's range, the heat leaves some
-/// force, and the mass can be moved.
+/// Whether the elastic force rises with displacement everywhere in the protocol's range, the heat leaves some force, and the mass
+/// can be moved.
 fn possible(law: Coefficients, effect: HiddenEffect) -> bool {
     let reach = PROTOCOL.iter().fold(0.0_f64, |x, b| x.max(b.amplitude));
     let rises_throughout = |slope: &dyn Fn(f64) -> f64| {

@@ -1,10 +1,10 @@
-//! The effects a specimen can hide.
+//! The effects that a specimen can hide.
 
 use serde::{Deserialize, Serialize};
 
 use super::unlisted::Unlisted;
 
-/// An effect that eq 13 does not have. Sizes may have either sign where physics allows it.
+/// An effect that eq 13 does not contain. Sizes may have either sign where physics allows it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
@@ -14,7 +14,7 @@ pub enum HiddenEffect {
         /// f0, kN.
         force: f64,
     },
-    /// F = k2·y²: another stiffness in one direction than in the other.
+    /// F = k2·y²: a stiffness that differs between the directions.
     Asymmetry {
         /// kN/mm².
         k2: f64,
@@ -30,7 +30,7 @@ pub enum HiddenEffect {
         stiffness: f64,
         /// Stretch at which it slips, mm: the largest force is stiffness · slip limit.
         slip_limit: f64,
-        /// How sticking turns into slipping.
+        /// The transition from sticking to slipping.
         shape: SlipShape,
     },
     /// F = c·v.
@@ -47,23 +47,23 @@ pub enum HiddenEffect {
     },
     /// A spring and a dashpot in series: Ḟ = stiffness·(v − w) with F = force·tanh(w/rate) + c·w.
     Yielding {
-        /// Of the spring, kN/mm.
+        /// Stiffness of the spring, kN/mm.
         stiffness: f64,
-        /// At which the dashpot yields, kN.
+        /// Force at which the dashpot yields, kN.
         force: f64,
-        /// At which it has yielded, mm/s.
+        /// Rate at which it has yielded, mm/s.
         rate: f64,
         /// kN·s/mm.
         c: f64,
     },
-    /// F = m·a: what the load cell carries along.
+    /// F = m·a: a mass that the load cell carries.
     Inertia {
         /// kg, that is 1e-6 kN·s²/mm.
         mass: f64,
     },
     /// F = k·(1 − e^(−n/N))·y with n cycles run: wires that bed in (k > 0) or break (k < 0).
     Drift {
-        /// The change k in the end, kN/mm.
+        /// The final change k, kN/mm.
         stiffness: f64,
         /// N, cycles.
         cycles: f64,
@@ -77,11 +77,11 @@ pub enum HiddenEffect {
         /// s.
         time: f64,
     },
-    /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop touched on one side.
+    /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop on one side.
     Stop {
         /// Stiffness of the contact, kN/mm.
         stiffness: f64,
-        /// Displacement at which it is touched, mm: on the positive side where positive, else on the negative.
+        /// Displacement at contact, mm: on the positive side if positive, else on the negative.
         gap: f64,
     },
     /// The specimen feels the displacement beyond ±half_width: play in the clamping.
@@ -91,17 +91,17 @@ pub enum HiddenEffect {
         /// Whether it does not feel the velocity inside either.
         loose: bool,
     },
-    /// The force channel is late.
+    /// The force channel is delayed.
     Delay {
         /// s.
         time: f64,
     },
-    /// The specimen is held by a spring: what the sensor measures is the motion of both.
+    /// A spring holds the specimen: the sensor measures the motion of both.
     Compliance {
-        /// Of the spring, mm/kN.
+        /// Compliance of the spring, mm/kN.
         compliance: f64,
     },
-    /// F = force·sin(2π·frequency·t + phase), t from the test's beginning: a tone that something else makes.
+    /// F = force·sin(2π·frequency·t + phase), t from the test's beginning: a tone from another source.
     Periodic {
         /// kN.
         force: f64,
@@ -110,28 +110,28 @@ pub enum HiddenEffect {
         /// rad.
         phase: f64,
     },
-    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v beside it, both w times as strong, where an input u sets w:
-    /// lag·dw/dt = u − w.
+    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v parallel to it, both multiplied by w, where an input u
+    /// sets w: lag·dw/dt = u − w.
     ControlInput {
-        /// Of the spring at an input of 1, kN/mm.
+        /// Stiffness of the spring at an input of 1, kN/mm.
         stiffness: f64,
-        /// At which the dashpot yields at an input of 1, kN.
+        /// Force at which the dashpot yields at an input of 1, kN.
         force: f64,
-        /// At which it has yielded, mm/s.
+        /// Rate at which it has yielded, mm/s.
         rate: f64,
-        /// At an input of 1, kN·s/mm.
+        /// Viscosity at an input of 1, kN·s/mm.
         c: f64,
         /// s.
         lag: f64,
         /// u over time.
         schedule: Schedule,
     },
-    /// F = difference·|damping force of eq 13|: it is larger in one direction than in the other.
+    /// F = difference·|damping force of eq 13|: a damping that differs between the directions.
     Directional {
         /// −1…1.
         difference: f64,
     },
-    /// A friction joint behind a spring, with play between the two that travels along with the joint.
+    /// A friction joint behind a spring, with play between the two that moves along with the joint.
     Backlash {
         /// kN/mm.
         stiffness: f64,
@@ -147,20 +147,20 @@ pub enum HiddenEffect {
         /// mm.
         softening: f64,
     },
-    /// An effect that no tracer has a name for.
+    /// An effect without a family in the tracer.
     Unlisted(Unlisted),
 }
 
-/// An input that somebody sets now and then, to one of five levels from 0 on.
+/// An input that is set from time to time to one of five levels, from 0 on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
     /// The highest level; a control input, as a part of its full range.
     pub most: f64,
-    /// How long each is held, s.
+    /// Time for which each level is held, s.
     pub hold: f64,
-    /// Which levels follow each other.
+    /// Seed of the sequence of levels.
     pub seed: u64,
 }
 
@@ -179,7 +179,7 @@ impl Schedule {
     }
 }
 
-/// How the friction joints of [`HiddenEffect::StickSlip`] turn from sticking to slipping.
+/// Transition of the friction joints of [`HiddenEffect::StickSlip`] from sticking to slipping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -191,15 +191,15 @@ pub enum SlipShape {
         /// The exponent n; the larger, the sharper.
         exponent: f64,
     },
-    /// One after another: sliders whose limits are spread evenly from 0 to twice the slip limit.
+    /// One after another: sliders with limits spread evenly from 0 to twice the slip limit.
     Spread {
-        /// How many.
+        /// Number of sliders.
         sliders: usize,
     },
 }
 
 impl HiddenEffect {
-    /// The family by which a trace names it, or the kind of an unlisted one.
+    /// The family under which a trace names it, or the kind of an unlisted one.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Offset { .. } => "offset",
@@ -225,7 +225,7 @@ impl HiddenEffect {
         }
     }
 
-    /// The control input that it sees at a time in s.
+    /// Its control input at a time in s.
     pub fn control_at(&self, time: f64) -> Option<f64> {
         match self {
             Self::ControlInput { schedule, .. } => Some(schedule.at(time)),
@@ -233,8 +233,8 @@ impl HiddenEffect {
         }
     }
 
-    /// The same effect with `factor` times the force; of a gap, a delay or a compliance, as many times as wide, late or
-    /// soft.
+    /// The same effect with `factor` times the force; a gap, a delay or a compliance with `factor` times the width, delay or
+    /// compliance.
     pub fn scaled(mut self, factor: f64) -> Self {
         if let Self::Yielding { force, c, .. } | Self::ControlInput { force, c, .. } = &mut self {
             *force *= factor;
@@ -358,8 +358,8 @@ impl HiddenEffect {
         }
     }
 
-    /// Whether a specimen can have it: finite sizes, limits, times, cycles and sliders above zero, and a gap, delay or
-    /// compliance not below it.
+    /// Whether a specimen can have it: finite sizes; limits, times, cycles and sliders above zero; and a gap, delay or compliance
+    /// of at least zero.
     pub fn is_admissible(&self) -> bool {
         let finite = self
             .parameters()
@@ -384,7 +384,7 @@ impl HiddenEffect {
                     rate,
                     c,
                 } => stiffness > 0.0 && force >= 0.0 && rate > 0.0 && c >= 0.0,
-                // Of a strength of 0 it is an input that nothing depends on.
+                // With a strength of 0 nothing depends on the input.
                 Self::ControlInput {
                     stiffness,
                     force,

@@ -1,5 +1,5 @@
-//! Truth physics of a simulated metal mesh specimen: eq 13 with the table's coefficients, and effects that the law does
-//! not know of. Shares no code with the crate's effects, so that tracing them is a test and not an echo.
+//! True physics of a simulated metal mesh specimen: eq 13 with the table's coefficients, and effects that the law does not contain.
+//! It shares no code with the crate's effects, so that tracing them is a real test.
 
 mod branch;
 mod draw;
@@ -17,12 +17,12 @@ use series::{Late, SUBSTEPS, balance};
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables;
 
-/// What resists the actuator.
+/// Resistance against the actuator.
 pub trait DamperForce {
-    /// Force in kN that it takes to hold the specimen at `displacement` mm, moving at `velocity` mm/s and
-    /// `acceleration` mm/s², `time` s after the test began and `dt` s after the previous call.
+    /// Force in kN that holds the specimen at `displacement` mm, moving at `velocity` mm/s and `acceleration` mm/s², `time` s after
+    /// the test began and `dt` s after the previous call.
     ///
-    /// Call it in order of time: what the specimen remembers moves on with each call.
+    /// Call it in order of time: the state advances with each call.
     fn force(
         &mut self,
         time: f64,
@@ -35,7 +35,7 @@ pub trait DamperForce {
     /// Temperature, °C, after the last call.
     fn temperature(&self) -> f64;
 
-    /// The control input that it was under at the last call, where it is under one.
+    /// Its control input at the last call, if it has one.
     fn control(&self) -> Option<f64> {
         None
     }
@@ -44,34 +44,34 @@ pub trait DamperForce {
 /// The column of a control input in a recording: the current of a coil.
 pub const CURRENT: &str = "current_A";
 
-/// Temperature at which the coefficients hold, and of a specimen that nothing warms, °C.
+/// Temperature for which the coefficients are valid, and temperature of a specimen that is not warmed, °C.
 pub const REFERENCE_TEMPERATURE: f64 = 20.0;
 
 /// A metal mesh damper on a simulated rig.
 ///
-/// Eq 13 with what acts beside it is held by a spring, where a compliance is in it; the tone of something else, a preload
-/// of the load cell and the mass that it carries act on that spring's other side, and the force channel is late by the
-/// delay. Play is between the spring and eq 13 with what acts beside it.
+/// A compliance is a spring that holds eq 13 with its parallel effects. An external tone, a preload of the load cell and the mass
+/// that it carries act on the other side of that spring, and the delay applies to the force channel. The play is between the spring
+/// and eq 13 with its parallel effects.
 #[derive(Debug)]
 pub struct Specimen {
     coefficients: Coefficients,
     effects: Vec<HiddenEffect>,
     /// Between the sensors and the spring.
     outside: Vec<Hidden>,
-    /// Beside eq 13.
+    /// Parallel to eq 13.
     inside: Vec<Hidden>,
     /// Half width of the play in mm, and whether it is loose.
     gap: Option<(f64, bool)>,
     spring: Option<Spring>,
     late: Option<Late>,
-    /// Hz of the block that runs, where it is known.
+    /// Frequency of the running block in Hz, if known.
     frequency: Option<f64>,
     temperature: f64,
-    /// Of the last call, s.
+    /// Time of the last call, s.
     time: f64,
 }
 
-/// The spring in series, and where its ends were.
+/// The spring in series, and the last positions of its ends.
 #[derive(Clone, Debug)]
 struct Spring {
     /// mm/kN.
@@ -80,7 +80,7 @@ struct Spring {
     specimen: f64,
     /// Displacement and velocity of the sensor's end, mm and mm/s.
     sensor: (f64, f64),
-    /// Room for trials.
+    /// Memory for trials.
     trial: Vec<Hidden>,
 }
 
@@ -100,7 +100,7 @@ impl Clone for Specimen {
         }
     }
 
-    /// Into the room that is there.
+    /// Reuses the memory.
     #[inline]
     fn clone_from(&mut self, source: &Self) {
         self.coefficients = source.coefficients;
@@ -117,7 +117,7 @@ impl Clone for Specimen {
 }
 
 impl Specimen {
-    /// A specimen that follows eq 13 with these coefficients, whatever the amplitude.
+    /// A specimen that follows eq 13 with these coefficients at every amplitude.
     pub fn new(coefficients: Coefficients) -> Self {
         Self {
             coefficients,
@@ -138,10 +138,10 @@ impl Specimen {
         Self::new(tables::interpolate(density, amplitude))
     }
 
-    /// The same with one more effect in it. Of gap, delay and compliance the last counts.
+    /// The same with one more effect. For gap, delay and compliance the last one counts.
     ///
     /// # Panics
-    /// When the effect is not [admissible](HiddenEffect::is_admissible).
+    /// If the effect is not [admissible](HiddenEffect::is_admissible).
     pub fn with(mut self, effect: HiddenEffect) -> Self {
         assert!(effect.is_admissible(), "no specimen can have {effect:?}");
         self.effects.push(effect);
@@ -169,7 +169,7 @@ impl Specimen {
         self.coefficients
     }
 
-    /// Goes on with the coefficients of another amplitude, in a block of `frequency` Hz.
+    /// Continues with the coefficients of another amplitude, in a block of `frequency` Hz.
     pub fn begin_block(&mut self, coefficients: Coefficients, frequency: f64) {
         self.coefficients = coefficients;
         self.frequency = Some(frequency);
@@ -180,12 +180,12 @@ impl Specimen {
         self.effects.iter().copied()
     }
 
-    /// The control input that it is under at a time in s, where it is under one.
+    /// Its control input at a time in s, if it has one.
     pub fn control_at(&self, time: f64) -> Option<f64> {
         self.effects().find_map(|effect| effect.control_at(time))
     }
 
-    /// The same specimen as new: nothing remembered, at the reference temperature.
+    /// The same specimen as new: without state, at the reference temperature.
     pub fn at_rest(&self) -> Self {
         let new = Self {
             frequency: self.frequency,
@@ -194,7 +194,7 @@ impl Specimen {
         self.effects().fold(new, Self::with)
     }
 
-    /// What of a displacement and a velocity is felt behind the play.
+    /// The part of a displacement and a velocity that is felt behind the play.
     fn felt(&self, y: f64, v: f64) -> (f64, f64) {
         match self.gap {
             None => (y, v),
@@ -205,7 +205,7 @@ impl Specimen {
         }
     }
 
-    /// Moves the specimen behind its spring to where both forces agree; returns the force, kN.
+    /// Moves the specimen behind its spring to the balance of both forces; returns the force, kN.
     fn behind(&mut self, mut spring: Spring, step: &Step) -> (f64, Spring) {
         let dt = step.dt / SUBSTEPS as f64;
         let (y0, v0) = spring.sensor;
@@ -245,7 +245,7 @@ fn beside(hidden: &mut [Hidden], step: &Step) -> f64 {
     hidden.iter_mut().map(|hidden| hidden.force(step)).sum()
 }
 
-/// The cubic through two displacements with their velocities, `part` of the way between them.
+/// The cubic through two displacements with their velocities, at `part` of the distance between them.
 fn hermite((y0, v0): (f64, f64), (y1, v1): (f64, f64), dt: f64, part: f64) -> f64 {
     let rest = 1.0 - part;
     rest * rest * ((1.0 + 2.0 * part) * y0 + part * dt * v0)

@@ -1,18 +1,18 @@
-//! What stands between a specimen and the two sensors: a spring in series with it, and a force channel that is late.
+//! Parts between a specimen and the two sensors: a spring in series, and a delay of the force channel.
 
 use std::collections::VecDeque;
 
-/// Steps into which one call is divided while a spring is in series: first order in the step, so that a force that
-/// follows the velocity is late by half of it.
+/// Steps into which one call is divided for a spring in series: first order in the step, so that a force that follows the velocity
+/// is late by half of it.
 pub(super) const SUBSTEPS: usize = 8;
-/// Halvings and secants until the force of spring and specimen agree.
+/// Largest number of bisections and secants until the forces of spring and specimen agree.
 const ITERATIONS: usize = 60;
-/// Where they do, mm.
+/// Accuracy of their agreement, mm.
 const CLOSE: f64 = 1e-9;
 
-/// Displacement x of the specimen at which `force`(x) is the spring's (y − x)/compliance, found from `before` on.
+/// Displacement x of the specimen at which `force`(x) is the spring's (y − x)/compliance, searched from `before` on.
 ///
-/// `force` must not fall as x rises. Regula falsi with the Illinois rule: the kink of |v|^α at v = 0 is no obstacle.
+/// `force` must not fall as x rises. Regula falsi with the Illinois rule, which the kink of |v|^α at v = 0 does not disturb.
 pub(super) fn balance(
     y: f64,
     before: f64,
@@ -45,16 +45,16 @@ pub(super) fn balance(
     high
 }
 
-/// A channel that is late.
+/// A delayed channel.
 #[derive(Clone, Debug)]
 pub(super) struct Late {
     by: f64,
-    /// (s, kN), the first of them the last that is older than `by`.
+    /// (s, kN); the first of them is the last one older than `by`.
     past: VecDeque<(f64, f64)>,
 }
 
 impl Late {
-    /// By so many seconds.
+    /// A delay of this many seconds.
     pub fn by(time: f64) -> Self {
         Self {
             by: time,

@@ -1,4 +1,4 @@
-//! Effects that no tracer has a name for: what a specimen or its rig may do that nobody thought to list.
+//! Effects without a family in the tracer: behaviour of a specimen or its rig that is not in the list of families.
 
 use std::f64::consts::TAU;
 
@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 
 use super::branch::Step;
 
-/// Relaxation times of [`Unlisted::Fractional`], from the first, three to a decade over five decades, s.
+/// Relaxation times of [`Unlisted::Fractional`], from the first on, three per decade over five decades, s.
 const FIRST_RELAXATION_TIME: f64 = 1e-3;
 const RELAXATION_TIMES: usize = 16;
 const TIMES_PER_DECADE: f64 = 3.0;
 /// Sines that make up [`Unlisted::RandomWalk`], the longest with a period of four times [`WALK_DURATION`].
 const WALK_TERMS: usize = 80;
-/// Over which the walk is one, s; later it repeats.
+/// Duration for which the sum is a random walk, s; later it repeats.
 const WALK_DURATION: f64 = 100.0;
 
 /// An effect without a family.
@@ -45,7 +45,7 @@ pub enum Unlisted {
         /// kN·s/mm³.
         a: f64,
     },
-    /// F = −f·ln(1 + t/t0): a preload that creeps away.
+    /// F = −f·ln(1 + t/t0): a preload that creeps.
     Creep {
         /// kN.
         force: f64,
@@ -64,29 +64,29 @@ pub enum Unlisted {
         /// kN·s²/mm².
         c: f64,
     },
-    /// F = c·v for v > 0 only: a damper that pulls one way.
+    /// F = c·v for v > 0 only: a damper that pulls in one direction.
     OneWayDamping {
         /// kN·s/mm.
         c: f64,
     },
-    /// F = c·v for y > 0 only: a damper that touches on one side.
+    /// F = c·v for y > 0 only: a damper with contact on one side.
     OneSidedDamping {
         /// kN·s/mm.
         c: f64,
     },
-    /// Relaxation over all times, with modulus ∝ t^−order (a spring-pot).
+    /// Relaxation on all time scales, with modulus ∝ t^−order (a spring-pot).
     Fractional {
         /// kN/mm at 1 s.
         stiffness: f64,
         /// 0…1.
         order: f64,
     },
-    /// F = k·ln(frequency/1 Hz)·y with the frequency of the block that runs, 1 Hz where it is not known.
+    /// F = k·ln(frequency/1 Hz)·y with the frequency of the running block, 1 Hz if it is not known.
     FrequencyStiffness {
         /// kN/mm.
         stiffness: f64,
     },
-    /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one place.
+    /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one position.
     PlaceFriction {
         /// kN.
         force: f64,
@@ -95,11 +95,11 @@ pub enum Unlisted {
         /// mm.
         width: f64,
     },
-    /// A zero of the load cell that walks at random.
+    /// A zero of the load cell that follows a random walk.
     RandomWalk {
         /// RMS after 1 s, kN.
         force: f64,
-        /// Of the walk.
+        /// Seed of the walk.
         seed: u64,
     },
     /// A mass on a spring and a dashpot, hung on the moving end.
@@ -114,7 +114,7 @@ pub enum Unlisted {
 }
 
 impl Unlisted {
-    /// What it is called in a confusion matrix.
+    /// Its name in a confusion matrix.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::LoadFriction { .. } => "load_friction",
@@ -134,7 +134,7 @@ impl Unlisted {
         }
     }
 
-    /// The parameter that its force is proportional to.
+    /// The parameter to which its force is proportional.
     pub(super) fn size_mut(&mut self) -> &mut f64 {
         match self {
             Self::LoadFriction { mu } => mu,
@@ -229,7 +229,7 @@ impl Unlisted {
         }
     }
 
-    /// kN beside eq 13.
+    /// Force in addition to eq 13, kN.
     pub(super) fn force(&self, memory: &mut Memory, step: &Step) -> f64 {
         let (y, v) = (step.displacement, step.velocity);
         let sign = if v == 0.0 { 0.0 } else { v.signum() };
@@ -306,7 +306,7 @@ impl Unlisted {
     }
 }
 
-/// What an [`Unlisted`] effect remembers.
+/// State of an [`Unlisted`] effect.
 #[derive(Clone, Debug)]
 pub(super) enum Memory {
     None,
@@ -321,13 +321,13 @@ pub(super) enum Memory {
     Mass {
         displacement: f64,
         velocity: f64,
-        /// Displacement and velocity of what it hangs on, at the last call.
+        /// Displacement and velocity of its support at the last call.
         support: (f64, f64),
     },
 }
 
-/// Maxwell branches with relaxation times spread evenly over the logarithm, whose moduli sum to t^−`order` between the
-/// first time and the last; returns their force with unit stiffness.
+/// Maxwell branches with relaxation times spread evenly over the logarithm, whose moduli sum to t^−`order` between the first time
+/// and the last; returns their force for unit stiffness.
 ///
 /// ∫ τ^−order·e^(−t/τ) d ln τ = Γ(order)·t^−order.
 fn relax(stretch: &mut [f64], moved: f64, dt: f64, order: f64) -> f64 {
@@ -348,7 +348,7 @@ fn relax(stretch: &mut [f64], moved: f64, dt: f64, order: f64) -> f64 {
     force * step / libm::tgamma(order)
 }
 
-/// Weights of a random walk in the sines that are its principal components (Karhunen–Loève) over [`WALK_DURATION`].
+/// Weights of a random walk in its principal components (Karhunen–Loève), which are sines, over [`WALK_DURATION`].
 fn walk(seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     (0..WALK_TERMS)

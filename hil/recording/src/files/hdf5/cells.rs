@@ -10,7 +10,7 @@ use crate::files::number::Kind;
 /// A number in each element of a data set.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
-    /// Where it is in the element, bytes.
+    /// Its position in the element, bytes.
     pub at: usize,
     pub kind: Kind,
     pub is_little: bool,
@@ -24,13 +24,13 @@ pub(super) struct Place {
     pub first: usize,
     pub step: usize,
     pub count: usize,
-    /// Factor and offset that the file says.
+    /// Factor and offset stated in the file.
     pub scale: Option<(f64, f64)>,
-    /// The number that stands for none.
+    /// The number for a missing value.
     pub fill: Option<f64>,
 }
 
-/// Data sets, the last of which that was read is kept for its next column.
+/// Data sets, the last of which is kept for its next column.
 pub(super) struct Datasets {
     all: Vec<Dataset>,
     last: Option<(usize, Arc<Vec<u8>>)>,
@@ -67,7 +67,7 @@ impl Datasets {
     }
 }
 
-/// The number that a type is; none of a text or a reference.
+/// The numeric type; `None` for a text or a reference.
 pub(super) fn cell(of: &Datatype) -> Option<Cell> {
     let (kind, order) = match of {
         Datatype::FixedPoint {
@@ -81,7 +81,7 @@ pub(super) fn cell(of: &Datatype) -> Option<Cell> {
         Datatype::FloatingPoint { size, byte_order } => {
             (Kind::float(usize::from(*size))?, byte_order)
         }
-        // As h5py keeps what is true or false.
+        // h5py's representation of booleans.
         Datatype::Enum { base, .. } => return cell(base),
         _ => return None,
     };

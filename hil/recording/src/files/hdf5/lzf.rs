@@ -1,4 +1,4 @@
-//! LZF, the compression that h5py has of its own.
+//! LZF, h5py's own compression.
 
 use hdf5_reader::FilterRegistry;
 use hdf5_reader::error::Error;
@@ -6,7 +6,7 @@ use hdf5_reader::error::Error;
 /// The filter's number among those that are registered with HDF5.
 const LZF: u16 = 32000;
 
-/// Lets chunks be unpacked that LZF packed, to at most `most` bytes each.
+/// Registers the unpacking of chunks that LZF packed, to at most `most` bytes each.
 pub(super) fn register(filters: &mut FilterRegistry, most: usize) {
     let unpack = move |_: &_, packed: &[u8], _: usize| {
         unpacked(packed, most).ok_or_else(|| Error::InvalidData("LZF: a chunk is damaged".into()))
@@ -14,7 +14,7 @@ pub(super) fn register(filters: &mut FilterRegistry, most: usize) {
     filters.register(LZF, Box::new(unpack));
 }
 
-/// Runs of bytes as they are, and copies of what came before.
+/// Literal bytes, and copies of earlier bytes.
 fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
     let mut bytes: Vec<u8> = Vec::new();
     while let Some((&control, rest)) = packed.split_first() {
@@ -34,7 +34,7 @@ fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
             packed = rest;
             let back = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
             let from = bytes.len().checked_sub(back)?;
-            // It may reach into what it copies.
+            // A copy may overlap its own output.
             for at in from..from + length + 2 {
                 bytes.push(bytes[at]);
             }

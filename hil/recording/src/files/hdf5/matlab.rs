@@ -1,4 +1,4 @@
-//! The variables of MATLAB v7.3, which keeps them in HDF5 in a way of its own.
+//! The variables of MATLAB v7.3, which stores them in HDF5 in its own way.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,12 +11,12 @@ use super::cells::cell;
 use super::walk::short;
 use crate::files::mat::{Broken, Bytes, Numbers, Tree, Value};
 
-/// The attribute that says a variable's class.
+/// The attribute with a variable's class.
 const CLASS: &str = "MATLAB_class";
-/// The deepest that structures may lie in each other, as in the versions before.
+/// The deepest nesting of structures, as in the versions before.
 const DEEPEST: usize = 32;
 
-/// What keeps a file from being read.
+/// Why a file cannot be read.
 pub(super) enum Refused {
     File(Error),
     TooLarge,
@@ -29,7 +29,7 @@ impl From<Error> for Refused {
     }
 }
 
-/// Whether a file without MATLAB's first line is one of its variables all the same.
+/// Whether a file without MATLAB's first line still contains its variables.
 pub(super) fn wrote(root: &Group) -> bool {
     let Ok((groups, datasets)) = root.members() else {
         return false;
@@ -48,7 +48,7 @@ pub(super) fn tree(root: &Group, most: u64) -> Result<Tree, Refused> {
         left: most,
         depth: DEEPEST,
     };
-    // What cells and the elements of structures refer to.
+    // Objects to which cells and elements of structures refer.
     if let Some(group) = groups.iter().find(|group| short(group.name()) == "#refs#") {
         let (groups, datasets) = group.members()?;
         let groups = groups
@@ -84,7 +84,7 @@ struct Reader {
     references: HashMap<u64, Arc<Member>>,
     /// Bytes that may still be read.
     left: u64,
-    /// How much deeper structures and references may lead.
+    /// Remaining depth of structures and references.
     depth: usize,
 }
 
@@ -100,7 +100,7 @@ impl Reader {
         done
     }
 
-    /// A structure, or what is kept as one.
+    /// A structure, or a value stored like one.
     fn group(&mut self, group: &Group) -> Result<Value, Refused> {
         let class = group.attribute(CLASS).ok().and_then(|class| text(&class));
         if group.attribute("MATLAB_sparse").is_ok() {
@@ -176,7 +176,7 @@ impl Reader {
             kind: cell.kind,
             bytes,
         };
-        // MATLAB's columns lie one after the other, HDF5's rows do.
+        // MATLAB stores columns one after the other, HDF5 rows.
         let mut dimensions = Vec::new();
         for &size in dataset.shape().iter().rev() {
             let size = usize::try_from(size).map_err(|_| Refused::TooLarge)?;
@@ -192,7 +192,7 @@ impl Reader {
         })
     }
 
-    /// What a data set of references leads to.
+    /// The values to which a data set of references points.
     fn referred(&mut self, dataset: &Dataset) -> Result<Vec<Value>, Refused> {
         let size = dataset.raw_element_size()?;
         let bytes = self.bytes(dataset)?;
@@ -213,7 +213,7 @@ impl Reader {
 
     fn bytes(&mut self, dataset: &Dataset) -> Result<Vec<u8>, Refused> {
         let length = dataset.raw_byte_len()? as u64;
-        // A value costs memory however few bytes it has.
+        // A value costs memory, however few bytes it has.
         const COST: u64 = 256;
         let left = self.left.checked_sub(length.saturating_add(COST));
         self.left = left.ok_or(Refused::TooLarge)?;

@@ -34,7 +34,7 @@ impl Format for Hdf5 {
     }
 
     fn recognizes(&self, head: &[u8]) -> bool {
-        // A program may put a block of its own before it, as MATLAB does.
+        // A program may put its own block before it, as MATLAB does.
         let is_at = |at: usize| head.get(at..).is_some_and(|rest| rest.starts_with(MARK));
         [0, 512, 1024, 2048].into_iter().any(is_at)
     }
@@ -128,7 +128,7 @@ fn open<'a>(
 
 fn refused(name: &str, limit: ReadLimit, error: &hdf5_reader::error::Error) -> InputError {
     use hdf5_reader::error::Error;
-    // What went wrong within, without the way to it.
+    // The innermost error, without its context.
     let mut inner = error;
     while let Error::Context { source, .. } = inner {
         inner = source;

@@ -11,12 +11,12 @@ use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
 
-/// The deepest that groups may lie in each other. Convention: deeper than any program writes, and within the stack.
+/// The deepest nesting of groups. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 64;
 /// The longest text of an attribute that is a comment. Convention: a page.
 const LONGEST: usize = 1 << 12;
 
-/// What was found in a file.
+/// Findings in a file.
 #[derive(Default)]
 pub(super) struct Walk {
     pub arrays: Vec<Array<Place>>,
@@ -24,12 +24,12 @@ pub(super) struct Walk {
     pub skipped: Vec<String>,
     pub comments: Vec<String>,
     pub beside: Beside,
-    /// Groups that were seen: links may lead round in a circle.
+    /// Groups visited, because links may form a circle.
     seen: HashSet<u64>,
 }
 
 impl Walk {
-    /// Takes in a group and what lies in it.
+    /// Adds a group and its contents.
     pub fn group(&mut self, group: &Group, path: &[String]) -> Result<(), Error> {
         if !self.seen.insert(group.address()) {
             return Ok(());
@@ -74,7 +74,7 @@ impl Walk {
         Ok(())
     }
 
-    /// Takes in a data set; `names` are those of its columns, where the file has them.
+    /// Adds a data set; `names` are those of its columns, if the file has them.
     fn dataset(&mut self, dataset: Dataset, path: &[String], names: Vec<String>) {
         let name = short(dataset.name()).to_owned();
         let attributes = Said::of(&dataset);
@@ -106,7 +106,7 @@ impl Walk {
             },
         }
         let long: Vec<u64> = shape.iter().copied().filter(|&size| size != 1).collect();
-        // Rows lie one after the other. Samples are more than channels.
+        // Rows lie one after the other. There are more samples than channels.
         let (rows, columns, [step, next]) = match long[..] {
             [] => {
                 let bytes = dataset.read_raw_bytes().unwrap_or_default();
@@ -196,18 +196,18 @@ impl Walk {
     }
 }
 
-/// What a data set's attributes say of its values.
+/// Statements in a data set's attributes about its values.
 #[derive(Default)]
 struct Said {
     unit: Option<String>,
-    /// Of the fields of its elements.
+    /// For the fields of its elements.
     units: Vec<(String, String)>,
-    /// As netCDF has them: factor and offset.
+    /// In netCDF's form: factor and offset.
     scale: Option<(f64, f64)>,
     fill: Option<f64>,
-    /// What its columns are called.
+    /// Names of its columns.
     names: Option<Vec<String>>,
-    /// Numbers that say something else.
+    /// Other numbers.
     numbers: Vec<(String, f64)>,
 }
 
@@ -249,13 +249,13 @@ impl Said {
     }
 }
 
-/// The number that an attribute is; none of a text or of several.
+/// The number in an attribute; `None` for a text or for several numbers.
 fn number(attribute: &Attribute) -> Option<f64> {
     let is_one = attribute.shape.iter().all(|&size| size == 1);
     is_one.then(|| attribute.read_as_f64().ok()).flatten()
 }
 
-/// The columns' names of data sets that have them beside them, as pandas has `block0_items` beside `block0_values`.
+/// The columns' names of data sets that store them next to them, as pandas stores `block0_items` next to `block0_values`.
 fn labels(datasets: &[Dataset]) -> Vec<(String, Vec<String>)> {
     let of = |dataset: &Dataset| {
         let block = short(dataset.name()).strip_suffix("_items")?;

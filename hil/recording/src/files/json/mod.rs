@@ -1,4 +1,4 @@
-//! JSON: an object of arrays, an array of objects, `columns` and `data` as pandas has them, or an object on each line.
+//! JSON: an object of arrays, an array of objects, `columns` and `data` as in pandas, or an object on each line.
 
 mod node;
 
@@ -105,7 +105,7 @@ fn parsed(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<Node, InputError
     Ok(list.finish())
 }
 
-/// Python writes `NaN` and `Infinity`, which are no JSON: they become what is read as a missing number.
+/// Python writes `NaN` and `Infinity`, which are not JSON: they become a missing number.
 fn bare_words(bytes: &mut [u8]) {
     let mut is_text = false;
     let mut at = 0;
@@ -128,7 +128,7 @@ fn bare_words(bytes: &mut [u8]) {
     }
 }
 
-/// What was found in a file.
+/// Findings in a file.
 #[derive(Default)]
 struct Found {
     arrays: Vec<Array<Vec<f64>>>,
@@ -181,7 +181,7 @@ impl Found {
             let place = fields.iter().position(|(name, _)| name == wanted)?;
             Some(fields.remove(place).1)
         };
-        // What pandas calls split.
+        // The form that pandas calls split.
         let columns = taken("columns");
         let data = taken("data");
         match (columns, data) {
@@ -199,7 +199,7 @@ impl Found {
                 fields.extend(both);
             }
         }
-        // pandas says in a schema what the columns of `data` are.
+        // In pandas a schema describes the columns of `data`.
         if fields.iter().any(|(name, _)| name == "data") {
             fields.retain(|(name, _)| name != "schema");
         }
@@ -258,7 +258,7 @@ mod tests {
             panic!("{node:?}")
         };
         assert_eq!(fields[0].0, "NaN");
-        // A word among numbers makes them texts.
+        // A word among numbers makes the column a text.
         assert!(matches!(fields[0].1, Node::Other), "{fields:?}");
         let mut text = b"[1, NaN, -Infinity]".to_vec();
         bare_words(&mut text);

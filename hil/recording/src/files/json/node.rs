@@ -1,5 +1,5 @@
-//! Values of JSON, in which lists of numbers, rows and records become columns while they are read: as a tree they would take ten times the
-//! memory of the text.
+//! Values of JSON, in which lists of numbers, rows and records become columns while they are read, because a tree would take ten
+//! times the memory of the text.
 
 use std::fmt;
 
@@ -21,14 +21,14 @@ pub(super) enum Node {
     Texts(Vec<String>),
     /// A list of lists of numbers, column by column.
     Rows(Vec<Vec<f64>>),
-    /// A list of objects, column by column; none where there are other things than numbers.
+    /// A list of objects, column by column; `None` for values other than numbers.
     Records(Vec<(String, Option<Vec<f64>>)>),
     Object(Vec<(String, Node)>),
-    /// What is no column, as lists of several kinds.
+    /// Anything that is not a column, such as a list of several kinds.
     Other,
 }
 
-/// Reads a value, of which no list may have more than so many numbers.
+/// Reads a value; its lists may have at most this many numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Seed {
     pub most: usize,
@@ -50,7 +50,7 @@ impl List {
         }
     }
 
-    /// One more value; an error where the columns grow beyond what is allowed, as where each row has a name of its own.
+    /// Adds one more value; an error if the columns grow beyond the limit, for example if each row has its own names.
     pub fn push(&mut self, value: Node) -> Result<(), ()> {
         let rows = self.rows;
         self.rows += 1;
@@ -63,7 +63,7 @@ impl List {
             }
             (None, Node::Text(text)) if !text.is_empty() => Node::Texts(vec![text]),
             (Some(Node::Texts(mut texts)), Node::Text(text)) => {
-                // More are no names of columns.
+                // A longer list is not a list of column names.
                 if texts.len() < MOST_COLUMNS {
                     texts.push(text);
                 }
@@ -107,7 +107,7 @@ impl List {
         fields: Vec<(String, Node)>,
     ) -> Result<Node, ()> {
         for (place, (name, value)) in fields.into_iter().enumerate() {
-            // Records have their fields in one order, nearly always.
+            // Records almost always have their fields in the same order.
             let known = match columns.get(place) {
                 Some((known, _)) if *known == name => Some(place),
                 _ => columns.iter().position(|(known, _)| *known == name),
@@ -143,14 +143,14 @@ impl List {
 
     pub fn finish(self) -> Node {
         match self.node {
-            // A list of objects in which nothing is a number is no table.
+            // A list of objects without numbers is not a table.
             Some(node) => node,
             None => Node::Column(Vec::new()),
         }
     }
 }
 
-/// The field under which serde_json gives the text of a number, where any crate of a build asks it for numbers of arbitrary precision:
+/// The field under which serde_json gives the text of a number, if any crate of a build requests numbers of arbitrary precision, as
 /// defmt-decoder does.
 const NUMBER: &str = "$serde_json::private::Number";
 
@@ -204,7 +204,7 @@ impl<'de> Visitor<'de> for Seed {
 
     fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Node, A::Error> {
         let mut object = Vec::new();
-        // The column of pandas: each value under the number of its row.
+        // The column form of pandas: each value under the number of its row.
         let mut column = Some(Vec::new());
         while let Some(name) = fields.next_key::<String>()? {
             if name == NUMBER {
@@ -218,7 +218,7 @@ impl<'de> Visitor<'de> for Seed {
                     continue;
                 }
                 (Some(values), _) if values.is_empty() => column = None,
-                // Not all are numbers of rows: those that were are no fields.
+                // Not all are numbers of rows, so none of them are fields.
                 (Some(_), _) => return skip(fields),
                 (None, _) => {}
             }

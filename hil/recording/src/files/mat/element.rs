@@ -1,16 +1,16 @@
-//! The elements that a MAT file is made of: a type, a size, and that many bytes.
+//! The elements of a MAT file: a type, a size, and that many bytes.
 
 use std::sync::Arc;
 
 use crate::files::number::Kind;
 
-/// What is wrong with a file, in words.
+/// The error in a file, in words.
 #[derive(Debug)]
 pub(in crate::files) struct Broken(pub &'static str);
 
 type Parsed<T> = Result<T, Broken>;
 
-/// A run of bytes, and the place that reading has reached.
+/// A run of bytes, and the reading position.
 #[derive(Clone, Debug)]
 pub(in crate::files) struct Bytes {
     all: Arc<Vec<u8>>,
@@ -25,7 +25,7 @@ pub(super) enum Element {
     Numbers(Numbers),
     Matrix(Bytes),
     Compressed(Bytes),
-    /// Texts in Unicode, and what a later version may have.
+    /// Texts in Unicode, and elements of later versions.
     Other(u32, Bytes),
 }
 
@@ -90,7 +90,7 @@ impl Bytes {
         })
     }
 
-    /// The next element; none at the end.
+    /// The next element; `None` at the end.
     pub(super) fn next(&mut self) -> Parsed<Option<Element>> {
         // Some programs fill the end with less than an element's head.
         if self.end - self.at < 8 {
@@ -100,14 +100,14 @@ impl Bytes {
         let (code, bytes) = if first >> 16 == 0 {
             let size = self.u32()? as usize;
             let bytes = self.take(size)?;
-            // All but packed ones are filled to eights; the last one may be cut there.
+            // All but packed ones are padded to multiples of eight; the last one may lack the padding.
             if first != 15 {
                 let fill = (8 - size % 8) % 8;
                 self.at = (self.at + fill).min(self.end);
             }
             (first, bytes)
         } else {
-            // Up to four bytes lie in the place of the size.
+            // Up to four bytes are stored in the size field.
             let (code, size) = (first & 0xffff, (first >> 16) as usize);
             if size > 4 {
                 return Err(Broken("a short element is longer than four bytes"));
@@ -137,14 +137,14 @@ impl Numbers {
         self.bytes.slice().len() / self.kind.size()
     }
 
-    /// The number at a place, NaN beyond the last.
+    /// The number at an index, NaN beyond the last.
     pub fn get(&self, index: usize) -> f64 {
         let at = index.saturating_mul(self.kind.size());
         let bytes = self.bytes.slice();
         self.kind.read(bytes, at, self.bytes.is_little)
     }
 
-    /// All of them as a text, a byte or two each.
+    /// All of them as text, one or two bytes each.
     pub fn text(&self) -> String {
         let codes = (0..self.len()).map(|index| self.get(index) as u16);
         match self.kind {

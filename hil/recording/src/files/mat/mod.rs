@@ -79,7 +79,7 @@ impl Format for Mat {
     }
 }
 
-/// What was found in a file, as tables.
+/// The contents of a file, as tables.
 ///
 /// # Errors
 /// A file without an array.

@@ -6,7 +6,7 @@ use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
 use crate::files::number::Kind;
 
-/// The deepest that structures may lie in each other. Convention: deeper than any program writes, and within the stack.
+/// The deepest nesting of structures. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 32;
 /// The most characters of texts that are kept. Convention: pages of notes.
 const MOST_TEXT: usize = 1 << 16;
@@ -15,7 +15,7 @@ const MOST_TEXT: usize = 1 << 16;
 /// test, with some dozen fields.
 const MOST_VALUES: usize = 1 << 20;
 
-/// Fields of a structure that names its data: dSPACE, Simulink and time series as structures.
+/// Fields of a structure that name its data: dSPACE, Simulink and time series as structures.
 const DATA: [&str; 4] = ["data", "values", "value", "signal"];
 const LABEL: [&str; 3] = ["name", "label", "channelname"];
 const UNIT: [&str; 4] = ["unit", "units", "unity", "yunit"];
@@ -41,7 +41,7 @@ impl Strided {
     }
 }
 
-/// What was found in a file.
+/// Findings in a file.
 #[derive(Debug)]
 pub(in crate::files) struct Tree {
     pub arrays: Vec<Array<Strided>>,
@@ -50,7 +50,7 @@ pub(in crate::files) struct Tree {
     pub skipped: Vec<String>,
     pub guesses: Vec<String>,
     pub beside: Beside,
-    /// Of variables, by their names: what a structure `units` says.
+    /// Units of variables by their names, from a structure `units`.
     units: Vec<(String, String)>,
     text: usize,
     left: usize,
@@ -71,7 +71,7 @@ pub(in crate::files) enum Value {
     /// Elements, each with its fields.
     Structure(Vec<Vec<(String, Value)>>),
     Cell(Vec<Value>),
-    /// What is not read, in words.
+    /// A value that is not read, in words.
     Other(String),
 }
 
@@ -89,7 +89,7 @@ impl Tree {
         }
     }
 
-    /// Gives the arrays the units that the file says for them, at its end.
+    /// At the end of the file, gives the arrays the units that it states for them.
     pub fn finish(&mut self) {
         for array in self
             .arrays
@@ -106,13 +106,13 @@ impl Tree {
         }
     }
 
-    /// Takes in one variable.
+    /// Adds one variable.
     pub fn variable(&mut self, matrix: Bytes) -> Result<(), Broken> {
         let (name, value) = value(matrix, DEEPEST, &mut self.left)?;
         self.take(&[], &name, value)
     }
 
-    /// Takes in a value that lies in some structures.
+    /// Adds a value that is nested in structures.
     pub fn take(&mut self, group: &[String], name: &str, value: Value) -> Result<(), Broken> {
         match value {
             Value::Numbers(dimensions, numbers) => {
@@ -163,7 +163,7 @@ impl Tree {
             })
         };
         let (label, unit) = (text(&LABEL), text(&UNIT));
-        // dSPACE keeps the times of the elements of Y in X, in seconds.
+        // dSPACE stores the times of the elements of Y in X, in seconds.
         let has_axis = ["X", "Y"].map(|axis| {
             (fields.iter()).any(|(field, value)| {
                 field == axis
@@ -175,11 +175,11 @@ impl Tree {
         inner.push(name.to_owned());
         for (field, value) in fields {
             match value {
-                // The data of a channel that has its own name: it lies where its structure does.
+                // The data of a channel with its own name: its position is that of its structure.
                 Value::Numbers(dimensions, numbers)
                     if is_of(&field, &DATA) && (label.is_some() || unit.is_some()) =>
                 {
-                    // `Model Root/Rig/Force`: the last is the name, the others are where it lies.
+                    // `Model Root/Rig/Force`: the last part is the name, the others are its groups.
                     let label = label.as_deref().unwrap_or(name);
                     let (above, name) = label.rsplit_once('/').unwrap_or(("", label));
                     let above = above.split('/').filter(|part| !part.is_empty());
@@ -254,7 +254,7 @@ impl Tree {
                 return Ok(());
             }
             [rows] => (rows, 1, [1, 0]),
-            // Samples are more than channels. Columns lie one after the other.
+            // There are more samples than channels. Columns lie one after the other.
             [rows, columns] if rows >= columns => (rows, columns, [1, rows]),
             [columns, rows] => (rows, columns, [columns, 1]),
             _ => {
@@ -325,7 +325,7 @@ impl Tree {
     }
 }
 
-/// What is said of an array beside its values.
+/// Statements about an array in addition to its values.
 struct Labelled {
     name: String,
     unit: Option<String>,
@@ -348,7 +348,7 @@ fn path(group: &[String], name: &str) -> String {
     path.join(".")
 }
 
-/// A matrix's name and what it holds; `depth` is how much deeper it may go, and `left` how many values there may still be.
+/// A matrix's name and contents; `depth` is the remaining nesting, and `left` the remaining number of values.
 fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Value), Broken> {
     let deeper = depth.checked_sub(1);
     let deeper = deeper.ok_or(Broken("structures lie too deep in each other"))?;
@@ -371,7 +371,7 @@ fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Va
         }
         2 | 3 => {
             if head.class == 3 {
-                // The class that it is an object of.
+                // The class of the object.
                 bytes.numbers()?;
             }
             Value::Structure(elements(&mut bytes, count, deeper, left)?)
@@ -390,7 +390,7 @@ fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Va
 fn head(bytes: &mut Bytes) -> Result<Head, Broken> {
     let flags = bytes.numbers()?.get(0) as u32;
     let class = flags as u8;
-    // What an object of a class has of these is not documented: its name comes at once.
+    // The layout of an object of a class is not documented: its name follows at once.
     let dimensions = if class == 17 {
         Vec::new()
     } else {
@@ -451,7 +451,7 @@ fn elements(
     Ok(elements)
 }
 
-/// A text: its rows, as MATLAB keeps them, each a line.
+/// A text: its rows in MATLAB's layout, one line each.
 fn text(bytes: &mut Bytes, dimensions: &[usize]) -> Result<String, Broken> {
     let text = match bytes.next()? {
         Some(Element::Numbers(numbers)) => numbers.text(),
@@ -466,7 +466,7 @@ fn text(bytes: &mut Bytes, dimensions: &[usize]) -> Result<String, Broken> {
     Ok(rows_of_text(&text, dimensions))
 }
 
-/// The rows of a text, as MATLAB keeps them: column after column.
+/// The rows of a text in MATLAB's layout: column after column.
 pub(in crate::files) fn rows_of_text(text: &str, dimensions: &[usize]) -> String {
     let rows = dimensions.first().copied().unwrap_or(1);
     if rows <= 1 {
@@ -484,7 +484,7 @@ pub(in crate::files) fn rows_of_text(text: &str, dimensions: &[usize]) -> String
     lines.join("\n")
 }
 
-/// The class of an object: behind the name and the word `MCOS`.
+/// The class of an object, after the name and the word `MCOS`.
 fn class(bytes: &mut Bytes) -> Result<String, Broken> {
     bytes.numbers()?;
     Ok(bytes.numbers()?.text())

@@ -1,4 +1,4 @@
-//! Arrow's own files and streams, and Feather of version 2, which is such a file.
+//! Arrow's own files and streams, and Feather version 2, which is such a file.
 
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
@@ -16,7 +16,7 @@ use crate::read_limit::ReadLimit;
 
 const NAME: &str = "Arrow";
 const MARK: &[u8] = b"ARROW1";
-/// What stands before a message, but in streams of versions before 0.15.
+/// Bytes before a message, except in streams of versions before 0.15.
 const CONTINUES: [u8; 4] = [0xff; 4];
 
 /// Arrow IPC.
@@ -53,7 +53,7 @@ impl Format for Arrow {
     }
 }
 
-/// What keeps a file from being read.
+/// Why a file cannot be read.
 enum Unreadable {
     Broken(String),
     TooLarge,
@@ -92,7 +92,7 @@ fn stream(mut bytes: Buffer, limit: ReadLimit) -> Decoded {
     Ok((decoder.schema().ok_or("it has no schema")?, batches))
 }
 
-/// The batches of a file, whose end lists where they are.
+/// The batches of a file, whose end lists their positions.
 fn file(bytes: Buffer, limit: ReadLimit) -> Decoded {
     const END: &str = "it lacks its end";
     let (rest, trailer) = bytes.split_last_chunk::<10>().ok_or(END)?;
@@ -171,8 +171,8 @@ fn opened<'a>(
     )?))
 }
 
-/// The first message of a stream: the bytes that it and its compressed arrays say that they unpack to, which the decoder takes on
-/// trust, none where it is not whole; and the stream behind it. None at the stream's end.
+/// The first message of a stream. Returns the unpacked size that it and its compressed arrays state, which the decoder trusts,
+/// `None` if the message is incomplete; and the rest of the stream. `None` at the stream's end.
 fn message(bytes: &[u8]) -> Option<(Option<u64>, &[u8])> {
     let (mark, rest) = bytes.split_first_chunk::<4>()?;
     let (length, rest) = match *mark == CONTINUES {
@@ -209,7 +209,7 @@ fn unpacked(message: Message<'_>, body: &[u8]) -> Option<u64> {
         let from = usize::try_from(buffer.offset()).ok()?;
         let length = body.get(from..)?.first_chunk::<8>();
         if let Some(length) = length.filter(|_| buffer.length() >= 8) {
-            // -1 is of an array that was left as it is.
+            // −1 marks an array that was left uncompressed.
             sum = sum.saturating_add(u64::try_from(i64::from_le_bytes(*length)).unwrap_or(0));
         }
     }

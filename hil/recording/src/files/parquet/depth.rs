@@ -1,6 +1,6 @@
-//! How deep the fields of a Parquet file lie in each other, before its decoder follows them, which it does by calls within calls.
+//! Nesting depth of the fields of a Parquet file, checked before its decoder follows them by nested calls.
 
-/// The deepest that is read. Convention: deeper than any table of measurements, and within any stack.
+/// The deepest nesting that is read. Convention: deeper than any table of measurements, and within any stack.
 pub(super) const DEEPEST: usize = 32;
 
 /// Bytes of Thrift's compact protocol.
@@ -8,7 +8,7 @@ struct Thrift<'b> {
     bytes: &'b [u8],
 }
 
-/// The depth of the schema at the end of a file; none where it is not whole, which the decoder says.
+/// The depth of the schema at the end of a file; `None` if it is incomplete, which the decoder reports.
 pub(super) fn depth(file: &[u8]) -> Option<usize> {
     let rest = file.strip_suffix(b"PAR1")?;
     let (rest, length) = rest.split_last_chunk::<4>()?;
@@ -26,7 +26,7 @@ pub(super) fn depth(file: &[u8]) -> Option<usize> {
             thrift.skip(kind, DEEPEST)?;
             continue;
         }
-        // Of the fields around the next element: how many elements are still to come.
+        // For the fields around the next element: the number of elements still to come.
         let mut open: Vec<u64> = Vec::new();
         for _ in 0..thrift.list()?.1 {
             let mut children = 0;
@@ -56,7 +56,7 @@ pub(super) fn depth(file: &[u8]) -> Option<usize> {
     Some(deepest)
 }
 
-/// A count; 0 of a negative one.
+/// A count; 0 for a negative one.
 fn zigzag(word: u64) -> u64 {
     if word & 1 == 0 { word >> 1 } else { 0 }
 }
@@ -86,7 +86,7 @@ impl Thrift<'_> {
         Some(())
     }
 
-    /// The type and the number of the next field of a structure, behind field `last`; none at its end.
+    /// The type and the number of the next field of a structure, after field `last`; `None` at its end.
     fn field(&mut self, last: u64) -> Option<Option<(u8, u64)>> {
         let head = self.byte()?;
         let (kind, more) = (head & 0xf, head >> 4);
@@ -101,7 +101,7 @@ impl Thrift<'_> {
         Some(Some((kind, number)))
     }
 
-    /// The type of a list's elements, and how many there are.
+    /// The type of a list's elements, and their number.
     fn list(&mut self) -> Option<(u8, u64)> {
         let head = self.byte()?;
         let count = match head >> 4 {
@@ -125,7 +125,7 @@ impl Thrift<'_> {
             9 | 10 => {
                 let (kind, count) = self.list()?;
                 for _ in 0..count {
-                    // What is true or false takes a byte here, and none in a structure.
+                    // A boolean takes a byte here, and none in a structure.
                     let kind = if kind <= 2 { 3 } else { kind };
                     self.skip(kind, deeper)?;
                 }
@@ -147,7 +147,7 @@ impl Thrift<'_> {
 mod tests {
     use super::*;
 
-    /// The end of a file of fields that lie in each other.
+    /// The end of a file with nested fields.
     fn file(deep: usize) -> Vec<u8> {
         // Elements of a name and one child each.
         let element = [0x48, 1, b'a', 0x15, 2, 0];

@@ -1,4 +1,4 @@
-//! The columns of numbers in arrays of Arrow, whatever their type.
+//! The columns of numbers in Arrow arrays of any type.
 
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{
@@ -15,14 +15,14 @@ use arrow_schema::{DataType, Field, Schema, TimeUnit};
 use crate::files::arrays::{MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::{Column, Table};
 
-/// A column of numbers: the fields that lead to it, the outermost first, and its place in lists of one length.
+/// A column of numbers: the fields that lead to it, the outermost first, and its index in lists of one length.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub fields: Vec<usize>,
     element: usize,
 }
 
-/// The keys under which a field's metadata has its unit.
+/// The keys of a field's metadata that contain its unit.
 const UNIT: [&str; 4] = ["unit", "units", "Unit", "Units"];
 /// The longest text of metadata that is a comment. Convention: a page.
 const LONGEST: usize = 1 << 12;
@@ -74,7 +74,7 @@ impl Found {
             return;
         }
         let is_date = is_date(of);
-        // What pandas calls an index without a name.
+        // pandas' name for an index without a name.
         let name = match name.strip_prefix("__index_level_") {
             Some(_) if is_date => "timestamp".to_owned(),
             _ => name,
@@ -113,7 +113,7 @@ impl Found {
     }
 }
 
-/// What a file says beside its columns, as lines `key: text`; those under `comments` as they are.
+/// Statements of a file in addition to its columns, as lines `key: text`; those under `comments` unchanged.
 pub(super) fn comments<'m>(metadata: impl Iterator<Item = (&'m str, &'m str)>) -> Vec<String> {
     let mut comments = Vec::new();
     for (key, text) in metadata {
@@ -127,7 +127,7 @@ pub(super) fn comments<'m>(metadata: impl Iterator<Item = (&'m str, &'m str)>) -
     comments
 }
 
-/// What pandas keeps of `DataFrame.attrs["units"]`.
+/// pandas' storage of `DataFrame.attrs["units"]`.
 fn units_of_pandas(schema: &Schema) -> Vec<(String, String)> {
     let said = schema.metadata().get("pandas");
     let parsed: Option<serde_json::Value> = said.and_then(|text| serde_json::from_str(text).ok());
@@ -168,7 +168,7 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// Appends those of a batch; none where they are no numbers after all.
+    /// Appends the values of a batch; `None` if they are not numbers.
     pub fn append(&mut self, batch: &RecordBatch, leaf: &Leaf) -> Option<()> {
         let (first, inner) = leaf.fields.split_first()?;
         let mut array: ArrayRef = batch.columns().get(*first)?.clone();
@@ -207,7 +207,7 @@ impl Gathered {
                     .collect()
             }};
         }
-        // Dates are subtracted as they are counted: since 1970 there have been more nanoseconds than a float can tell apart.
+        // Dates are subtracted as integers: since 1970 there have been more nanoseconds than a float can resolve.
         macro_rules! dates {
             ($type:ty, $step:expr) => {{
                 let values = array.as_primitive_opt::<$type>()?;

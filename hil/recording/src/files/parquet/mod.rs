@@ -1,4 +1,4 @@
-//! Parquet, and the arrays of Arrow that its columns are read as.
+//! Parquet, whose columns are read as Arrow arrays.
 
 mod arrow;
 mod depth;
@@ -19,7 +19,7 @@ use leaf::{Gathered, Leaf};
 pub(super) use arrow::Arrow;
 
 const NAME: &str = "Parquet";
-/// Rows that are decoded at a time. Convention: a table of some columns of them lies in a processor's cache.
+/// Rows decoded at a time. Convention: some columns of these fit into a processor's cache.
 const BATCH: usize = 8192;
 
 /// Apache Parquet.
@@ -103,7 +103,7 @@ fn values(
             .with_batch_size(BATCH)
             .build()
             .map_err(|error| refused(name, &error))?;
-    // Of the columns, only this one is in the batches.
+    // The batches contain only this one column.
     let mut leaf = leaf.clone();
     leaf.fields[0] = 0;
     let mut gathered = Gathered::default();

@@ -1,7 +1,7 @@
 //! TDMS, of LabVIEW and of National Instruments' loggers.
 //!
-//! Read by our own parser: the values of a channel are where its segments say, so that nothing is unpacked before it is wanted, and what
-//! NI keeps beside raw values, the scales that make measured ones of them, is applied.
+//! It is read by our own parser. The values of a channel are read where its segments place them, so that only wanted values are
+//! unpacked. NI's scales, which convert raw values to measured ones, are applied.
 
 mod scale;
 mod segments;
@@ -21,7 +21,7 @@ use segments::{File, Object, Pieces, Property, Read, seconds};
 
 const NAME: &str = "TDMS";
 
-/// What is wrong with a file, in words.
+/// The error in a file, in words.
 #[derive(Debug)]
 struct Broken(&'static str);
 
@@ -51,7 +51,7 @@ impl Format for Tdms {
         let file = File::of(&bytes).map_err(|why| damaged(NAME, &name, why.0))?;
         let channels = Channels::of(&file);
         let values = move |values: &Scaled| {
-            // Values without bytes of their own have no limit in the file.
+            // The file does not limit the number of values that take no bytes.
             if (values.rows as u64).saturating_mul(8) > limit.file() {
                 return None;
             }
@@ -92,11 +92,11 @@ impl Format for Tdms {
     }
 }
 
-/// Raw values of a channel, and what makes measured ones of them.
+/// Raw values of a channel, and their conversion to measured ones.
 #[derive(Clone, Debug)]
 struct Scaled {
     rows: usize,
-    /// By the number of the scale that they go into; DAQmx has several of a channel.
+    /// By the number of the scale that takes them; DAQmx has several per channel.
     raw: Vec<(u32, Pieces)>,
     scales: Option<Arc<Scales>>,
 }
@@ -117,7 +117,7 @@ impl Scaled {
     }
 }
 
-/// The channels that are numbers, and what else is in the file.
+/// The channels that are numbers, and other contents of the file.
 #[derive(Default)]
 struct Channels {
     arrays: Vec<Array<Scaled>>,
@@ -222,11 +222,11 @@ impl Channels {
     }
 }
 
-/// When the clocks of a file's channels start.
+/// Start times of the clocks of a file's channels.
 struct Starts {
-    /// The earliest that is said, in 2⁻⁶⁴ s.
+    /// The earliest stated, in 2⁻⁶⁴ s.
     first: Option<i128>,
-    /// Whether all that are said are the same.
+    /// Whether all stated ones are the same.
     is_one: bool,
     said: Option<String>,
 }
@@ -253,7 +253,7 @@ impl Starts {
         }
     }
 
-    /// The clock of a channel; none where its steps are not said, or where it says no start and those of the others differ.
+    /// The clock of a channel; `None` if its step is not stated, or if it states no start and the others' starts differ.
     fn clock(&self, object: &Object) -> Option<Clock> {
         let late = match (object.start, self.first) {
             (Some(start), Some(first)) => seconds(start.wrapping_sub(first)),

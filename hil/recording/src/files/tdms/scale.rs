@@ -1,27 +1,27 @@
-//! The scales that make measured values of raw ones, as NI's drivers leave them in a channel's properties.
+//! The scales from raw to measured values, which NI's drivers store in a channel's properties.
 //!
-//! Linear, polynomial and table are given by their numbers. Bridge, resistance and thermistor are solved from their circuits, which NI
-//! documents with its modules; a thermocouple needs tables of its standard and is not read.
+//! Linear, polynomial and table scales are given by their numbers. Bridge, resistance and thermistor scales are solved from their
+//! circuits, which NI documents with its modules. A thermocouple needs the tables of its standard and is not read.
 
 use std::collections::HashMap;
 
 use super::segments::{Pieces, Property};
 
-/// The input that is the raw values themselves.
+/// The input number of the raw values themselves.
 const RAW: u32 = u32::MAX;
-/// How many scales may follow on each other. Convention: a driver has three.
+/// Largest number of consecutive scales. Convention: a driver has three.
 const MOST: usize = 64;
 
-/// The scales of a channel, of which the last gives its values.
+/// The scales of a channel; the last one gives its values.
 #[derive(Debug)]
 pub(super) struct Scales {
     all: Vec<(Scale, u32)>,
 }
 
-/// One scale; the number beside it is that of its input.
+/// One scale, with the number of its input.
 #[derive(Debug, PartialEq)]
 pub(super) enum Scale {
-    /// What DAQmx has under this number.
+    /// The DAQmx scaler with this number.
     Scaler,
     Same,
     Linear {
@@ -30,9 +30,9 @@ pub(super) enum Scale {
     },
     Polynomial(Vec<f64>),
     Table(Vec<(f64, f64)>),
-    /// The other input besides.
+    /// Adds the other input.
     Add(u32),
-    /// The other input less this one: NI's own programs compute it so.
+    /// The other input minus this one, as NI's own programs compute it.
     Subtract(u32),
     Strain(Bridge),
     Resistance(Rtd),
@@ -74,10 +74,11 @@ impl Said<'_> {
 }
 
 impl Scales {
-    /// Those of a channel, of its group or of its file: the first that has any; none where the values are measured ones already.
+    /// The scales of a channel, of its group or of its file: the first that has any; `None` if the values are measured ones
+    /// already.
     ///
     /// # Errors
-    /// What is not known or not whole, in words.
+    /// An unknown or incomplete part, in words.
     pub fn of(said: &[&Properties; 3], raw: &[(u32, Pieces)]) -> Result<Option<Self>, String> {
         for properties in said {
             let count = match properties.get("NI_Number_Of_Scales") {
@@ -110,14 +111,14 @@ impl Scales {
             }
             return Ok(Some(Self { all }));
         }
-        // Of DAQmx without scales, several values at once are not one channel.
+        // For DAQmx without scales, several values at once are not one channel.
         match raw {
             [_] => Ok(None),
             _ => Err("several raw values without scales".into()),
         }
     }
 
-    /// The channel's values, of raw ones by the number of their scale.
+    /// The channel's values, from raw ones by the number of their scale.
     pub fn apply(&self, raw: &[(u32, Vec<f64>)]) -> Vec<f64> {
         let mut done: Vec<Vec<f64>> = Vec::new();
         for (index, (scale, input)) in self.all.iter().enumerate() {
@@ -209,7 +210,7 @@ impl Scale {
         }
     }
 
-    /// What it makes of one value.
+    /// Converts one value.
     fn value(&self, x: f64) -> f64 {
         match self {
             Self::Scaler | Self::Same | Self::Add(_) | Self::Subtract(_) => x,
@@ -226,7 +227,7 @@ impl Scale {
     }
 }
 
-/// A table's value, on a line between its rows, and that of its ends beyond them.
+/// A table's value, linear between its rows, and constant beyond its ends.
 fn between(table: &[(f64, f64)], x: f64) -> f64 {
     if x.is_nan() {
         return x;
@@ -247,7 +248,7 @@ fn between(table: &[(f64, f64)], x: f64) -> f64 {
 pub(super) struct Bridge {
     configuration: u32,
     poisson: f64,
-    /// One over the part of the gauge's resistance in its arm, leads included.
+    /// The inverse of the gauge's part of the resistance in its arm, leads included.
     leads: f64,
     initial: f64,
     factor: f64,
@@ -275,9 +276,9 @@ impl Bridge {
         })
     }
 
-    /// The strain at which the bridge gives so many volts.
+    /// The strain at which the bridge gives this voltage.
     fn strain(&self, volts: f64) -> f64 {
-        // Of the excitation.
+        // Relative to the excitation.
         let ratio = (volts - self.initial) / self.excitation;
         let (nu, g) = (self.poisson, self.factor);
         self.gain
@@ -328,7 +329,7 @@ impl Rtd {
         if ratio >= 1.0 || ratio.is_nan() {
             return above;
         }
-        // Below 0 °C a further term counts little, so that Newton's steps from there end at once.
+        // Below 0 °C a further term has little influence, so that Newton's method from there converges at once.
         let mut t = above;
         for _ in 0..20 {
             let value = 1.0 + a * t + b * t * t + c * (t - 100.0) * t.powi(3) - ratio;
@@ -339,7 +340,7 @@ impl Rtd {
     }
 }
 
-/// A thermistor: volts to K less an offset, by Steinhart and Hart's equation.
+/// A thermistor: volts to K minus an offset, by the equation of Steinhart and Hart.
 #[derive(Debug, PartialEq)]
 pub(super) struct Thermistor {
     is_current: bool,
@@ -385,7 +386,7 @@ impl Thermistor {
     }
 }
 
-/// How many leads' resistance is measured besides, with two, three or four wires.
+/// Number of lead resistances in the measurement, for two, three or four wires.
 fn wires(configuration: f64, is_current: bool) -> f64 {
     match configuration as u32 {
         3 => 1.0,
@@ -416,7 +417,7 @@ mod tests {
         Scale::of(&said).unwrap().0
     }
 
-    /// Volts of each bridge by its four resistances; the strain comes back.
+    /// Volts of each bridge from its four resistances; the strain is recovered.
     #[test]
     fn bridges_give_the_strain_that_was_put_in() {
         let (nu, g, excitation) = (0.29, 2.1, 3.3);

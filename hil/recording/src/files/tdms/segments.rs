@@ -1,4 +1,4 @@
-//! The segments of a file: which objects it has, what is said of them, and where their values are.
+//! The segments of a file: their objects, the properties of these, and the position of their values.
 
 use std::collections::HashMap;
 
@@ -8,18 +8,18 @@ use crate::files::number::Kind;
 
 /// Bytes before a segment's metadata.
 const LEAD: usize = 28;
-/// What the bits of a segment's second word say.
+/// Meaning of the bits in a segment's second word.
 const METADATA: u32 = 1 << 1;
 const NEW_LIST: u32 = 1 << 2;
 const RAW: u32 = 1 << 3;
 const INTERLEAVED: u32 = 1 << 5;
 const BIG: u32 = 1 << 6;
 const DAQMX: u32 = 1 << 7;
-/// The most times that an object may stand in a segment, over the file. Convention: a thousand channels in fifty thousand segments,
+/// The most times that an object may occur in segments, over the file. Convention: a thousand channels in fifty thousand segments,
 /// which takes seconds.
 const MOST_STEPS: usize = 50_000_000;
 
-/// What an object is said to have.
+/// A property of an object.
 #[derive(Clone, Debug)]
 pub(super) enum Property {
     Number(f64),
@@ -49,7 +49,7 @@ impl Read {
     }
 }
 
-/// Values at equal steps in each of some chunks.
+/// Values at equal steps in each of several chunks.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     at: usize,
@@ -60,7 +60,7 @@ struct Piece {
     is_little: bool,
 }
 
-/// Where the values of a channel are.
+/// Positions of the values of a channel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     pub read: Option<Read>,
@@ -126,51 +126,51 @@ fn date(bytes: &[u8], at: usize, is_little: bool) -> i128 {
 /// A file, a group or a channel.
 #[derive(Debug, Default)]
 pub(super) struct Object {
-    /// Names of the group and the channel; none of the file.
+    /// Names of the group and the channel; empty for the file.
     pub path: Vec<String>,
     pub properties: HashMap<String, Property>,
-    /// Its raw values, by the number of the scale that they go into.
+    /// Its raw values, by the number of the scale that takes them.
     pub raw: Vec<(u32, Pieces)>,
-    /// Why it has none, if it is no channel of numbers.
+    /// Why it has no values, if it is not a channel of numbers.
     pub unread: Option<&'static str>,
-    /// When its first sample was taken, in 2⁻⁶⁴ s, where the file says it.
+    /// Time of its first sample, in 2⁻⁶⁴ s, if the file states it.
     pub start: Option<i128>,
-    /// Whether its clock was started again among its samples, at another time than that to which its steps lead.
+    /// Whether its clock was restarted among its samples, at a time that does not agree with its steps.
     pub is_restarted: bool,
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Default)]
 pub(super) struct File {
     pub objects: Vec<Object>,
     pub is_cut: bool,
     places: HashMap<String, usize>,
-    /// How the values of each object stand in a chunk, as it was said last.
+    /// The layout of each object's values in a chunk, as stated last.
     layouts: Vec<Option<Layout>>,
     /// The objects of the segments from here on, in the order of their values.
     list: Vec<usize>,
     steps: usize,
 }
 
-/// How the values of an object stand in a chunk.
+/// Layout of the values of an object in a chunk.
 #[derive(Clone, Debug)]
 enum Layout {
     Plain {
-        /// None of what is no number, as texts.
+        /// `None` for values that are not numbers, such as texts.
         read: Option<Read>,
         count: usize,
         bytes: usize,
     },
     Daqmx {
         count: usize,
-        /// Each with the scale that it goes into, the card, and the byte in the card's row.
+        /// Each with the scale that takes it, the card, and the byte in the card's row.
         scalers: Vec<(u32, Read, usize, usize)>,
         /// Bytes of a row of each card.
         widths: Vec<usize>,
     },
 }
 
-/// A place in the file's bytes.
+/// A position in the file's bytes.
 struct Cursor<'b> {
     bytes: &'b [u8],
     at: usize,
@@ -194,7 +194,7 @@ impl File {
             cursor.is_little = bits & BIG == 0;
             cursor.u32()?;
             let (next, raw) = (cursor.u64()?, cursor.u64()?);
-            // A program that was broken off had not come to write the length.
+            // A program that was interrupted has not written the length.
             let is_open = next == u64::MAX;
             let inside = |offset: u64| {
                 let offset = usize::try_from(offset).unwrap_or(usize::MAX);
@@ -207,7 +207,7 @@ impl File {
                     file.list.clear();
                 }
                 if let Err(broken) = file.metadata(&mut cursor) {
-                    // Of a segment that was being written, what is there is not known.
+                    // In a segment that was being written the contents are unknown.
                     if is_open {
                         break;
                     }
@@ -248,7 +248,7 @@ impl File {
             let layout = match header {
                 0xffff_ffff => None,
                 0 => self.layouts[place].clone(),
-                // What NI documents, and what its programs write.
+                // NI's documented values, and those that its programs write.
                 0x1269 | 0x126a | 0x6912_0000 | 0x6913_0000 | 0x1369 => {
                     Some(cursor.daqmx(header == 0x126a || header == 0x1369)?)
                 }
@@ -275,7 +275,7 @@ impl File {
         Ok(())
     }
 
-    /// Takes in the raw values between two places.
+    /// Adds the raw values between two positions.
     fn values(&mut self, from: usize, end: usize, bits: u32) -> Result<(), Broken> {
         self.steps += self.list.len();
         if self.steps > MOST_STEPS {
@@ -330,7 +330,7 @@ impl File {
     }
 
     fn daqmx_values(&mut self, from: usize, end: usize, is_little: bool) -> Result<(), Broken> {
-        // Of each card: its rows, and the bytes of one.
+        // For each card: the number of its rows, and the bytes of one row.
         let mut cards: Vec<(usize, usize)> = Vec::new();
         for &place in &self.list {
             if let Some(Layout::Daqmx {
@@ -385,14 +385,14 @@ impl File {
 }
 
 impl Object {
-    /// Takes in what is said of it from here on.
+    /// Sets a property from here on.
     fn say(&mut self, name: String, value: Property) {
         if let ("wf_start_time", Property::Date(now)) = (name.as_str(), &value) {
             let samples = self.raw.first().map_or(0, |(_, pieces)| pieces.count());
             match (self.start, self.properties.get("wf_increment")) {
                 (Some(first), Some(Property::Number(step))) if samples > 0 => {
                     let off = seconds(now.wrapping_sub(first)) - step * samples as f64;
-                    // Some programs say the first start again in every segment.
+                    // Some programs repeat the first start in every segment.
                     self.is_restarted |= *now != first && off.abs() > 0.5 * step;
                 }
                 _ => self.start = Some(*now),
@@ -442,7 +442,7 @@ fn names(path: &str) -> Vec<String> {
     names
 }
 
-/// The type of values that a code stands for; none of what is no number.
+/// The type of values for a code; `None` for values that are not numbers.
 fn read(code: u32) -> Option<Read> {
     Some(Read::Number(match code {
         1 => Kind::I8,
@@ -460,7 +460,7 @@ fn read(code: u32) -> Option<Read> {
     }))
 }
 
-/// Bytes of a value that is no number; none of a text, whose length is said.
+/// Bytes of a value that is not a number; `None` for a text, whose length is stated.
 fn size_of_other(code: u32) -> Option<usize> {
     match code {
         11 | 0x1b | 0x0010_000d => Some(16),

@@ -1,4 +1,4 @@
-//! Words between the numbers of a text and behind them: a header that is written again, and a footer.
+//! Words between the numbers of a text and after them: a repeated header, and a footer.
 
 use super::header::{bare, in_comment};
 use super::layout::{FEW_ROWS, Layout};
@@ -10,29 +10,29 @@ pub(super) struct Blocks<'b> {
     name: &'b str,
     layout: &'b Layout,
     after_blank: bool,
-    /// The first line of numbers behind the last blank line between them, and how many there are.
+    /// The first line of numbers after the last blank line between them, and their number.
     apart: Option<(u64, usize)>,
     between: Option<Between>,
-    /// Lines in which the numbers went on.
+    /// Lines in which the numbers continued.
     resumed: Vec<u64>,
     resumptions: usize,
     has_numbers: bool,
 }
 
-/// Rows of words behind numbers.
+/// Rows of words after numbers.
 struct Between {
     line: u64,
     rows: u64,
     /// Rows of numbers among them, and the line of the first.
     of_numbers: usize,
     numbers_line: u64,
-    /// Rows of the header that were met in it.
+    /// Rows of the header found in it.
     met: usize,
 }
 
-/// Rows behind a blank line of which is said that they are read. Convention: sums and means have fewer.
+/// Number of rows after a blank line above which a note says that they are read. Convention: sums and means have fewer.
 const FEW: usize = 4;
-/// Lines that are named in a note.
+/// Largest number of lines in a note.
 const NAMED: usize = 3;
 
 impl<'b> Blocks<'b> {
@@ -54,17 +54,17 @@ impl<'b> Blocks<'b> {
         self.after_blank = true;
     }
 
-    /// Whether the numbers have paused: words are no damaged number then.
+    /// Whether the numbers have paused: words are then not a damaged number.
     pub fn is_paused(&self) -> bool {
         self.has_words() || (self.after_blank && self.has_numbers)
     }
 
-    /// Whether words stand behind the last numbers.
+    /// Whether words follow the last numbers.
     pub fn has_words(&self) -> bool {
         self.between.is_some()
     }
 
-    /// A comment, where those above the numbers hold the names: with other names or units in it the numbers are others.
+    /// A comment, in a text with names in comments: other names or units in it mean other columns.
     pub fn comment(&self, line: u64, text: &str) -> Result<(), InputError> {
         let layout = self.layout;
         if !layout.is_named_in_comment {
@@ -88,7 +88,7 @@ impl<'b> Blocks<'b> {
         .at(Place::Line(line)))
     }
 
-    /// A row of words, or one of numbers that has not the form of those above.
+    /// A row of words, or a row of numbers that does not have the form of those above.
     pub fn odd(
         &mut self,
         line: u64,
@@ -186,7 +186,7 @@ impl<'b> Blocks<'b> {
         Ok(())
     }
 
-    /// What was passed over, in words.
+    /// The parts left out, in words.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.resumptions > 0 {
@@ -223,7 +223,7 @@ impl<'b> Blocks<'b> {
     }
 }
 
-/// Whether two cells are the same, whatever blanks and quotes are in them.
+/// Whether two cells are the same, apart from blanks and quotes.
 fn same(known: &str, cell: &str) -> bool {
     let words = |text: &str| {
         text.replace("\"\"", "\"")

@@ -1,15 +1,15 @@
-//! Which decimal sign the numbers of a text have.
+//! Determines the decimal sign of the numbers in a text.
 
 use super::lines::Separator;
 use super::numbers::{Numbers, Sign, sign_of};
 use crate::error::{InputError, Place, quoted};
 
-/// Why the decimal sign must be asked for.
+/// Why the user must be asked for the decimal sign.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Asked {
     line: u64,
     cell: String,
-    /// Another cell that has the other sign.
+    /// Another cell, with the other sign.
     other: Option<(u64, String)>,
 }
 
@@ -27,27 +27,27 @@ impl Asked {
     }
 }
 
-/// What to do about a sign that could be two.
+/// Advice for an ambiguous sign.
 pub(super) const MEND: &str =
     "say which sign is the decimal one: --decimal point or --decimal comma";
 
-/// That the sign of a cell could be two.
+/// Message that the sign of a cell is ambiguous.
 pub(super) fn could_be_either(cell: &str) -> String {
     let cell = quoted(cell);
     format!("the sign in {cell} could be the decimal sign or divide thousands")
 }
 
-/// A cell that shows something, with its line.
+/// A cell that is evidence, with its line.
 type Shown<'c> = Option<(u64, &'c str)>;
 
-/// What all cells of some rows show; of each kind the first one.
+/// Evidence of all cells of some rows; of each kind the first one.
 #[derive(Default)]
 struct Evidence<'c> {
-    /// Of a decimal point, and of a decimal comma.
+    /// Cells with certainly a decimal point, and with certainly a decimal comma.
     sure: [Shown<'c>; 2],
-    /// Of a sign that could be either.
+    /// Cells with an ambiguous sign.
     either: [Shown<'c>; 2],
-    /// Whether the point, or the comma, was seen to divide thousands.
+    /// Whether the point, or the comma, was seen to separate thousands.
     divides: [bool; 2],
 }
 
@@ -60,7 +60,8 @@ pub(super) fn of(rows: &[(u64, Vec<&str>)], separator: Separator) -> Result<Numb
     evidence.decided(separator)
 }
 
-/// How these rows write numbers with the decimal sign that the user says: the other one divides thousands where it can do nothing else.
+/// The number format of these rows with the decimal sign given by the user: the other one separates thousands where this is its
+/// only possible meaning.
 pub(super) fn said(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
     let mut evidence = Evidence::default();
     for (line, cells) in rows {
@@ -69,7 +70,7 @@ pub(super) fn said(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
     let other = 1 - index(decimal);
     Numbers {
         decimal,
-        // Also where the first rows have none: they may come.
+        // Also if the first rows have none, because later rows may.
         has_thousands: evidence.sure[other].is_none() || evidence.divides[other],
         is_open: false,
     }
@@ -125,7 +126,7 @@ impl<'c> Evidence<'c> {
         }
         match self.either {
             [Some(point), Some(comma)] => Err(ask(point, Some(comma))),
-            // Between commas a point is what it is in our own files.
+            // With commas as separators a point is a decimal point, as in our own files.
             [Some(_), None] if separator == Separator::Sign(',') => Ok(Numbers::POINT),
             [Some(either), None] | [None, Some(either)] => Err(ask(either, None)),
             [None, None] => Ok(Numbers {

@@ -1,20 +1,20 @@
-//! What a text says of itself in its first lines.
+//! Statements of a text about itself in its first lines.
 
 use super::lines::Separator;
 
-/// Signs that a text says it has.
+/// Signs that a text declares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Declared {
     pub separator: Option<Separator>,
     pub decimal: Option<char>,
     /// A LabVIEW measurement file.
     pub is_lvm: bool,
-    /// A workbook's sheet, whose cells were never divided by anything.
+    /// A workbook's sheet, whose cells need no separator.
     pub is_sheet: bool,
 }
 
 impl Declared {
-    /// By the lines at a text's beginning: Excel's `sep=;`, MTS's first line, and the header of a LabVIEW measurement file.
+    /// From the lines at a text's beginning: Excel's `sep=;`, MTS's first line, and the header of a LabVIEW measurement file.
     pub fn of(text: &str) -> Self {
         let mut lines = text
             .split(['\n', '\r'])
@@ -28,7 +28,7 @@ impl Declared {
             };
         }
         if first.starts_with("MTS793|") {
-            // Program, application, language, two versions, decimal sign, signs of dates and times; cells are divided by tabs.
+            // Program, application, language, two versions, decimal sign, signs of dates and times; tabs separate the cells.
             let sign = first.split('|').nth(5).and_then(decimal);
             return Self {
                 separator: Some(Separator::Sign('\t')),
@@ -42,7 +42,7 @@ impl Declared {
         Self::default()
     }
 
-    /// Whether a text says anything.
+    /// Whether a text declares anything.
     pub fn is_said(&self) -> bool {
         *self != Self::default()
     }
@@ -65,7 +65,7 @@ fn decimal(text: &str) -> Option<char> {
     }
 }
 
-/// The header of a LabVIEW measurement file. What it does not say is as the format's page has it: tabs and points.
+/// The header of a LabVIEW measurement file. Its defaults are those of the format's documentation: tabs and points.
 fn lvm<'t>(lines: impl Iterator<Item = &'t str>) -> Declared {
     let mut declared = Declared {
         separator: Some(Separator::Sign('\t')),
@@ -81,7 +81,7 @@ fn lvm<'t>(lines: impl Iterator<Item = &'t str>) -> Declared {
                 _ => Some(Separator::Sign('\t')),
             };
         } else if let Some(value) = of("Decimal_Separator") {
-            // The sign stands behind the separator, which may be a comma too.
+            // The sign follows the separator, which may be a comma too.
             declared.decimal = value
                 .chars()
                 .last()

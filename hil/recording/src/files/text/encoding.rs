@@ -1,4 +1,4 @@
-//! The characters that a text's bytes are.
+//! The character encoding of a text.
 
 use encoding_rs::{
     BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1251,
@@ -7,17 +7,17 @@ use encoding_rs::{
 
 use crate::columns::known_words;
 
-/// What the bytes of a text are.
+/// Encoding of the bytes of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
-    /// None for UTF-8.
+    /// `None` for UTF-8.
     pub encoding: Option<&'static Encoding>,
-    /// Whether nothing in the file says so for sure.
+    /// Whether nothing in the file confirms it.
     pub is_guess: bool,
 }
 
-/// Encodings of one or two bytes to the character that a text which is no UTF-8 may have. The first is what most have: the others are
-/// taken only where they make more known words of the text.
+/// Encodings with one or two bytes per character for a text that is not UTF-8. The first is the most common; the others are used
+/// only if they give more known words in the text.
 const OTHERS: [&Encoding; 7] = [
     WINDOWS_1252,
     WINDOWS_1251,
@@ -27,10 +27,10 @@ const OTHERS: [&Encoding; 7] = [
     EUC_KR,
     BIG5,
 ];
-/// Part of a text that is searched for words: what stands before the numbers is seldom longer.
+/// Part of a text that is searched for words: the part before the numbers is seldom longer.
 const SEARCHED: usize = 1 << 16;
 
-/// The encoding of a text that begins with `head`; `is_all` where that is the whole text.
+/// The encoding of a text that begins with `head`; `is_all` if that is the whole text.
 pub(super) fn of(head: &[u8], is_all: bool) -> Found {
     let sure = |encoding| Found {
         encoding,
@@ -49,11 +49,11 @@ pub(super) fn of(head: &[u8], is_all: bool) -> Found {
     let Err(error) = std::str::from_utf8(head) else {
         return sure(None);
     };
-    // A character that the head ends within.
+    // The head ends within a character.
     if error.error_len().is_none() && !is_all {
         return sure(None);
     }
-    // UTF-8 with something broken in it is refused where that stands.
+    // UTF-8 with an invalid sequence is rejected at that position.
     let (mut broken, mut whole) = (0, 0);
     for chunk in head.utf8_chunks() {
         broken += usize::from(!chunk.invalid().is_empty());
@@ -82,7 +82,7 @@ fn by_zeros(head: &[u8]) -> Option<&'static Encoding> {
     (many(first) && few(second)).then_some(UTF_16BE)
 }
 
-/// The encoding that makes the most words of channels of a text.
+/// The encoding with the most words for channels in a text.
 fn by_words(head: &[u8]) -> &'static Encoding {
     let head = &head[..head.len().min(SEARCHED)];
     let words = |encoding: &'static Encoding| {

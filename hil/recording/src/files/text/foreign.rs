@@ -14,7 +14,7 @@ use crate::error::{InputError, Place, quoted};
 use crate::files::{Kept, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
 
-/// A text of another dialect, to be read.
+/// A text of another dialect.
 pub(super) struct ForeignTable<'a> {
     name: String,
     lines: Lines<CsvText<'a>>,
@@ -69,7 +69,7 @@ impl Tables for ForeignTable<'_> {
             if kind == RowKind::Cells {
                 layout.separator.split(bare, &mut cells);
             }
-            // A row of separators alone holds nothing.
+            // A row that consists only of separators is empty.
             if cells.iter().all(|cell| cell.is_empty()) {
                 blocks.blank();
                 continue;
@@ -131,7 +131,7 @@ impl Tables for ForeignTable<'_> {
     }
 }
 
-/// What was read so far.
+/// The data read so far.
 #[derive(Default)]
 struct Taken {
     columns: Vec<Option<Vec<f64>>>,
@@ -142,10 +142,10 @@ struct Taken {
     is_cut: bool,
 }
 
-/// What a row is.
+/// Kind of a row.
 enum Row {
     Numbers,
-    /// Words, where numbers were expected.
+    /// Words in place of numbers.
     Odd,
 }
 
@@ -153,7 +153,7 @@ struct Reader<'r> {
     name: &'r str,
     layout: &'r Layout,
     wanted: &'r [Wanted],
-    /// Cells that a row must have: those behind the last column of numbers may be missing.
+    /// Number of cells that a row must have: those after the last column of numbers may be missing.
     least: usize,
 }
 
@@ -188,8 +188,8 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// What a row is: numbers, or words between or behind them. A row of numbers that has not the form of those above is an error,
-    /// unless words led to it.
+    /// Kind of a row: numbers, or words between or after them. A row of numbers that does not have the form of those above is an
+    /// error, unless words come before it.
     fn judge(&self, cells: &[&str], line: u64, blocks: &Blocks) -> Result<Row, InputError> {
         let columns = self.layout.table.columns.len();
         let is_longer = cells.iter().skip(columns).any(|cell| !cell.is_empty())
@@ -216,10 +216,10 @@ impl<'r> Reader<'r> {
                 words += 1;
             }
         }
-        // Behind a pause a word is no damaged number, but for one beside a time.
+        // After a pause a word is not a damaged number, except next to a time.
         let is_label = blocks.is_paused() && !self.is_sample(cells);
         let is_odd = words > 0 && (values == 0 || is_label)
-            // Nobody wants what would tell.
+            // None of the wanted columns can decide.
             || (words + values == 0
                 && !(0..cells.len().min(columns)).any(|index| self.is_value(index, cells[index]) && !cells[index].is_empty()));
         Ok(if is_odd { Row::Odd } else { Row::Numbers })
@@ -229,7 +229,7 @@ impl<'r> Reader<'r> {
         matches!(self.layout.numbers.read(cell), Cell::Words) && Stamp::of(cell).is_none()
     }
 
-    /// Whether a row has a number in the first column that is wanted, the times where they are, and in another one.
+    /// Whether a row has a number in the first wanted column, which holds the times if there are any, and in another one.
     fn is_sample(&self, cells: &[&str]) -> bool {
         let mut must = self.wanted.iter().filter(|wanted| wanted.must_be_numeric);
         let mut has_value = |wanted: &Wanted| {
@@ -239,7 +239,7 @@ impl<'r> Reader<'r> {
         must.next().is_some_and(&mut has_value) && must.any(has_value)
     }
 
-    /// Whether a row is of numbers that no word leads: `Max;2.5;1.5` is of statistics.
+    /// Whether a row consists of numbers without a word before them: `Max;2.5;1.5` is a row of statistics.
     fn is_of_numbers(&self, cells: &[&str]) -> bool {
         let mut full = cells.iter().filter(|cell| !cell.is_empty());
         full.next().is_some_and(|cell| !self.is_word(cell)) && full.any(|cell| !self.is_word(cell))

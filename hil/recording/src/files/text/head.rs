@@ -1,4 +1,4 @@
-//! The beginning of a text, by which it is known.
+//! The beginning of a text, by which it is recognized.
 
 use encoding_rs::Encoding;
 
@@ -7,34 +7,34 @@ use crate::csv_text::CsvText;
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
 
-/// Bytes of the head. Convention: the longest preambles of test programs have some hundred lines.
+/// Size of the head in bytes. Convention: the longest preambles of test programs have some hundred lines.
 const HEAD: usize = 1 << 18;
 
 /// The first lines of a text.
 pub(super) struct Head {
-    /// Whole lines, unless the last one is the text's last.
+    /// Complete lines, except that the text's last line may be incomplete.
     pub text: String,
-    /// What the bytes were taken for, where that is not UTF-8 or not sure, in words.
+    /// The encoding assumed, if it is not UTF-8 or uncertain, in words.
     pub encoding: Option<String>,
-    /// Whether it is UTF-8, as our own files are.
+    /// Whether it is UTF-8, like our own files.
     pub is_utf8: bool,
 }
 
 impl Head {
-    /// Whether a line is there that is neither blank nor a comment as our own format has it.
+    /// Whether there is a line that is neither blank nor a comment of our own format.
     pub fn has_lines(&self) -> bool {
         let mut lines = self.text.lines().map(str::trim);
         lines.any(|line| !line.is_empty() && !line.starts_with('#'))
     }
 }
 
-/// Reads ahead, and has the text decoded from then on.
+/// Reads ahead, and sets the encoding from then on.
 pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputError> {
     let mut wanted = HEAD;
     let longest = usize::try_from(limit.line()).unwrap_or(usize::MAX);
     loop {
         let bytes = text.ahead(wanted)?;
-        // A header of many columns and a row of numbers below it, but no line that is too long in any case.
+        // Enough for a header of many columns and a row of numbers below it, but limited for lines that are too long in any case.
         let ends = bytes.iter().filter(|&&byte| byte == b'\n').take(2).count();
         if ends == 2 || bytes.len() < wanted || bytes.len() > longest.saturating_mul(2) {
             break;
@@ -67,6 +67,6 @@ pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputErro
 
 fn decoded(encoding: Option<&'static Encoding>, bytes: &[u8]) -> String {
     let encoding = encoding.unwrap_or(encoding_rs::UTF_8);
-    // What is not to be decoded is refused or said where it is read.
+    // Undecodable bytes are rejected or reported during reading.
     encoding.decode_with_bom_removal(bytes).0.into_owned()
 }

@@ -8,32 +8,32 @@ use super::numbers;
 use crate::columns;
 use crate::error::quoted;
 
-/// Rows of a header at most: names, units, and what some programs add.
+/// Largest number of rows in a header: names, units, and additions of some programs.
 const MOST_ROWS: usize = 4;
-/// Blank lines between a header and its numbers at most.
+/// Largest number of blank lines between a header and its numbers.
 const MOST_BLANK: usize = 2;
 
-/// What stands above the numbers.
+/// The rows above the numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Header {
-    /// One name a column; empty where there is none.
+    /// One name per column; empty for a column without a name.
     pub names: Vec<String>,
-    /// One unit a column; empty where there is none.
+    /// One unit per column; empty for a column without a unit.
     pub units: Option<Vec<String>>,
-    /// The line of the names, counted from 1; none without a header.
+    /// The line of the names, counted from 1; `None` without a header.
     pub line: Option<u64>,
     pub units_line: Option<u64>,
     /// The first line of both.
     pub first_line: Option<u64>,
-    /// Whether the names stand in a comment.
+    /// Whether the names are in a comment.
     pub is_comment: bool,
-    /// Whether there are more or fewer names than columns that hold something.
+    /// Whether the number of names differs from the number of columns with contents.
     pub is_changed: bool,
-    /// A row that looks like a header and has another number of cells, with its line.
+    /// A row that looks like a header but has another number of cells, with its line.
     pub misfit: Option<(u64, usize)>,
     /// Rows of words below the names that are neither names nor units.
     pub passed: Vec<u64>,
-    /// The rows of names and units as they are written.
+    /// The rows of names and units as written.
     written: Vec<Vec<String>>,
 }
 
@@ -44,7 +44,7 @@ struct Words {
 }
 
 impl Header {
-    /// The header above the row of numbers at `first`, which has so many cells.
+    /// The header above the row of numbers at `first`, which has this many cells.
     pub fn above(rows: &[Row], first: usize, cells: usize, separator: Separator) -> Self {
         let mut texts: Vec<Words> = Vec::new();
         let mut comments: Vec<Words> = Vec::new();
@@ -67,7 +67,7 @@ impl Header {
                 RowKind::Cells => {
                     let words = split(row.text, cells, separator);
                     if !is_wordy(&words) {
-                        // Some programs have the rate of each column between its name and its unit.
+                        // Some programs write the rate of each column between its name and its unit.
                         let are_units = texts.iter().all(|row| is_of_units(&row.cells));
                         if figures.is_some()
                             || texts.is_empty()
@@ -110,7 +110,7 @@ impl Header {
     /// Names and units among rows of words, the nearest to the numbers first.
     fn of(mut rows: Vec<Words>) -> Self {
         let units = rows.iter().position(|row| is_of_units(&row.cells));
-        // Alone, single letters may be names as well: s and N.
+        // In a single row single letters may be names as well: s and N.
         let is_sure = |index: &usize| {
             let mut cells = rows[*index].cells.iter();
             rows.len() > 1
@@ -124,7 +124,7 @@ impl Header {
                 .count()
         };
         let others = (0..rows.len()).filter(|&index| Some(index) != units);
-        // The nearest of those with the most names that are known.
+        // The nearest of those with the most known names.
         let names = others.rev().max_by_key(|&index| named(&rows[index]));
         let is_below = |index: &usize| names.is_none_or(|names| *index < names);
         let passed = (0..rows.len())
@@ -132,7 +132,7 @@ impl Header {
             .filter(is_below)
             .filter(|&index| Some(index) != units);
         let passed = passed.map(|index| rows[index].line).collect();
-        // Neither of two rows of units is believed.
+        // Two rows of units contradict each other, so neither is used.
         let is_second = |index: &usize| Some(*index) != units && Some(*index) != names;
         let second = (0..rows.len()).filter(is_second);
         let second = second
@@ -155,7 +155,7 @@ impl Header {
             .into_iter()
             .flatten()
             .collect();
-        // Units alone are above columns without names.
+        // Units alone belong to columns without names.
         let nameless = || vec![String::new(); units.as_ref().map_or(0, Vec::len)];
         Self {
             names: names.unwrap_or_else(nameless),
@@ -169,18 +169,18 @@ impl Header {
         }
     }
 
-    /// Columns whose name means a channel.
+    /// Number of columns whose name means a channel.
     pub fn named(&self) -> usize {
         let names = self.names.iter();
         names.filter(|name| columns::is_named(name)).count()
     }
 
-    /// Whether the names stand in a line of their own.
+    /// Whether the names are in a separate line.
     pub fn is_line(&self) -> bool {
         self.line.is_some() && !self.is_comment
     }
 
-    /// Makes as many names as the rows have cells, but for those at the end that have no name and are `empty`.
+    /// Adjusts the number of names to the number of cells in the rows, without nameless columns at the end that are `empty`.
     pub fn fit(&mut self, cells: usize, is_empty: &dyn Fn(usize) -> bool) {
         let written = self.names.len();
         if self.misfit.is_some() {
@@ -203,12 +203,12 @@ impl Header {
         self.is_changed = written != self.names.len() || cells != self.names.len();
     }
 
-    /// How many names the header has as it is written.
+    /// Number of names in the header as written.
     pub fn count(&self) -> usize {
         self.written.first().map_or(0, |names| bare(names).len())
     }
 
-    /// The rows by which the header is known where it repeats.
+    /// The rows by which a repeated header is recognized.
     pub fn repeated(&self) -> Vec<Vec<String>> {
         self.written.iter().map(|row| bare(row).to_vec()).collect()
     }
@@ -221,12 +221,12 @@ pub(super) fn bare<T: AsRef<str>>(cells: &[T]) -> &[T] {
     &cells[..count]
 }
 
-/// Whether a row of so many cells may stand above rows of `cells`: a row may end with one separator more.
+/// Whether a row of this many cells may be above rows of `cells`: a row may end with one additional separator.
 fn fits(count: usize, cells: usize) -> bool {
     count == cells || count + 1 == cells
 }
 
-/// The cells of a row of words above rows of `cells`, without those at the end that are more and empty.
+/// The cells of a row of words above rows of `cells`, without additional empty ones at the end.
 fn split(text: &str, cells: usize, separator: Separator) -> Vec<String> {
     let mut words: Vec<String> = match separator {
         Separator::Blanks => at_blanks(text, cells),
@@ -243,14 +243,14 @@ fn split(text: &str, cells: usize, separator: Separator) -> Vec<String> {
     words
 }
 
-/// A cell in one line, its doubled quotes single.
+/// A cell in one line, with doubled quotes made single.
 fn cleaned(cell: &str) -> String {
     let words: Vec<&str> = cell.split_whitespace().collect();
     words.join(" ").replace("\"\"", "\"")
 }
 
-/// Names over columns of fixed width: each a word, or with one blank between its words, or ended by its unit in brackets, or a word
-/// with its unit behind a blank.
+/// Names above columns of fixed width. A name is a single word, or has single blanks between its words, or ends with its unit in
+/// brackets, or is a word followed by its unit.
 fn at_blanks(text: &str, cells: usize) -> Vec<String> {
     let mut words = Vec::new();
     Separator::Blanks.split(text, &mut words);
@@ -305,7 +305,7 @@ fn commented(row: &Row, cells: usize, separator: Separator) -> Option<Words> {
     })
 }
 
-/// The names in a comment, which may be divided otherwise than the numbers are.
+/// The names in a comment, whose separator may differ from that of the numbers.
 pub(super) fn in_comment(text: &str, cells: usize, separator: Separator) -> Option<Vec<String>> {
     let separators = [separator].into_iter().chain(Separator::ALL);
     let mut split = separators.map(|separator| split(text, cells, separator));
@@ -324,7 +324,7 @@ fn is_wordy(cells: &[String]) -> bool {
     words > figures
 }
 
-/// Whether a row holds units: nothing else, or two of three and no name.
+/// Whether a row contains units: only units, or two of three cells and no name.
 fn is_of_units(cells: &[String]) -> bool {
     let full = cells.iter().filter(|cell| !cell.is_empty());
     let (mut units, mut all, mut named) = (0, 0, false);
@@ -339,7 +339,7 @@ fn is_of_units(cells: &[String]) -> bool {
     all > 0 && (units == all || (3 * units >= 2 * all && !named))
 }
 
-/// A name for each column: those without one are called by their place, and the same names are told apart by a number.
+/// A name for each column: nameless columns are named by their index, and equal names are distinguished by a number.
 pub(super) fn distinct(names: &[String], guesses: &mut Vec<String>) -> Vec<String> {
     let written: HashSet<&str> = names.iter().map(String::as_str).collect();
     let mut seen: HashMap<String, usize> = HashMap::new();

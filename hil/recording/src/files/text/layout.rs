@@ -1,4 +1,4 @@
-//! Where the numbers of a text stand, and what stands above them.
+//! The position of the numbers in a text, and the rows above them.
 
 use super::decimals;
 use super::declared::Declared;
@@ -13,13 +13,14 @@ use crate::columns;
 use crate::error::{InputError, Place, quoted};
 use crate::files::{Column, Reading, Table};
 
-/// Rows of numbers that make a table: its header is believed where another one has more rows, and below the numbers it is no footer.
-/// Convention: statistics have fewer.
+/// Rows of numbers that make a table. Its header is used even if other numbers have more rows, and below other numbers it is not a
+/// footer. Convention: statistics have fewer rows.
 pub(super) const FEW_ROWS: usize = 8;
-/// Columns that a text may have. Convention: ten times what the largest loggers write; our own format takes more.
+/// Largest number of columns in a text. Convention: ten times the number in the largest loggers' files; our own format may have
+/// more.
 const MOST_COLUMNS: usize = 100_000;
 
-/// Bytes of a row of numbers at most: a longer one takes many times its size when it is divided.
+/// Largest number of bytes in a row of numbers: splitting a row takes many times its size.
 const LONGEST: usize = 10 * MOST_COLUMNS;
 
 /// A row of the head.
@@ -38,64 +39,64 @@ pub(super) enum RowKind {
     Cells,
 }
 
-/// What the values of a column are.
+/// Kind of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Numbers,
-    /// Dates or times of day, which are read as seconds from the first.
+    /// Dates or times of day, read as seconds from the first.
     Stamps,
     Words,
 }
 
-/// What a text is like.
+/// Layout of a text.
 pub(super) struct Layout {
     pub separator: Separator,
     pub numbers: Numbers,
     /// The line in which the numbers begin.
     pub data_line: u64,
-    /// Cells of a row, those at its end that are always empty included.
+    /// Number of cells in a row, including those at its end that are always empty.
     pub cells: usize,
     pub kinds: Vec<Kind>,
-    /// The cells of the rows of names and of units as they are written, by which they are known where they repeat.
+    /// The cells of the rows of names and of units as written, by which repetitions are recognized.
     pub repeated: Vec<Vec<String>>,
-    /// Whether the names stand in a comment.
+    /// Whether the names are in a comment.
     pub is_named_in_comment: bool,
-    /// Lines that must be the same wherever one with the same first cell is.
+    /// Lines that must be the same wherever one with the same first cell occurs.
     pub fixed: Vec<Vec<String>>,
-    /// Columns whose cells must be those of another: a second column of the same times.
+    /// Columns whose cells must equal those of another: a second column of the same times.
     pub same: Vec<(usize, usize)>,
     pub comments: Vec<String>,
-    /// Whether a row may have one cell more, a remark that is not read.
+    /// Whether a row may have one more cell, a remark that is not read.
     pub has_remarks: bool,
     /// Whether the times come from outside of the table.
     pub has_clock: bool,
-    /// Whether it differs from our own format in nothing but names.
+    /// Whether it differs from our own format only in names.
     pub is_plain: bool,
     pub table: Table,
 }
 
 /// Consecutive rows of numbers with equally many cells.
 struct Block {
-    /// The place of the first among the rows.
+    /// Index of the first one among the rows.
     first: usize,
     rows: Vec<usize>,
     cells: usize,
-    /// Rows of numbers in longer runs above it.
+    /// Number of rows of numbers in longer runs above it.
     passed: usize,
-    /// Cells that are neither numbers nor empty, and all that are not empty.
+    /// Number of cells that are neither numbers nor empty, and number of cells that are not empty.
     words: usize,
     all: usize,
 }
 
-/// Finds out what a text is like.
+/// Determines the layout of a text.
 ///
 /// # Errors
-/// No table of numbers in it, a decimal sign that could be either, a comma that is separator and decimal sign.
+/// The text has no table of numbers, an ambiguous decimal sign, or a comma as separator and decimal sign.
 pub(super) fn find(name: &str, head: &Head, reading: &Reading) -> Result<Layout, InputError> {
     find_as(name, head, reading, Declared::of(&head.text))
 }
 
-/// [`find`] of a text of which is known what else it would have to say.
+/// [`find`] for a text whose declarations are known.
 ///
 /// # Errors
 /// As [`find`].
@@ -121,7 +122,7 @@ pub(super) fn find_as(
             continue;
         };
         let is_better = best.as_ref().is_none_or(|(_, _, known)| {
-            // Fewer words among the numbers; then more rows.
+            // Fewer words among the numbers are better; then more rows.
             let (mine, other) = (block.words * known.all, known.words * block.all);
             mine < other || (mine == other && block.rows.len() > known.rows.len())
         });
@@ -156,7 +157,7 @@ fn no_table(name: &str, declared: &Declared) -> InputError {
     )
 }
 
-/// The rows of the head. A quoted cell may go over several lines.
+/// The rows of the head. A quoted cell may span several lines.
 pub(super) fn rows(text: &str, separator: Separator) -> Vec<Row<'_>> {
     let lines = physical(text);
     let mut rows = Vec::new();
@@ -209,7 +210,7 @@ pub(super) fn kind_of(line: &str, separator: Separator) -> (&str, RowKind) {
         return (bare, RowKind::Blank);
     }
     for sign in ["#", "%", "//", ";"] {
-        // What divides cells begins an empty one.
+        // A line that begins with the separator begins with an empty cell.
         let divides = sign == ";" && separator == Separator::Sign(';');
         if !divides && let Some(comment) = bare.strip_prefix(sign) {
             return (comment.trim_start_matches(sign).trim(), RowKind::Comment);
@@ -218,7 +219,7 @@ pub(super) fn kind_of(line: &str, separator: Separator) -> (&str, RowKind) {
     (line, RowKind::Cells)
 }
 
-/// Numbers and words of a row, where it is one of numbers.
+/// Counts of numbers and words in a row, if it is a row of numbers.
 fn counted(cells: &[&str], separator: Separator) -> Option<(usize, usize)> {
     let may_group = !matches!(separator, Separator::Blanks | Separator::Sign(','));
     let (mut figures, mut words) = (0, 0);
@@ -235,7 +236,7 @@ fn counted(cells: &[&str], separator: Separator) -> Option<(usize, usize)> {
     (cells.len() >= 2 && figures > 0 && figures >= words).then_some((figures, words))
 }
 
-/// The rows of numbers that a text is about: the first ones below a header with names of channels, else the longest run of them.
+/// The table of a text: the first rows of numbers below a header with names of channels, else the longest run of rows.
 fn block(rows: &[Row], separator: Separator) -> Option<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut cells = Vec::new();
@@ -293,8 +294,8 @@ fn block(rows: &[Row], separator: Separator) -> Option<Block> {
     Some(block)
 }
 
-/// The rows of numbers of a LabVIEW measurement file: those below the names, which stand behind the header of a segment. A row may have a
-/// remark behind its numbers.
+/// The rows of numbers of a LabVIEW measurement file: those below the names, which follow the header of a segment. A row may have a
+/// remark after its numbers.
 fn lvm_block(rows: &[Row], separator: Separator) -> Option<Block> {
     let is_end = |row: &Row| row.text.trim_start().starts_with(lvm::END);
     let ends = rows.iter().enumerate().filter(|(_, row)| is_end(row));
@@ -324,10 +325,10 @@ fn lvm_block(rows: &[Row], separator: Separator) -> Option<Block> {
     })
 }
 
-/// Rows of numbers above the table that are worth a note. Convention: fewer are settings of a program.
+/// Number of rows of numbers above the table for which a note is given. Convention: fewer are settings of a program.
 const WORTH_SAYING: usize = 3;
 
-/// What was found of a text.
+/// Findings about a text.
 struct Found<'f> {
     name: &'f str,
     head: &'f Head,
@@ -456,7 +457,8 @@ impl Found<'_> {
         decimals::of(samples, self.separator).map_err(|asked| asked.refused(self.name))
     }
 
-    /// That the first row of numbers may be no sample, where it alone has none but whole numbers: offsets or factors of the columns.
+    /// Note that the first row of numbers may not be a sample, if it alone has only whole numbers: offsets or factors of the
+    /// columns.
     fn first_is_whole(&self, samples: &[(u64, Vec<&str>)], kinds: &[Kind]) -> Option<String> {
         let numbers_of = |row: &[&str]| -> Vec<bool> {
             let each = row.iter().zip(kinds);
@@ -480,7 +482,7 @@ impl Found<'_> {
         })
     }
 
-    /// Refuses a header of fewer names than the rows have cells.
+    /// Rejects a header with fewer names than the rows have cells.
     fn check_header(
         &self,
         header: &Header,
@@ -508,7 +510,8 @@ impl Found<'_> {
         .at(Place::Line(line)))
     }
 
-    /// Whether commas divide both the cells and the decimals: whole numbers alone, more than there are names or with zeros at their front.
+    /// Whether commas separate both the cells and the decimals: only whole numbers, more than there are names or with leading
+    /// zeros.
     fn is_comma_both(&self, samples: &[(u64, Vec<&str>)], names: usize) -> bool {
         let cells = || samples.iter().flat_map(|(_, row)| row);
         let is_whole = |cell: &&&str| {
@@ -575,7 +578,7 @@ impl Found<'_> {
         each.collect()
     }
 
-    /// What was found out, in words.
+    /// The findings, in words.
     fn said(&self, numbers: Numbers, header: &Header) -> Vec<String> {
         let sign = if numbers.decimal == ',' {
             "comma"
@@ -634,7 +637,7 @@ impl Found<'_> {
     }
 }
 
-/// What the columns hold, by the rows of the head.
+/// Kinds of the columns, from the rows of the head.
 fn kinds(samples: &[(u64, Vec<&str>)], cells: usize, numbers: Numbers) -> Vec<Kind> {
     let kind = |column: usize| {
         let (mut figures, mut stamps, mut words) = (0, 0, 0);

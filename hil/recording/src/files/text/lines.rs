@@ -5,10 +5,10 @@ use std::io::{self, BufRead, BufReader, Read};
 use crate::csv_text::{CsvText, found_wrong};
 use crate::error::InputError;
 
-/// Lines that a quoted cell may go on for.
+/// Largest number of lines in a quoted cell.
 pub(super) const QUOTED_LINES: usize = 16;
 
-/// What divides the cells of a line.
+/// Separator of the cells in a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Separator {
     /// A character.
@@ -18,7 +18,7 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// Those that are tried, the most telling first.
+    /// The separators to try, the most distinctive first.
     pub const ALL: [Self; 5] = [
         Self::Sign('\t'),
         Self::Sign(';'),
@@ -27,7 +27,7 @@ impl Separator {
         Self::Blanks,
     ];
 
-    /// As messages call it.
+    /// Its name in messages.
     pub fn name(self) -> String {
         match self {
             Self::Sign('\t') => "a tab".into(),
@@ -39,8 +39,8 @@ impl Separator {
         }
     }
 
-    /// The cells of a line without the blanks around them and the quotes about them, put into `cells`. Of a quoted cell that the line
-    /// does not end, the quote is a sign as any other.
+    /// Puts the cells of a line into `cells`, without the blanks around them and the quotes about them. The quote of a cell that
+    /// the line does not end is an ordinary character.
     pub fn split<'t>(self, line: &'t str, cells: &mut Vec<&'t str>) {
         cells.clear();
         let sign = match self {
@@ -75,7 +75,7 @@ impl Separator {
         }
     }
 
-    /// Whether a quoted cell has begun in the line that does not end in it.
+    /// Whether a quoted cell begins in the line and does not end in it.
     pub fn is_open(self, line: &str) -> bool {
         let Self::Sign(sign) = self else { return false };
         let mut rest = line;
@@ -98,7 +98,7 @@ impl Separator {
     }
 }
 
-/// Where the quote stands that ends a cell; two of them are one within it.
+/// Position of the quote that ends a cell; two quotes are one within it.
 fn closing(inner: &str) -> Option<usize> {
     let bytes = inner.as_bytes();
     let mut at = 0;
@@ -133,7 +133,7 @@ fn split_at_blanks<'t>(line: &'t str, cells: &mut Vec<&'t str>) {
 /// The lines of a text, one after the other.
 pub(super) struct Lines<R> {
     from: BufReader<R>,
-    /// Lines so far.
+    /// Number of lines so far.
     count: u64,
     after_return: bool,
     bytes: Vec<u8>,
@@ -144,12 +144,12 @@ pub(super) struct Lines<R> {
 pub(super) struct Line {
     /// Counted from 1.
     pub number: u64,
-    /// Whether it has an end: what is at the end of the file without one may have been cut.
+    /// Whether it has a line end: a line at the end of the file without one may have been cut.
     pub has_end: bool,
 }
 
 impl<'a> Lines<CsvText<'a>> {
-    /// The next line, or the lines that a quoted cell goes on for, appended to `text`; none at the end.
+    /// Appends the next line, or the lines of a quoted cell, to `text`; `None` at the end.
     pub fn row(
         &mut self,
         separator: Separator,
@@ -187,12 +187,12 @@ impl<'a> Lines<CsvText<'a>> {
         Ok(())
     }
 
-    /// The text that they were read of.
+    /// The text from which they were read.
     pub fn into_text(self) -> CsvText<'a> {
         self.from.into_inner()
     }
 
-    /// The same, while it is read.
+    /// The same, during reading.
     pub fn text(&self) -> &CsvText<'a> {
         self.from.get_ref()
     }
@@ -208,7 +208,7 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// The next line, appended to `text`. A line ends with a line feed, a carriage return, or both.
+    /// Appends the next line to `text`. A line ends with a line feed, a carriage return, or both.
     fn read(&mut self, text: &mut String) -> io::Result<Option<Line>> {
         self.bytes.clear();
         let mut has_end = false;
@@ -234,7 +234,7 @@ impl<R: Read> Lines<R> {
         if self.bytes.is_empty() && !has_end {
             return Ok(None);
         }
-        // Text comes in whole characters.
+        // The text arrives in whole characters.
         text.push_str(&String::from_utf8_lossy(&self.bytes));
         self.count += 1;
         Ok(Some(Line {

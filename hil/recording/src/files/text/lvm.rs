@@ -1,29 +1,29 @@
-//! LabVIEW measurement files: a header of the file, one of each segment, and rows of numbers.
+//! LabVIEW measurement files: a header of the file, one per segment, and rows of numbers.
 
 use super::layout::{Row, RowKind};
 use super::lines::Separator;
 use super::numbers::{Cell, Numbers};
 use crate::files::table::{Clock, Column};
 
-/// What ends a header.
+/// The end of a header.
 pub(super) const END: &str = "***End_of_Header***";
 /// The name of the last column, which holds words.
 pub(super) const REMARK: &str = "Comment";
 /// The name of a column of times.
 const X_VALUE: &str = "X_Value";
-/// What must be the same in all segments of a table.
+/// Fields that must be the same in all segments of a table.
 const FIXED: [&str; 4] = ["Y_Unit_Label", "Delta_X", "X_Dimension", "Channels"];
 
-/// What the header of the first segment says of its columns.
+/// The columns according to the header of the first segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Segment {
     /// The unit of each channel.
     units: Vec<String>,
-    /// Whether the columns called `X_Value` are times, in seconds: the format has no other unit of it.
+    /// Whether the columns called `X_Value` are times, in seconds: the format has no other unit for them.
     is_over_time: bool,
-    /// Whether a column holds them.
+    /// Whether a column contains them.
     has_x: bool,
-    /// Start and step of each channel, as they are written.
+    /// Start and step of each channel, as written.
     starts: Vec<String>,
     steps: Vec<String>,
     /// Lines that must be the same in all segments.
@@ -31,7 +31,7 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// The segment whose names stand in line `header`.
+    /// The segment whose names are in line `header`.
     pub fn of(rows: &[Row], header: Option<u64>, separator: Separator) -> Self {
         let header = header.unwrap_or(u64::MAX);
         let mut segment = Self {
@@ -69,7 +69,7 @@ impl Segment {
         segment
     }
 
-    /// Gives the columns what the header says of them. Of several columns of times those that must be the same as the first.
+    /// Adds the header's statements to the columns. Returns, of several columns of times, those that must equal the first.
     pub fn apply(&self, columns: &mut [Column]) -> Vec<(usize, usize)> {
         let mut same = Vec::new();
         let mut first = None;
@@ -100,7 +100,7 @@ impl Segment {
         same
     }
 
-    /// The clock that the header gives, where no column has the times and all channels have the same.
+    /// The clock in the header, if no column has the times and all channels have the same clock.
     pub fn clock(&self, numbers: Numbers) -> Option<(Clock, String)> {
         let one = |texts: &[String]| {
             let mut values = texts.iter().filter(|text| !text.is_empty());

@@ -1,4 +1,4 @@
-//! What a text says above its table: keys with values, of which one may be the rate of its samples.
+//! Statements of a text above its table: keys with values, one of which may be the sampling rate.
 
 use super::layout::{Row, RowKind};
 use super::lines::Separator;
@@ -6,7 +6,7 @@ use super::numbers::{Cell, Numbers};
 use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 
-/// What is kept of a preamble at most. Convention: more is no description of a test.
+/// Largest part of a preamble that is kept. Convention: a description of a test is not longer.
 const MOST_COMMENTS: usize = 400;
 const LONGEST: usize = 400;
 
@@ -14,11 +14,11 @@ const LONGEST: usize = 400;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Comment {
     pub line: u64,
-    /// `key: value`, or what a comment has.
+    /// `key: value`, or the text of a comment.
     pub text: String,
 }
 
-/// Words for the rate of samples.
+/// Words for the sampling rate.
 const RATES: [&str; 26] = [
     "sample rate",
     "sampling rate",
@@ -98,7 +98,7 @@ const SECONDS: [(&str, f64); 9] = [
     ("с", 1.0),
 ];
 
-/// What the rows above the header, or above the numbers at `first`, say.
+/// The statements of the rows above the header, or above the numbers at `first`.
 pub(super) fn of(
     rows: &[Row],
     header: Option<u64>,
@@ -124,7 +124,7 @@ pub(super) fn of(
     said.take(MOST_COMMENTS).collect()
 }
 
-/// A key and its value, in cells of their own or with a sign between them.
+/// A key and its value, in separate cells or with a sign between them.
 fn declared(text: &str, separator: Separator) -> Option<String> {
     let mut cells = Vec::new();
     separator.split(text, &mut cells);
@@ -146,13 +146,13 @@ fn declared(text: &str, separator: Separator) -> Option<String> {
     (is_key(key) && !value.is_empty()).then(|| format!("{key}: {value}"))
 }
 
-/// Two rates are the same to this part of them. Convention: steps are written to three digits at least.
+/// Relative difference within which two rates are the same. Convention: steps are written to three digits at least.
 const SAME: f64 = 1e-3;
 
-/// The clock that the comments give, with the unit of its number, and where they say so.
+/// The clock in the comments, with the unit of its number, and the comment that states it.
 ///
 /// # Errors
-/// Two comments that give different rates.
+/// Two comments with different rates.
 pub(super) fn clock(
     name: &str,
     comments: &[Comment],

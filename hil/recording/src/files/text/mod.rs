@@ -1,7 +1,7 @@
-//! Text: rows of cells, in our own format or as other programs and other countries write it.
+//! Text: rows of cells, in our own format or in the formats of other programs and countries.
 //!
-//! A head of bounded size says what a text is like: its encoding, separator and decimal sign, where names, units and numbers begin.
-//! What was found out so is said. Then the text is read on as a stream.
+//! The layout of a text follows from a head of bounded size: its encoding, separator and decimal sign, and where names, units and
+//! numbers begin. The findings are reported. Then the text is read as a stream.
 
 mod blocks;
 mod decimals;
@@ -25,7 +25,7 @@ use super::{Format, Reading, Source, Tables};
 use crate::csv_text::CsvText;
 use crate::error::InputError;
 
-/// Rows of cells that a separator divides, gzipped or not.
+/// Rows of cells with a separator, gzipped or not.
 pub struct Text;
 
 impl Format for Text {
@@ -59,10 +59,10 @@ impl Format for Text {
     }
 }
 
-/// The rows of a workbook's sheet, each a line of cells that tabs divide, as a text of the same rows is read.
+/// The rows of a workbook's sheet, as lines of cells separated by tabs, read like a text of the same rows.
 ///
 /// # Errors
-/// As of a text.
+/// As for a text.
 pub(super) fn of_sheet<'a>(
     path: &Path,
     rows: Vec<u8>,
@@ -79,15 +79,15 @@ pub(super) fn of_sheet<'a>(
     Ok(Box::new(foreign::ForeignTable::open(text, layout)))
 }
 
-/// Whether a cell of text is a number of some country, or may be.
+/// Whether a cell of text is, or may be, a number in any country's form.
 pub(super) fn is_number(cell: &str) -> bool {
     numbers::is_number(cell, true)
 }
 
-/// The decimal sign of numbers that are texts in a workbook, each with its row, counted from 1.
+/// The decimal sign of numbers stored as texts in a workbook, each with its row, counted from 1.
 ///
 /// # Errors
-/// That it could be either.
+/// The sign is ambiguous.
 pub(super) fn decimal_of(file: &str, cells: &[(u64, &str)]) -> Result<char, InputError> {
     let rows: Vec<(u64, Vec<&str>)> = cells
         .iter()

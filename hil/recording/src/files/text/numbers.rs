@@ -1,18 +1,18 @@
-//! Numbers as they are written in different countries.
+//! Numbers in the forms of different countries.
 
-/// What is known of how a text writes its numbers.
+/// The number format of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Numbers {
     /// The decimal sign, `.` or `,`.
     pub decimal: char,
-    /// Whether the other of the two may divide thousands where a cell alone does not prove it.
+    /// Whether the other of the two may separate thousands where a cell alone does not prove it.
     pub has_thousands: bool,
-    /// Whether no number showed the decimal sign: one that could divide thousands is then refused rather than taken for anything.
+    /// Whether no number showed the decimal sign: an ambiguous number is then rejected.
     pub is_open: bool,
 }
 
 impl Numbers {
-    /// With a point, as our own files have them.
+    /// With a point, as in our own files.
     pub const POINT: Self = Self {
         decimal: '.',
         has_thousands: false,
@@ -20,35 +20,35 @@ impl Numbers {
     };
 }
 
-/// What a cell holds.
+/// Contents of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
     /// A finite number.
     Number(f64),
-    /// A sign that there is none.
+    /// A sign for a missing number.
     Blank,
-    /// A number that no f64 holds.
+    /// A number that f64 cannot represent.
     NotFinite,
-    /// A number with the other decimal sign, or with one that could divide thousands as well.
+    /// A number with the other decimal sign, or with one that could also separate thousands.
     OtherSign,
     /// Anything else.
     Words,
 }
 
-/// What the signs of a cell say about the decimal sign of its text.
+/// Evidence of a cell's signs about the decimal sign of its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
-    /// A whole number, which says nothing.
+    /// A whole number, which is no evidence.
     None,
-    /// The decimal sign is this for sure; whether the other divides thousands in it.
+    /// This is certainly the decimal sign; and whether the other separates thousands in it.
     Sure(char, bool),
-    /// This divides thousands for sure, in a whole number.
+    /// This certainly separates thousands, in a whole number.
     Thousands(char),
-    /// This is either: `1,234`.
+    /// This may be either: `1,234`.
     Either(char),
 }
 
-/// Cells that say that there is no number.
+/// Cells that mean a missing number.
 const BLANK: [&str; 14] = [
     "-",
     "--",
@@ -67,9 +67,9 @@ const BLANK: [&str; 14] = [
 ];
 
 impl Numbers {
-    /// What `cell`, without the blanks around it, holds.
+    /// Contents of `cell`, without the blanks around it.
     pub fn read(self, cell: &str) -> Cell {
-        // Where no number showed the sign, one with a point may have thousands.
+        // If no number showed the sign, one with a point may have thousands.
         if self.decimal == '.'
             && !(self.is_open && cell.contains('.'))
             && let Ok(value) = cell.parse::<f64>()
@@ -113,40 +113,41 @@ fn finite(value: f64) -> Cell {
     }
 }
 
-/// Whether a cell says that there is no number.
+/// Whether a cell means a missing number.
 pub(super) fn is_blank(cell: &str) -> bool {
     cell.is_empty() || BLANK.iter().any(|blank| cell.eq_ignore_ascii_case(blank))
 }
 
-/// What the signs of a cell say, where it is a number.
+/// Evidence of the signs in a cell, if it is a number.
 pub(super) fn sign_of(cell: &str) -> Option<Sign> {
     parts(cell).map(|parts| parts.sign())
 }
 
-/// Whether a cell is a number, whatever its decimal sign; `may_group` where blanks may divide its thousands.
+/// Whether a cell is a number with any decimal sign; `may_group` if blanks may separate its thousands.
 pub(super) fn is_number(cell: &str, may_group: bool) -> bool {
     parts(cell).is_some_and(|parts| may_group || !parts.groups_with_blanks)
 }
 
-/// Whether the digits of a whole number begin with a zero that is not alone: the decimals of one whose comma divided it.
+/// Whether the digits of a whole number begin with a zero that is not its only digit: such digits are the decimals of a number
+/// split at its comma.
 pub(super) fn is_padded(cell: &str) -> bool {
     let digits = cell.trim_start_matches(['-', '+']);
     digits.len() > 1 && digits.starts_with('0') && digits.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// A number taken apart.
+/// The parts of a number.
 struct Parts<'c> {
     is_negative: bool,
-    /// Digits with points and commas, other signs of thousands taken out.
+    /// Digits with points and commas, without other thousands separators.
     digits: std::borrow::Cow<'c, str>,
     exponent: &'c str,
-    /// Whether thousands were divided by something else.
+    /// Whether thousands had another separator.
     groups_with_blanks: bool,
-    /// Whether a blank or an apostrophe divided them.
+    /// Whether it was a blank or an apostrophe.
     has_groups: bool,
 }
 
-/// Blanks and apostrophes that divide thousands.
+/// Blanks and apostrophes that separate thousands.
 const GROUPING: [char; 6] = [' ', '\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}'];
 
 fn parts(cell: &str) -> Option<Parts<'_>> {
@@ -155,7 +156,7 @@ fn parts(cell: &str) -> Option<Parts<'_>> {
         '+' => (false, &cell[1..]),
         _ => (false, cell),
     };
-    // Fortran writes a D where the number is of double precision; without a sign in it `2D3` is a name.
+    // Fortran writes a D in a number of double precision; without a sign in it `2D3` is a name.
     let is_double = |end: &usize| rest[..*end].contains(['.', ',']);
     let end = rest.find(['e', 'E']);
     let end = end.or(rest.find(['d', 'D']).filter(is_double));
@@ -198,7 +199,7 @@ fn parts(cell: &str) -> Option<Parts<'_>> {
     parts.is_number().then_some(parts)
 }
 
-/// Whether digits stand in threes between the same sign, one to three before the first.
+/// Whether the digits form groups of three between the same sign, with one to three before the first.
 fn are_groups(text: &str, signs: &[char]) -> bool {
     let mut used = text.chars().filter(|c| signs.contains(c));
     let Some(sign) = used.next() else {
@@ -220,7 +221,7 @@ impl Parts<'_> {
         self.digits.matches(sign).count()
     }
 
-    /// Whether its points and commas are where those of a number may be.
+    /// Whether its points and commas are in valid positions.
     fn is_number(&self) -> bool {
         let (points, commas) = (self.count('.'), self.count(','));
         match (points, commas) {
@@ -252,7 +253,7 @@ impl Parts<'_> {
         }
     }
 
-    /// One sign alone: thousands have three digits behind it, one to three before, no zero at the front, and no exponent.
+    /// For a single sign: thousands have three digits after it, one to three before, no leading zero, and no exponent.
     fn either(&self, sign: char) -> Sign {
         let could_group = !self.has_groups
             && self.exponent.is_empty()

@@ -1,4 +1,4 @@
-//! Our own format: comments, a header whose names carry units, and rows of cells with commas between them.
+//! Our own format: comments, a header whose names contain units, and rows of cells separated by commas.
 
 use super::head::Head;
 use super::lines::Separator;
@@ -10,21 +10,21 @@ use crate::error::{InputError, Place};
 use crate::files::{Column, Kept, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
 
-/// Whether a text is of our own format: of the names in its first line, at least two are those of channels with their units, or all are.
+/// Whether a text has our own format: of the names in its first line, at least two, or all, are names of channels with their units.
 pub(super) fn is_own(head: &str) -> bool {
     let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
     let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let Some(header) = lines.next() else {
         return false;
     };
-    // One after the other: a header may have as many as its line has bytes.
+    // One after the other, because a header may have as many names as its line has bytes.
     let names = || header.split(',').map(|name| name.trim().trim_matches('"'));
     let own = names().filter(|name| columns::is_own(name)).take(2).count();
     own >= names().take(2).count()
 }
 
-/// Whether the first row below a header of our own names is not as our own format has it, and as other programs write it: with units,
-/// times of day, thousands, or a separator at its end.
+/// Whether the first row below a header of our own names has another program's form: with units, times of day, thousands, or a
+/// separator at its end.
 pub(super) fn is_loose(head: &str) -> bool {
     let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
     let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
@@ -47,11 +47,11 @@ pub(super) fn is_loose(head: &str) -> bool {
         || names.iter().zip(&cells).any(is_other)
 }
 
-/// Rows of words behind the numbers.
+/// Rows of words after the numbers.
 struct Footer {
     line: u64,
     rows: usize,
-    /// What is wrong with the first, if numbers follow.
+    /// The error in the first of them, if numbers follow.
     refused: InputError,
 }
 
@@ -65,7 +65,7 @@ impl Footer {
     }
 }
 
-/// The values of a row, put into `values`: NaN for a missing one, none for a word in a column that need not be numeric.
+/// Puts the values of a row into `values`: NaN for a missing one, `None` for a word in a column that need not be numeric.
 fn sample(
     name: &str,
     row: &csv::StringRecord,
@@ -99,8 +99,8 @@ fn sample(
     Ok(())
 }
 
-/// Whether a row that is no sample is one of words: it has no number in a channel, or is a labelled row of statistics behind a blank
-/// line.
+/// Whether a row that is not a sample is a row of words: it has no number in a channel, or is a labelled row of statistics after a
+/// blank line.
 fn is_of_words(row: &csv::StringRecord, wanted: &[Wanted], is_behind_blank: bool) -> bool {
     let must = || wanted.iter().filter(|wanted| wanted.must_be_numeric);
     let cell = |wanted: &Wanted| row.get(wanted.column).unwrap_or_default();
@@ -110,7 +110,7 @@ fn is_of_words(row: &csv::StringRecord, wanted: &[Wanted], is_behind_blank: bool
     row.iter().any(is_word) && (!has_number || (is_behind_blank && is_labelled()))
 }
 
-/// A text whose header was read.
+/// A text after its header.
 pub(super) struct OwnTable<'a> {
     name: String,
     rows: csv::Reader<CsvText<'a>>,
@@ -209,15 +209,15 @@ impl Tables for OwnTable<'_> {
         let mut footer: Option<Footer> = None;
         while (rows.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
             if is_cut(&rows) {
-                // The reader makes an empty row of a comment there.
+                // The reader returns an empty row for a comment there.
                 cut = row.iter().any(|cell| !cell.is_empty());
                 break;
             }
             let line = row.position().map_or(0, csv::Position::line);
-            // A row begins where the blank lines above it do.
+            // A row's position includes the blank lines above it.
             let is_behind_blank = rows.position().line() > line + 1;
             if let Err(refused) = sample(&name, &row, line, &header, wanted, &mut values) {
-                // Numbers that go on behind words are no footer.
+                // If numbers continue after words, those are not a footer.
                 if !lines.has_rows() || !is_of_words(&row, wanted, is_behind_blank) {
                     return Err(footer.map_or(refused, |footer| footer.refused));
                 }
@@ -267,15 +267,16 @@ impl Tables for OwnTable<'_> {
     }
 }
 
-/// Makes room for one more value: a quarter more than there is. Twice as much, as a vector takes by itself, is all that a file of
-/// short rows may take.
+/// Reserves memory for one more value: a quarter more than present. Doubling, as a vector does by itself, would use the whole limit
+/// of a file of short rows.
 pub(super) fn grow(values: &mut Vec<f64>) {
     if values.len() == values.capacity() {
         values.reserve_exact((values.len() / 4).max(1024));
     }
 }
 
-/// Looks at the first rows below the header. Columns of channels are numbers whatever stands in them: what is not one is refused there.
+/// Examines the first rows below the header. Columns of channels are numbers whatever they contain; a cell that is not a number is
+/// rejected there.
 fn look(columns: &mut [Column], head: &str) {
     let lines = head
         .lines()

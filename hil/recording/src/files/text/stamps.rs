@@ -1,24 +1,24 @@
-//! Dates and times of day, as loggers stamp their rows.
+//! Dates and times of day, as loggers write them in their rows.
 
-/// A stamp: a day, none where it has the time of day alone, and the time of that day.
+/// A stamp: a day, `None` if it has only the time of day, and the time of that day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stamp<'c> {
-    /// Days since some day, where the date says it for sure.
+    /// Days since a fixed day, if the date is unambiguous.
     pub day: Option<i64>,
-    /// The date as it is written; empty where there is none.
+    /// The date as written; empty without a date.
     pub date: &'c str,
     /// Nanoseconds since midnight.
     pub nanoseconds: i64,
 }
 
 const DAY: i64 = 86_400_000_000_000;
-/// How near to midnight a time is that passed it. Convention: no row of a recording comes an hour after another.
+/// Distance from midnight within which a time has passed it. Convention: no row of a recording comes an hour after another.
 const HOUR: i64 = DAY / 24;
 
 /// The stamps of a column, one after the other.
 #[derive(Clone, Debug)]
 pub(super) struct Since {
-    /// Nanoseconds of the first and of the last one since their midnights.
+    /// Nanoseconds since midnight of the first and of the last one.
     first: i64,
     last: i64,
     /// The date of the last one.
@@ -26,7 +26,7 @@ pub(super) struct Since {
     day: Option<i64>,
     /// Days from the first one to the last.
     days: i64,
-    /// How many of them no date said.
+    /// Number of these days without a date.
     pub guessed: u64,
 }
 
@@ -43,9 +43,10 @@ impl Since {
         }
     }
 
-    /// Seconds from the first stamp to the next one; an error in words where the dates do not say how many days apart they are.
+    /// Seconds from the first stamp to the next one; an error in words if the dates do not determine the number of days between
+    /// them.
     ///
-    /// From the last hour of a day to the first one of another it is midnight that passed, whatever the date does not say.
+    /// From the last hour of a day to the first one of another, one midnight has passed, even if the date does not show it.
     pub fn seconds(&mut self, next: &Stamp) -> Result<f64, &'static str> {
         let is_midnight = self.last >= DAY - HOUR && next.nanoseconds < HOUR;
         let days = match (self.day, next.day) {
@@ -80,7 +81,7 @@ impl<'c> Stamp<'c> {
     pub fn of(cell: &'c str) -> Option<Self> {
         let colon = cell.find(':')?;
         let before = &cell[..colon];
-        // The date ends before the digits of the hour, with a blank or a T.
+        // The date ends before the digits of the hour, at a blank or a T.
         let begin = before.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         let (date, time) = (before[..begin].trim_end(), &cell[begin..]);
         let (date, is_divided) = match date.strip_suffix(['T', 't']) {
@@ -105,7 +106,7 @@ impl<'c> Stamp<'c> {
     }
 }
 
-/// The number of a day; none inside where day and month could be either.
+/// The number of a day; `Some(None)` if day and month are ambiguous.
 fn day(date: &str) -> Option<Option<i64>> {
     let sign = date.chars().find(|c| !c.is_ascii_digit())?;
     if !['-', '.', '/'].contains(&sign) {
@@ -122,7 +123,7 @@ fn day(date: &str) -> Option<Option<i64>> {
     let (a, b, c) = (number(first)?, number(second)?, number(third)?);
     let is_month = |month: i64| (1..=12).contains(&month);
     let is_day = |day: i64| (1..=31).contains(&day);
-    // The year comes first, or the day does before points; before anything else it may be the month.
+    // The year comes first, or the day comes before points; before another sign it may be the month.
     if first.len() == 4 {
         return (is_month(b) && is_day(c)).then(|| Some(days(a, b, c)));
     }
@@ -139,9 +140,9 @@ fn day(date: &str) -> Option<Option<i64>> {
     Some(could_be.all(|other| other == day).then_some(day))
 }
 
-/// Days of the calendar since the first of March of the year 0.
+/// Days of the calendar since 1 March of the year 0.
 fn days(year: i64, month: i64, day: i64) -> i64 {
-    // With March as the first month the day that comes every fourth year is the last of the year.
+    // With March as the first month the leap day is the last day of the year.
     let year = if month < 3 { year - 1 } else { year };
     let month = (month + 9) % 12;
     365 * year + year.div_euclid(4) - year.div_euclid(100)
@@ -150,7 +151,7 @@ fn days(year: i64, month: i64, day: i64) -> i64 {
         + day
 }
 
-/// `12:00:00.125`, with a point, a comma or a colon before the fraction, and a half of the day behind.
+/// `12:00:00.125`, with a point, a comma or a colon before the fraction, and AM or PM after it.
 fn time_of_day(time: &str) -> Option<i64> {
     let time = time.trim().trim_end_matches(['Z', 'z']).trim_end();
     let (time, ahead) = match time.rfind(['+', '-']) {
@@ -199,7 +200,7 @@ fn time_of_day(time: &str) -> Option<i64> {
     Some((seconds - ahead.unwrap_or(0)) * 1_000_000_000 + fraction)
 }
 
-/// Seconds by which a clock is ahead of UTC: `+01:00`, `-0530`, `+02`.
+/// Offset of a clock from UTC in seconds: `+01:00`, `-0530`, `+02`.
 fn offset(text: &str) -> Option<i64> {
     let digits = text[1..].replacen(':', "", 1);
     if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
@@ -246,7 +247,7 @@ mod tests {
                 0.5,
             ),
             ("2024-03-31T01:59:59+0100", "2024-03-31T03:00:00+02", 1.0),
-            // By the midnight that passed.
+            // By the midnight passed.
             ("23:59:59.5", "00:00:00.25", 0.75),
             ("24-03-01 23:59:59", "24-03-02 00:00:01", 2.0),
             ("3/4/2024 23:59:59", "3/5/2024 00:00:00", 1.0),
@@ -254,9 +255,9 @@ mod tests {
             let is = seconds(first, cell).unwrap_or(f64::NAN);
             assert!((is - apart).abs() < 1e-9, "{first} to {cell}: {is}");
         }
-        // The third of April or the fourth of March.
+        // 3 April or 4 March.
         assert_eq!(seconds("3/4/2024 12:59:59", "3/5/2024 00:00:00"), None);
-        // A clock that was set back is no midnight.
+        // A clock that was set back is not a midnight.
         assert_eq!(seconds("12:00:00", "00:00:01"), Some(-43_199.0));
         for cell in [
             "12:00",

@@ -1,4 +1,4 @@
-//! An adversary that draws combinations of attacks by seed.
+//! An adversary that draws combinations of attacks from a seed.
 
 use mesh_damper::health::Channel::{Displacement, Force};
 use rand::{RngExt as _, SeedableRng as _};
@@ -18,22 +18,22 @@ const AMPLITUDES: [f64; 4] = [0.05, 0.1, 0.2, 0.25];
 /// Hz.
 const FREQUENCIES: [f64; 2] = [5.0, FASTEST];
 const NOISES: [f64; 3] = [0.002, 0.005, 0.01];
-/// Cycles of one block, and of each of several short ones.
+/// Cycles of a single block, and of each of several short ones.
 const LONG: (u32, u32) = (24, 40);
 const SHORT: (u32, u32) = (4, 12);
-/// The force channel's full scale over its limit.
+/// Ratio of the force channel's full scale to its limit.
 const RANGE: (f64, f64) = (1.2, 3.0);
-/// How often an attack is there from the start, and how often it passes again, within so many cycles.
+/// Probability that an attack is present from the start, probability that it ends again, and the cycles within which it does.
 const FROM_START: f64 = 0.2;
 const PASSES: f64 = 0.4;
 const SHORTEST: f64 = 0.02;
 const LONGEST: f64 = 10.0;
-/// How often a kind is one of [`HARD`].
+/// Probability that a kind is one of [`HARD`].
 const HARD_ONES: f64 = 0.5;
-/// Sizes are those of a kind times this or by this.
+/// Sizes are those of a kind, multiplied or divided by up to this factor.
 const VARIED: f64 = 2.0;
 
-/// What drives a quantity beyond its limit, and what hides that it is.
+/// Attacks that drive a quantity beyond its limit, and attacks that hide it.
 const HARD: [AttackKind; 14] = {
     use AttackKind as A;
     [
@@ -55,25 +55,25 @@ const HARD: [AttackKind; 14] = {
 };
 
 impl AttackKind {
-    /// One of its sizes, larger or smaller where that makes sense.
+    /// One of the kind's sizes, made larger or smaller where possible.
     fn drawn_size(self, random: &mut ChaCha8Rng) -> f64 {
         let size = one_of(random, self.sizes());
         let by = VARIED.powf(random.random_range(-1.0..=1.0));
         match self {
-            // A number of a bit, of samples, of ticks; nothing to size.
+            // The number of a bit, of samples or of ticks is not scaled.
             Self::StuckBit(_) => random.random_range(6..=15_u32).into(),
             Self::ZeroOneInTen(_) | Self::GoodOneInTen(_) | Self::Ringing(_) => {
                 random.random_range(2..=20_u32).into()
             }
             Self::LostTicks => random.random_range(1..=20_u32).into(),
-            // No gain beyond its sign, no more than all of a specimen.
+            // A gain does not change its sign, and a specimen loses no more than its whole force.
             _ => (size * by).max(-0.9),
         }
     }
 }
 
-/// The adversary's trial with this number. 1 to 4 attacks of any kinds, some of which pass again, on any specimen, with limits
-/// close to what it asks for.
+/// The adversary's trial with this number: 1 to 4 attacks of any kinds, some of which end again, on any specimen, with limits close
+/// to its demands.
 pub fn adversary(seed: u64) -> AttackTrial {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let random = &mut random;

@@ -1,4 +1,4 @@
-//! What an attack does to signals and plant.
+//! Effect of an attack on signals and plant.
 
 use std::cell::Cell;
 use std::f64::consts::TAU;
@@ -11,35 +11,35 @@ use crate::faults::damage::{Condition, Damaged};
 use crate::faults::kind::HealthyMotion;
 use crate::signals::{Begun, Interference, OnChannel, OnClock, OnOutput, OnTemperature};
 
-/// What a healthy rig does, and what its signals are then.
+/// Signals of a healthy rig.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Healthy {
     pub(super) motion: HealthyMotion,
-    /// Voltages of the amplitudes of displacement and force.
+    /// Amplitudes of displacement and force, V.
     pub(super) volts: [f64; 2],
-    /// Voltages of their limits.
+    /// Limits of displacement and force, V.
     pub(super) limits: [f64; 2],
 }
 
-/// V at the converter's full scale and of one of its steps.
+/// Full scale of the converter and one of its steps, V.
 pub(super) const FULL_SCALE: f64 = 10.24;
 const STEP: f64 = 2.0 * FULL_SCALE / 65536.0;
-/// What a drift of a gain and what breaks wire by wire lead to.
+/// Final value of a drifting gain, and of breakage wire by wire.
 const LAST_GAIN: f64 = 0.4;
 const LAST_BROKEN: f64 = 0.4;
-/// Largest half width of a gap over the amplitude.
+/// Largest half width of a gap, relative to the amplitude.
 const LAST_GAP: f64 = 0.3;
 /// Samples of a drop-out and of a burst.
 const DROP_OUT: u32 = 2;
 const BURST: u64 = 20;
-/// Of the mains, Hz.
+/// Frequency of the mains, Hz.
 const MAINS: f64 = 50.0;
 
-/// An attack and whether it has begun.
+/// An attack and its progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Running {
     pub(super) attack: Attack,
-    /// Tick at which it begins, and that at which it is over.
+    /// Tick at which it begins, and tick at which it ends.
     pub(super) from: u64,
     pub(super) to: Option<u64>,
     begun: Option<Begun>,
@@ -80,7 +80,7 @@ impl Running {
     }
 }
 
-/// What of `attacks` the specimen is under at `tick`.
+/// Damage of the specimen by `attacks` at `tick`.
 pub(super) fn damage(
     attacks: &[Running],
     tick: u64,
@@ -105,7 +105,7 @@ pub(super) fn damage(
 }
 
 impl AttackKind {
-    /// What of a signal it is; none of what acts on the plant.
+    /// Its interference with a signal; `None` for an attack on the plant.
     pub(super) fn interference(self, size: f64, healthy: &Healthy) -> Option<Interference> {
         let cycle = 1.0 / (healthy.motion.frequency * healthy.motion.tick);
         let at =
@@ -189,7 +189,7 @@ impl AttackKind {
         }
     }
 
-    /// What it has made of a specimen in condition `now` after so many `cycles`.
+    /// Condition of a specimen after this number of `cycles`, starting from `now`.
     pub(super) fn damage(
         self,
         size: f64,
@@ -206,7 +206,7 @@ impl AttackKind {
                 scale(1.0 - size, 1.0 - size);
             }
             Self::WiresOneByOne | Self::WiresInRunIn => {
-                // The first at once, and one with each cycle.
+                // The first at once, and one more with each cycle.
                 let left = 1.0 - (size * (1.0 + cycles.floor())).min(LAST_BROKEN);
                 scale(left, left);
             }

@@ -7,26 +7,26 @@ use super::trial::AttackOutcome;
 use crate::faults::kind::InjectedFault;
 use crate::faults::summary::Summary;
 
-/// Of one element.
+/// Coverage of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
-    /// What fails.
+    /// The element that fails.
     pub element: Element,
-    /// Faults put into it, each alone.
+    /// Faults injected into it, one per trial.
     pub injected: usize,
-    /// Of these, found.
+    /// Number of these that were found.
     pub found: usize,
-    /// Dangerous faults put into it.
+    /// Dangerous faults injected into it.
     pub dangerous: usize,
-    /// Of these, detected: something was named, it stopped, or it was refused.
+    /// Number of these that were detected: a cause was reported, or the rig stopped, or it refused.
     pub detected: usize,
     /// Dangerous faults that cannot be observed; they count as injected.
     pub hidden: usize,
 }
 
 impl Coverage {
-    /// Dangerous faults detected over those injected, 0…1; none where there were none.
+    /// Dangerous faults detected divided by those injected, 0…1; `None` if there were none.
     pub fn part(&self) -> Option<f64> {
         (self.dangerous > 0).then(|| self.detected as f64 / self.dangerous as f64)
     }
@@ -40,7 +40,7 @@ impl Coverage {
     }
 }
 
-/// The element that an injected fault is of, and whether it is dangerous.
+/// The element of an injected fault, and whether the fault is dangerous.
 fn of_injected(kind: InjectedFault) -> (Element, bool) {
     use InjectedFault as F;
     match kind {
@@ -64,7 +64,7 @@ fn of_injected(kind: InjectedFault) -> (Element, bool) {
     }
 }
 
-/// Element by element, of all faults that were put in alone.
+/// Coverage element by element, of all faults that were injected alone.
 pub fn coverage(summary: &Summary) -> Vec<Coverage> {
     let mut all = Element::ALL.map(|element| Coverage {
         element,

@@ -8,7 +8,7 @@ use super::lost::LostSince;
 use crate::Passed;
 use crate::signals::Sensed;
 
-/// What has a limit.
+/// A quantity with a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -24,86 +24,87 @@ pub enum Quantity {
 impl Quantity {
     const ALL: [Self; 3] = [Self::Displacement, Self::Force, Self::Tracking];
 
-    /// The channel that measures it, as its place in [`Sensed`].
+    /// The channel that measures it, as its index in [`Sensed`].
     fn channel(self) -> usize {
         usize::from(self == Self::Force)
     }
 }
 
-/// What lies behind a hazardous state, judged by the signals alone.
+/// Reason for a hazardous state, judged by the signals alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Behind {
-    /// From a cycle before it on the one channel of the quantity showed a constant gain of the true one and a constant offset, exactly
-    /// and at every sample, by which all of it was within the limit, or beyond for no longer than the trip time: what one channel cannot
-    /// observe.
+    /// The single channel of the quantity showed the true value with a constant gain and a constant offset, exactly and at every
+    /// sample, from one cycle before the hazard on. With these every shown value was within the limit, or beyond it for no longer
+    /// than the trip time. A single channel cannot observe this.
     ConstantGain,
-    /// Likewise, but the gain changed by up to some percent in that time.
+    /// The same, but the gain changed by up to a few percent in that time.
     DriftingGain,
     /// The rig had dropped the enable line, and it stayed high at the servo.
     LineHigh,
-    /// The one channel of the quantity was lost, and showed hardly any of the excess, which came before the time had passed that it takes to
-    /// know of a loss, 2.25 cycles. Two things at once: an attack alone has no such excuse.
+    /// The single channel of the quantity was lost and showed hardly any of the excess, and the excess came within the 2.25 cycles
+    /// that it takes to detect a loss. This needs two attacks at once: a single attack is not excused by it.
     JustLost,
-    /// The controller was not called for longer than the trip time, and did not run for longer than that besides: only what watches
-    /// the controller from outside can act.
+    /// The controller was not called for longer than the trip time, and the rest of the excess lasted no longer than the trip time.
+    /// Only an external watchdog of the controller can act.
     NotCalled,
-    /// Anything else: what the rig must not let happen.
+    /// Any other reason: the rig must not let this happen.
     Other,
 }
 
-/// A hazardous state that came about.
+/// A hazardous state that occurred.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hazard {
-    /// What was beyond its limit.
+    /// The quantity beyond its limit.
     pub quantity: Quantity,
-    /// The most that it was, over the limit.
+    /// Its largest value divided by its limit.
     pub factor: f64,
-    /// The most steps of the plant on end for which it was.
+    /// Largest number of successive steps of the plant beyond the limit.
     pub steps: u32,
-    /// Tick of the trial at which it first was so for longer than the trip time.
+    /// Tick of the trial at which it was beyond the limit for longer than the trip time for the first time.
     pub tick: u64,
-    /// What lies behind it.
+    /// Reason for it.
     pub behind: Behind,
 }
 
-/// What is allowed.
+/// Limits of the trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
-    /// Of displacement in mm, force in kN and tracking in mm.
+    /// Limits of displacement in mm, force in kN and tracking in mm.
     pub limits: [f64; 3],
     /// Ticks after which the rig stops.
     pub trip_ticks: u32,
-    /// Ticks to a cycle.
+    /// Ticks per cycle.
     pub cycle_ticks: usize,
-    /// mm and kN to 1 V.
+    /// Displacement in mm and force in kN per V.
     pub units: [f64; 2],
 }
 
-/// Part of a limit from which it counts as exceeded.
+/// Part of a limit above which it counts as exceeded.
 const BEYOND: f64 = 1.1;
-/// Part of the shown quantity's variance that no constant gain and offset explains where they are exact: rounding of the sums.
+/// Part of the shown quantity's variance that a constant gain and offset may leave unexplained if they are exact: rounding of the
+/// sums.
 const EXACT: f64 = 1e-9;
-/// Likewise, where the gain moves by 1 % RMS about its mean.
+/// The same for a gain that varies by 1 % RMS about its mean.
 const DRIFTING: f64 = 1e-4;
-/// A gain below this is no gain: the channel shows nothing.
+/// Gains below this do not count as a gain: the channel shows nothing.
 const LEAST_GAIN: f64 = 0.05;
-/// What a channel shows is false from this part of the limit beside what is true.
+/// Difference between the shown and the true value, as a part of the limit, above which the shown value is false.
 const FALSE: f64 = 0.05;
 /// A limit that is exceeded in no more than one of nine ticks need not stop the rig: see the crate's `rig/fault.rs`.
 const NINTH: usize = 9;
 /// A quantity beyond its limit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Beyond {
-    /// Steps on end, those of them in this tick, and the most of them in one tick.
+    /// Successive steps, those of them in this tick, and the most of them in one tick.
     steps: u32,
     in_tick: u32,
     late: u32,
-    /// The most over the limit.
+    /// The largest ratio to the limit.
     factor: f64,
-    /// Place of the hazard that was noted of it.
+    /// Index of the hazard recorded for it.
     noted: Option<usize>,
 }
 
@@ -111,19 +112,19 @@ struct Beyond {
 #[derive(Clone, Debug)]
 pub struct HazardMeter {
     allowed: Allowed,
-    /// By [`Quantity::ALL`].
+    /// In the order of [`Quantity::ALL`].
     beyond: [Beyond; 3],
     /// Whether the rig held the enable line high.
     held_high: bool,
-    /// True and shown, of the last cycle, with what is demanded, mm.
+    /// True and shown values of the last cycle, with the demand, mm.
     past: VecDeque<(Sensed, f64)>,
-    /// Of the channel of each quantity, beside its limit.
+    /// Losses of the channel of each quantity, relative to its limit.
     losses: [LostSince; 3],
     hazards: Vec<Hazard>,
 }
 
 impl HazardMeter {
-    /// Nothing seen yet.
+    /// A meter before the first tick.
     pub fn new(allowed: Allowed) -> Self {
         Self {
             allowed,
@@ -135,12 +136,12 @@ impl HazardMeter {
         }
     }
 
-    /// The worst of each quantity and [`Behind`], in the order in which they came about.
+    /// The worst hazard of each quantity and [`Behind`], in the order in which they occurred.
     pub fn hazards(self) -> Vec<Hazard> {
         self.hazards
     }
 
-    /// A tick: where the plant was led by `passed`, what was `sensed` before, the displacement that the rig demands in mm, none
+    /// Takes a tick: the plant's steps in `passed`, the values `sensed` before, the displacement that the rig demands in mm, `None`
     /// while it does not run, and whether it holds the enable line high.
     pub fn tick(
         &mut self,
@@ -163,7 +164,7 @@ impl HazardMeter {
                 self.losses[place].tick(is_false, self.allowed.cycle_ticks);
             }
         }
-        // What was beyond while the rig ran ends where it stops; what goes on then is counted apart.
+        // An excess while the rig ran ends when it stops; an excess that continues then is counted separately.
         if self.held_high != held_high {
             self.held_high = held_high;
             self.beyond = [Beyond::default(); 3];
@@ -196,7 +197,7 @@ impl HazardMeter {
         }
     }
 
-    /// Notes a quantity that is beyond its limit for too long, at the end of a tick or of the excess.
+    /// Records a quantity that is beyond its limit for too long, at the end of a tick or of the excess.
     fn note(&mut self, tick: u64, quantity: Quantity, place: usize) {
         let beyond = self.beyond[place];
         let Beyond {
@@ -209,7 +210,8 @@ impl HazardMeter {
         if steps <= self.allowed.trip_ticks || in_tick == 0 {
             return;
         }
-        // Judged when it comes about, and once in each cycle for which it lasts; where the controller was not called, until it is.
+        // Evaluated when it occurs, and once in each cycle for which it lasts; if the controller was not called, until it is
+        // called.
         let over = (steps - self.allowed.trip_ticks) as usize;
         let is_settled = |noted: &usize| {
             self.hazards[*noted].behind != Behind::NotCalled
@@ -238,7 +240,7 @@ impl HazardMeter {
         hazard.factor = hazard.factor.max(factor);
     }
 
-    /// Least squares of shown = gain·true + offset over the past: exact, or not; and what that makes of the most that was true.
+    /// Least squares of shown = gain·true + offset over the past: whether it is exact, and the shown value of the largest true one.
     fn behind(&self, quantity: Quantity, place: usize, beyond: &Beyond) -> Behind {
         let trip_ticks = self.allowed.trip_ticks;
         if !self.held_high {
@@ -284,10 +286,10 @@ impl HazardMeter {
         }
         let gain = product / square;
         let left = (shown_square - product * gain) / shown_square;
-        // NaN, where nothing moves at all, is no gain.
+        // NaN, without any motion, is no gain.
         let is_gain = gain >= LEAST_GAIN && left <= DRIFTING;
         if !is_gain || shown_in_all > trip_ticks as usize {
-            // One of them more where the excess begins and ends with one.
+            // One more sample, if the excess begins and ends with one.
             let hardly = NINTH * shown_last.saturating_sub(1) <= steps;
             if hardly && self.losses[place].is_new(self.allowed.cycle_ticks) {
                 Behind::JustLost
@@ -344,12 +346,12 @@ mod tests {
         assert_eq!((hazard.tick, hazard.behind), (210, Behind::Other));
         assert_eq!(hazards(60, true, true)[0].steps, 60);
         assert!(hazards(60, false, true).is_empty());
-        // A line that is high although the rig has dropped it is told apart.
+        // A line that is high although the rig has dropped it is distinguished.
         let stuck = hazards(60, true, false);
         assert_eq!((stuck[0].steps, stuck[0].behind), (60, Behind::LineHigh));
     }
 
-    /// All in one tick that comes late.
+    /// All in one late tick.
     #[test]
     fn steps_count_and_not_ticks() {
         let mut meter = HazardMeter::new(ALLOWED);
@@ -383,7 +385,7 @@ mod tests {
         assert_eq!(behind(&[2; 6]), [Behind::Other]);
     }
 
-    /// What lies behind a force of 1.5 times its limit where its channel makes `shown` of its voltage.
+    /// Reason for a force of 1.5 times its limit, where its channel shows `shown` of its voltage.
     fn behind(shown: impl Fn(u64, f64) -> f64) -> Behind {
         let mut meter = HazardMeter::new(ALLOWED);
         for tick in 0..1000 {
@@ -413,7 +415,7 @@ mod tests {
         assert_eq!(behind(drifting), Behind::DriftingGain);
         // The rig would have seen it.
         assert_eq!(behind(|_, volts| volts), Behind::Other);
-        // No gain at all, another sign, one sample in ten missing, a little of something else.
+        // No gain at all, the opposite sign, one sample in ten missing, a small added signal.
         assert_eq!(behind(|_, _| 0.3), Behind::Other);
         assert_eq!(behind(|_, volts| -0.5 * volts), Behind::Other);
         let one_in_ten = |tick: u64, volts: f64| f64::from(!tick.is_multiple_of(10)) * 0.5 * volts;
@@ -422,7 +424,7 @@ mod tests {
         assert_eq!(behind(hum), Behind::Other);
     }
 
-    /// A force of half its limit, and from tick 500 of 1.5 times; `shown` of its voltage.
+    /// A force of half its limit, and from tick 500 of 1.5 times its limit; the channel shows `shown` of its voltage.
     fn behind_a_jump(shown: impl Fn(u64, f64) -> f64) -> Vec<Behind> {
         let mut meter = HazardMeter::new(ALLOWED);
         for tick in 0..800 {
@@ -441,14 +443,14 @@ mod tests {
     fn a_lost_channel_is_an_excuse_for_a_time_and_only_while_it_shows_nothing() {
         let lost_from =
             |from: u64| behind_a_jump(move |tick, volts| if tick < from { volts } else { 0.0 });
-        // Judged at once, and again each cycle, when the rig must have known.
+        // Evaluated at once, and again each cycle, when the rig must have detected it.
         assert_eq!(lost_from(440), [Behind::JustLost, Behind::Other]);
         assert_eq!(lost_from(290), [Behind::JustLost, Behind::Other]);
         // Lost for longer than 2.25 cycles, or after the excess, or never.
         assert_eq!(lost_from(280), [Behind::Other]);
         assert_eq!(lost_from(520)[0], Behind::Other);
         assert_eq!(lost_from(800), [Behind::Other]);
-        // One sample in ten that shows it is too few for a limit, one in five is not.
+        // A single correct sample in ten is too few for a limit, one in five is not.
         let every = |n: u64| {
             let is_shown = move |tick: u64| tick < 450 || tick.is_multiple_of(n);
             behind_a_jump(move |tick, volts| if is_shown(tick) { volts } else { 0.0 })

@@ -1,4 +1,4 @@
-//! The kinds of attacks: what each acts on, how large it is, and how soon it is to be found.
+//! The kinds of attacks: the element on which each acts, its sizes, and how soon it must be found.
 
 use mesh_damper::health::Channel;
 use serde::Serialize;
@@ -39,8 +39,8 @@ impl Element {
     ];
 }
 
-/// A kind of attack. It acts on signals or on the plant, and knows nothing of what the monitor looks for. What its size is stands
-/// at [`AttackKind::sizes`].
+/// A kind of attack. It acts on signals or on the plant, and does not know what the monitor looks for. [`AttackKind::sizes`]
+/// describes its size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -124,33 +124,34 @@ pub enum AttackKind {
     LinkSilent,
 }
 
-/// When an attack begins in a trial of its own.
+/// When an attack begins in its own trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Begins {
     /// Before the rig is started.
     AtStart,
     /// While the monitor learns.
     WhileLearning,
-    /// When it has learned, at a moment of a cycle.
+    /// After learning, at a given moment of a cycle.
     Later,
-    /// Likewise, at the end of a cycle.
+    /// After learning, at the end of a cycle.
     AtCycleEnd,
     /// In the third of four short blocks.
     InShortBlock,
 }
 
-/// Cycles within which a fault is to be found: of what a limit depends on, and of the actuator; of the specimen, and of a channel
-/// that still shows what it measures, which is seen in the results of whole cycles only.
+/// Cycles within which a fault must be found. The first is for channels with a limit and for the actuator. The second is for the
+/// specimen, and for a channel that still follows its quantity, which shows only in the results of whole cycles.
 const SOON: f64 = 1.0;
 const IN_CYCLES: f64 = 5.0;
 
-/// Cycles that the ramp into the first block takes: before it is over there is little to be seen.
+/// Cycles of the ramp into the first block: before its end little can be seen.
 const RAMP: f64 = 1.0;
-/// The monitor's size: what a slow change has come to where it counts as a fault.
+/// The monitor's size: the amount at which a slow change counts as a fault.
 const SIZE: f64 = 0.05;
-/// A slow change while the specimen settles counts as a fault where it has come to this, beyond any run-in.
+/// The amount at which a slow change counts as a fault while the specimen settles, beyond any run-in.
 const RUN_IN: f64 = 0.25;
-/// Cycle, from the end of the first ramp, in which a specimen breaks while the monitor learns, and that at whose end it has learned.
+/// Cycle, from the end of the first ramp, in which a specimen breaks while the monitor learns, and the cycle at whose end it has
+/// learned.
 pub(super) const LEARNING: (f64, f64) = (10.0, 17.0);
 
 impl AttackKind {
@@ -219,12 +220,17 @@ impl AttackKind {
         all
     }
 
-    /// Sizes that are tried. Of a gain what it changes by, in a cycle where it drifts; of drop-outs how often a sample begins one;
-    /// of an open channel the noise's RMS over the full scale; of dither steps of the converter; of bursts, hum and spikes their
-    /// size over the channel's amplitude; a bit's number; one sample in so many. Of what changes the specimen the part of the
-    /// force or friction that goes or comes, in a cycle where it does so bit by bit; of a gap its half width over the amplitude
-    /// likewise; kN/mm of a specimen that seizes; the law's force over the specimen's. Of a temperature °C. Of the DAC what is
-    /// left of its voltage; ticks of a stall; after how many ticks one is lost. 1 where there is nothing to size.
+    /// Sizes to try, with a meaning that depends on the kind:
+    ///
+    /// Gain: its relative change, per cycle if it drifts. Drop-outs: probability that a sample begins one. Open channel: RMS of the
+    /// noise relative to full scale. Dither: steps of the converter. Bursts, hum and spikes: their size relative to the channel's
+    /// amplitude. Stuck bit: its number. Outliers at fixed distance: one sample in this many.
+    ///
+    /// Specimen: the part of force or friction that is lost or added, per cycle if the change is gradual. Gap: its half width
+    /// relative to the amplitude, per cycle if gradual. Seized specimen: kN/mm. Wrong law: its force relative to the specimen's.
+    ///
+    /// Temperature: °C. DAC: the remaining part of its voltage. Stall: ticks. Lost ticks: the number of ticks after which one is
+    /// lost. 1 for a kind without a size.
     pub fn sizes(self) -> &'static [f64] {
         match self {
             Self::GainStep(_) => &[-0.1, 0.1, -0.4],
@@ -286,7 +292,7 @@ impl AttackKind {
                 Displacement => Element::DisplacementChannel,
                 Force => Element::ForceChannel,
             },
-            // What moves the piston goes by the displacement.
+            // The displacement controls the motion of the piston.
             Self::Swapped | Self::SwappedFromStart => Element::DisplacementChannel,
             Self::TemperatureNan
             | Self::TemperatureNanAtCycleEnd
@@ -306,7 +312,7 @@ impl AttackKind {
         }
     }
 
-    /// Cycles within which it is to be found, from when it counts as there.
+    /// Cycles within which it must be found, from the time when it counts as present.
     pub fn within(self) -> f64 {
         match self {
             Self::GainStep(_) | Self::GainDrift(_) | Self::GainDriftInRunIn(_) | Self::Hum(_) => {
@@ -318,14 +324,14 @@ impl AttackKind {
         }
     }
 
-    /// Cycles from its beginning until it counts as there, beside a law that may `follow` slow changes by this part.
+    /// Cycles from its beginning until it counts as present, for a law whose adaptation to slow changes is limited to `follow`.
     pub fn lead(self, size: f64, follow: f64) -> f64 {
         match self {
             Self::GainDrift(_) | Self::WiresOneByOne | Self::Backlash => {
                 SIZE.max(follow) / size.abs()
             }
             Self::GainDriftInRunIn(_) | Self::WiresInRunIn => RUN_IN / size.abs(),
-            // A gap of a tenth of the amplitude takes about as much of the force as what breaks.
+            // A gap of a tenth of the amplitude removes about as much of the force as a break.
             Self::BacklashInRunIn => 0.5 * RUN_IN / size,
             Self::BreakWhileLearning => LEARNING.1 - LEARNING.0,
             _ if self.begins() == Begins::AtStart => RAMP,
@@ -333,7 +339,7 @@ impl AttackKind {
         }
     }
 
-    /// When it begins in a trial of its own.
+    /// When it begins in its own trial.
     pub fn begins(self) -> Begins {
         match self {
             Self::GainFromStart(_)
@@ -349,7 +355,7 @@ impl AttackKind {
         }
     }
 
-    /// Whether it is a slow change that is to be told from the run-in by being later than that.
+    /// Whether it is a slow change that differs from the run-in only by being later.
     pub(super) fn is_after_run_in(self) -> bool {
         matches!(
             self,
@@ -357,7 +363,7 @@ impl AttackKind {
         )
     }
 
-    /// Why one channel of each quantity, without a read-back, cannot show it; none where it can.
+    /// Why a single channel per quantity, without a read-back, cannot show it; `None` if it can.
     pub fn hidden(self) -> Option<&'static str> {
         const OWN_GAIN: &str =
             "one channel cannot show its own constant gain; only a law known beforehand would";
@@ -377,8 +383,8 @@ impl AttackKind {
         }
     }
 
-    /// Whether it can lead to a hazardous state or blind what protects from one: not a specimen that becomes weaker, nor an
-    /// actuator that is cut off.
+    /// Whether it can lead to a hazardous state or disable the protection against one. A specimen that becomes weaker cannot, nor
+    /// can an actuator that is cut off.
     pub fn is_dangerous(self) -> bool {
         !matches!(
             self,
@@ -396,7 +402,7 @@ impl AttackKind {
         )
     }
 
-    /// The channel that a limit depends on and that shows nothing more of its quantity.
+    /// The channel that a limit depends on and that no longer shows its quantity.
     pub fn loses(self) -> Option<Channel> {
         match self {
             Self::Open(of)

@@ -1,19 +1,20 @@
-//! Since when a channel is lost.
+//! Duration of a channel's loss.
 
-/// Cycles that it takes to know of a loss, at most: the longest of the safety concept's table, of a force channel in the first cycles.
+/// Cycles that it takes to detect a loss, at most: the longest time in the safety concept's table, for a force channel in the first
+/// cycles.
 const KNOWN_WITHIN: f64 = 2.25;
 
-/// Since when a channel shows something false, in ticks while the rig ran.
+/// Duration for which a channel has shown false values, in ticks while the rig ran.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LostSince {
-    /// For how long it has not been right.
+    /// Ticks for which it has not been right.
     lost: usize,
-    /// Of these, the last that were right again, as what moves comes by what is shown.
+    /// Number of the last of these that were right again, because the quantity passes through the shown value.
     again: usize,
 }
 
 impl LostSince {
-    /// A tick while the rig ran.
+    /// Takes a tick while the rig ran.
     pub(super) fn tick(&mut self, is_false: bool, cycle_ticks: usize) {
         if !is_false && self.lost == 0 {
             return;
@@ -25,7 +26,7 @@ impl LostSince {
         }
     }
 
-    /// Whether it is lost, and not for longer than it takes to know of it.
+    /// Whether it is lost, for no longer than it takes to detect it.
     pub(super) fn is_new(&self, cycle_ticks: usize) -> bool {
         self.lost > 0 && self.lost as f64 <= KNOWN_WITHIN * cycle_ticks as f64
     }
@@ -48,7 +49,7 @@ mod tests {
         }
     }
 
-    /// What moves comes by what is shown twice in each cycle.
+    /// The quantity passes through the shown value twice in each cycle.
     #[test]
     fn what_is_right_by_chance_is_lost_all_the_same() {
         let mut since = LostSince::default();
@@ -56,7 +57,7 @@ mod tests {
             since.tick(tick % 50 > 10, 100);
         }
         assert!(!since.is_new(100));
-        // A cycle of right samples ends it, and one false sample is a loss of its own.
+        // A cycle of right samples ends it, and one false sample is a new loss.
         for _ in 0..100 {
             since.tick(false, 100);
         }

@@ -1,5 +1,5 @@
-//! Attacks: what can go wrong with specimen, sensors, converters, clock and link, put into the rig without asking what its monitor
-//! knows; and what the rig makes of them.
+//! Attacks: faults of specimen, sensors, converters, clock and link, injected into the rig without regard to what its monitor
+//! knows, and the rig's response.
 
 mod adversary;
 mod apply;
@@ -29,24 +29,24 @@ pub use trial::{Attack, AttackOutcome, AttackTrial, BLOCKS, Headroom, Loss, Nami
 
 use super::{Campaign, FOLLOW};
 
-/// Cycles before a fault at full amplitude, and after it.
+/// Cycles at full amplitude before a fault, and after it.
 const HEALTHY: f64 = 24.0;
 const WATCHED: f64 = 14.0;
 /// Cycles of each of four short blocks.
 const SHORT: u32 = 12;
-/// Limits over what the healthy rig does, and the force channel's full scale over its limit.
+/// Ratio of the limits to the values of the healthy rig, and of the force channel's full scale to its limit.
 const HEADROOM: f64 = 1.5;
 const RANGE: f64 = 2.0;
-/// Cycles after which a slow change is no run-in: where it is to be one, and where it is to be told from it.
+/// Cycles after which a slow change is not a run-in: for kinds in the run-in, and for kinds to be distinguished from it.
 const RUN_IN: u32 = 200;
 const NO_RUN_IN: u32 = 20;
-/// Hz: the most cycles in the least time.
+/// Frequency, Hz: the most cycles in the least time.
 const FREQUENCY: f64 = 10.0;
-/// Ticks for which the temperature is none at the end of a cycle: that before it, its own, and that after it.
+/// Ticks for which the temperature is not a number at the end of a cycle: the tick before, the tick of the end, and the tick after.
 const AT_CYCLE_END: f64 = 3.0;
 
 impl AttackKind {
-    /// Such an attack of `size`, in a trial of its own or beside others, at `moment`, part of a cycle, `later` by so many cycles.
+    /// Such an attack of `size`, in its own trial or with others, at `moment` of a cycle, `later` by this many cycles.
     fn attack(self, size: f64, moment: f64, later: f64) -> Attack {
         let tick = FREQUENCY / crate::TICK_RATE;
         let (begins, lasts) = match self.begins() {
@@ -105,13 +105,13 @@ impl AttackTrial {
     }
 }
 
-/// Whether a kind makes a trial of its own: one that changes nothing alone does not, nor one that no signal of the campaign shows.
+/// Whether a kind makes a trial alone. A kind that changes nothing alone does not, nor does one that no signal of the campaign
+/// shows.
 fn is_single(kind: AttackKind) -> bool {
     !matches!(kind, AttackKind::Ringing(_) | AttackKind::ControlsLost)
 }
 
-/// Every attack in every size alone, at the moments, specimens and noises of `campaign`, every second one with a law that
-/// follows.
+/// Every attack in every size alone, at the moments, specimens and noises of `campaign`, every second one with adaptation.
 pub fn singles(campaign: &Campaign) -> Vec<AttackTrial> {
     let mut all = Vec::new();
     for kind in AttackKind::all()

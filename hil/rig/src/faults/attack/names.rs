@@ -1,16 +1,16 @@
-//! What an attack may be called: all causes that the rig's signals cannot tell from it in principle.
+//! Correct names of an attack: all causes that the rig's signals cannot distinguish from it in principle.
 
 use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper::rig::TripCause;
 
 use super::kind::AttackKind;
 
-/// A cause that the rig can name.
+/// A cause that the rig can report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Name {
-    /// By its monitor.
+    /// A health cause, reported by its monitor.
     Health(HealthCause),
-    /// As the cause of a stop.
+    /// A trip cause.
     Trip(TripCause),
 }
 
@@ -22,7 +22,7 @@ fn trips<const N: usize>(causes: [TripCause; N]) -> Vec<Name> {
     causes.map(Name::Trip).into()
 }
 
-/// A channel that shows nothing of its quantity.
+/// A channel that no longer shows its quantity.
 fn lost(channel: Channel) -> Vec<Name> {
     let mut names = health([
         HealthCause::SensorStuck(channel),
@@ -31,7 +31,7 @@ fn lost(channel: Channel) -> Vec<Name> {
         HealthCause::SensorNoisy(channel),
     ]);
     names.extend(match channel {
-        // The position loop of the rig runs away from what it is not shown, and meets the limit on tracking.
+        // The rig's position loop runs away without its displacement, and reaches the limit on tracking.
         Channel::Displacement => trips([
             TripCause::DisplacementLost,
             TripCause::DisplacementClipped,
@@ -40,14 +40,14 @@ fn lost(channel: Channel) -> Vec<Name> {
         ]),
         Channel::Force => trips([TripCause::ForceLost, TripCause::ForceClipped]),
     });
-    // No force at all is what a specimen that is not there gives, too.
+    // A missing specimen gives no force either.
     if channel == Channel::Force {
         names.extend(health([HealthCause::SpecimenAbsent]));
     }
     names
 }
 
-/// Samples of a channel that are wrong while the others are right. They may show more than its limit.
+/// Wrong samples of a channel among right ones. They may exceed its limit.
 fn outliers(channel: Channel) -> Vec<Name> {
     let mut names = lost(channel);
     names.extend(health([HealthCause::SensorSpiking(channel)]));
@@ -58,7 +58,7 @@ fn outliers(channel: Channel) -> Vec<Name> {
     names
 }
 
-/// The force grows, and meets its limit or, where the actuator gives way, that on tracking.
+/// The force grows, and reaches its limit or, if the actuator yields, the limit on tracking.
 fn stiffer() -> Vec<Name> {
     let mut names = health([
         HealthCause::Stiffening,
@@ -74,8 +74,8 @@ fn stiffer() -> Vec<Name> {
     names
 }
 
-/// A force channel that shows more is a specimen that has become stiffer; one that shows less, a specimen that has broken. A
-/// displacement channel that shows more drives less, and the other way round.
+/// A force channel that shows more looks like a specimen that has become stiffer, and one that shows less like a specimen that has
+/// broken. A displacement channel that shows more drives less, and one that shows less drives more.
 fn gain(channel: Channel, size: f64) -> Vec<Name> {
     let mut names = health([HealthCause::SensorGain(channel)]);
     names.extend(if (channel == Channel::Force) == (size > 0.0) {
@@ -95,7 +95,7 @@ fn gain(channel: Channel, size: f64) -> Vec<Name> {
     names
 }
 
-/// The actuator does not move as it is told, or not at all.
+/// The actuator does not move as commanded, or not at all.
 fn actuator() -> Vec<Name> {
     let mut names = health([HealthCause::ActuatorDead, HealthCause::ActuatorSaturated]);
     names.extend(trips([
@@ -108,7 +108,7 @@ fn actuator() -> Vec<Name> {
 }
 
 impl AttackKind {
-    /// What it may be called, at this size.
+    /// Its correct names at this size.
     pub fn names(self, size: f64) -> Vec<Name> {
         use HealthCause as H;
         match self {
@@ -141,7 +141,7 @@ impl AttackKind {
             }
             // A limit that is really exceeded.
             Self::Ringing(_) => trips([TripCause::ForceLimit, TripCause::DisplacementLimit]),
-            // Each channel shows a voltage that goes with the motion, of another size.
+            // Each channel shows a voltage that follows the motion, with another size.
             Self::Swapped | Self::SwappedFromStart => {
                 let (displacement, force) = (Channel::Displacement, Channel::Force);
                 let mut names = lost(displacement);
@@ -175,8 +175,8 @@ impl AttackKind {
             Self::Preload => health([H::PreloadShift, H::SensorDrifting(Channel::Force)]),
             Self::Backlash | Self::BacklashInRunIn => health([H::Loosening]),
             Self::Seized | Self::Stiffened => stiffer(),
-            // What is stiffer alone is no gain of the force; where friction hardly depends on the velocity, it may be one of the
-            // displacement.
+            // A specimen that is stiffer only does not look like a gain of the force. If friction hardly depends on velocity, it
+            // may look like a gain of the displacement.
             Self::Stiffer => health([H::Stiffening, H::SensorGain(Channel::Displacement)]),
             Self::Removed | Self::AbsentFromStart => {
                 let mut names = lost(Channel::Force);
@@ -201,7 +201,7 @@ impl AttackKind {
                 names
             }
             Self::ControlsLost => trips([TripCause::NotFinite]),
-            // Half of the way at once is what a displacement channel of half the gain shows as well.
+            // A sudden motion of half the size also looks like a displacement channel of half the gain.
             Self::DacGain => {
                 let mut names = actuator();
                 names.extend(trips([TripCause::CorrectionLimit]));

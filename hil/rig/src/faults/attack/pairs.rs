@@ -11,11 +11,11 @@ use crate::faults::{Campaign, FOLLOW};
 
 use Channel::{Displacement, Force};
 
-/// Two attacks with their sizes, and by how many cycles the second is later: each hides the other, or makes it worse.
+/// Two attacks with their sizes, and the number of cycles by which the second is later: each hides the other, or makes it worse.
 const SCENARIOS: [[(AttackKind, f64, f64); 2]; 17] = {
     use AttackKind as A;
     [
-        // A limit that is held off.
+        // A limit that is hidden.
         [
             (A::Stiffened, 2.0, 0.0),
             (A::ZeroOneInTen(Force), 10.0, 0.0),
@@ -36,14 +36,14 @@ const SCENARIOS: [[(AttackKind, f64, f64); 2]; 17] = {
             (A::NeverConnected(Force), 0.005, 0.0),
             (A::Seized, 20.0, 0.0),
         ],
-        // One that latches before one that is to be found.
+        // A fault that latches before one that must be found.
         [(A::Spike(Displacement), 0.5, 0.0), (A::Break, 0.2, 4.0)],
         [(A::Spike(Force), 0.5, 0.0), (A::Break, 0.3, 4.0)],
         [
             (A::TemperatureNanAtCycleEnd, 1.0, 0.0),
             (A::Break, 0.2, 4.0),
         ],
-        // A temperature that explains it away.
+        // A temperature that explains the fault away.
         [(A::TemperatureNan, 1.0, 0.0), (A::Break, 0.3, 4.0)],
         [(A::TemperatureOpen, 1372.0, 0.0), (A::Break, 0.2, 0.0)],
         [(A::TemperatureJump, 30.0, 0.0), (A::Break, 0.1, 0.0)],
@@ -55,10 +55,10 @@ const SCENARIOS: [[(AttackKind, f64, f64); 2]; 17] = {
     ]
 };
 
-/// Limits over what the healthy rig does: the least and the most.
+/// Ratio of the limits to the values of the healthy rig: smallest and largest.
 pub(super) const CLOSE: (f64, f64) = (1.2, 2.0);
-/// Hz up to which limits can be as close as that: at 10 Hz the first cycles, before amplitude and phase are corrected, go 17 % beyond
-/// the force of the others.
+/// Highest frequency in Hz for limits this close: at 10 Hz the first cycles, before amplitude and phase are corrected, exceed the
+/// force of the others by 17 %.
 pub(super) const FASTEST: f64 = 8.0;
 
 /// Drawn from [`CLOSE`].
@@ -99,7 +99,7 @@ pub fn scenarios(campaign: &Campaign) -> Vec<AttackTrial> {
     all
 }
 
-/// `count` pairs of kinds, sizes, specimens, noises, moments and limits, each drawn by its number.
+/// `count` pairs of kinds, sizes, specimens, noises, moments and limits, each drawn from its number.
 pub fn drawn_pairs(campaign: &Campaign, count: u32) -> Vec<AttackTrial> {
     let kinds: Vec<AttackKind> = AttackKind::all()
         .into_iter()

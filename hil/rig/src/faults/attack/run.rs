@@ -1,4 +1,4 @@
-//! Runs a trial and judges what was found.
+//! Runs a trial and evaluates the findings.
 
 use mesh_damper::health::{Event, HealthCause};
 use mesh_damper::rig::{State, TripCause};
@@ -11,10 +11,10 @@ use super::trial::{Attack, AttackOutcome, AttackTrial, BLOCKS, IDLE, Loss, Namin
 use crate::faults::damage::Damaged;
 use crate::{Bench, Controlled, RigSetup, SetupError};
 
-/// What the rig said at a tick.
+/// Report of the rig at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Said {
-    /// A fault that its monitor named.
+    /// A fault that its monitor reported.
     Event(HealthCause, Option<HealthCause>),
     /// Why it stopped.
     Trip(TripCause),
@@ -23,7 +23,7 @@ enum Said {
 }
 
 impl Said {
-    /// How it stands to an attack with these names.
+    /// Its relation to an attack with these names.
     fn of(self, names: &[Name]) -> Naming {
         let is_one = |cause| names.contains(&Name::Health(cause));
         match self {
@@ -35,13 +35,13 @@ impl Said {
     }
 }
 
-/// Ticks within which what its monitor names and a stop for it belong together: a limit stops the rig ten ticks after it was exceeded.
+/// Ticks within which a report of the monitor and a stop belong together: a limit stops the rig ten ticks after it was exceeded.
 const TOGETHER: u64 = 12;
 
 /// Runs it with the controller in this process.
 ///
 /// # Errors
-/// A setup that one of its parts refuses.
+/// A setup that one of its parts rejects.
 pub fn run_attack(trial: &AttackTrial) -> Result<AttackOutcome, SetupError> {
     run_attack_with(trial, Bench::new)
 }
@@ -49,7 +49,7 @@ pub fn run_attack(trial: &AttackTrial) -> Result<AttackOutcome, SetupError> {
 /// Runs it on the rig that `wire_up` makes of its setup, wherever the controller runs.
 ///
 /// # Errors
-/// As [`run_attack`], and those of the link to the controller.
+/// As [`run_attack`], and the errors of the link to the controller.
 pub fn run_attack_with<R: Controlled<Damaged>>(
     trial: &AttackTrial,
     wire_up: impl FnOnce(RigSetup<Damaged, BLOCKS, 1>) -> Result<R, SetupError>,
@@ -134,7 +134,7 @@ fn fault(event: Option<Event>) -> Option<Said> {
     Some(Said::Event(event.cause, event.or))
 }
 
-/// What the rig `said`, beside what was done to it.
+/// Compares the rig's reports in `said` with the attacks of the trial.
 fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
     let begun = |attack: &Attack| trial.tick(attack.begins);
     let first_attack = trial.attacks.iter().map(begun).min().unwrap_or(0);
@@ -143,7 +143,7 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
         let all = said.iter().filter(move |(tick, _)| *tick >= since);
         all.take_while(move |(tick, _)| *tick <= since + TOGETHER)
     };
-    // What has to be found first, of what can be: when it counts as there, and until when.
+    // The first observable attack that must be found: when it counts as present, and the time limit.
     let observable = trial
         .attacks
         .iter()
@@ -154,7 +154,7 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
             (there, there + attack.kind.within())
         })
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    // The tick that finds it is over as well.
+    // The tick that finds it has passed as well.
     let found_at = first.map(|(tick, _)| trial.cycle(tick + 1));
     let naming = first.map_or(Naming::Nothing, |&(since, _)| {
         let there = trial.attacks.iter().filter(|attack| begun(attack) <= since);
@@ -164,7 +164,7 @@ fn judge(trial: &AttackTrial, said: &[(u64, Said)]) -> AttackOutcome {
         let of = together(since).map(|(_, said)| said.of(&names));
         of.max().unwrap_or(Naming::Nothing)
     });
-    // Each of them by itself, up to the stop that leaves no time for it.
+    // Each of them separately, up to the stop that leaves no time for it.
     let is_named = |attack: &Attack| {
         let names = attack.kind.names(attack.size);
         let there = attack.begins.max(-1.0) + attack.kind.lead(attack.size, trial.follow);
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::faults::{Campaign, singles};
 
-    /// The first single trial of a kind, and what is made of what was said so many cycles after it counts as there.
+    /// The evaluation of a kind's first single trial, for reports this many cycles after it counts as present.
     fn judged(kind: AttackKind, said: &[(f64, Said)]) -> AttackOutcome {
         let trials = singles(&Campaign::whole());
         let of_kind = |trial: &&AttackTrial| trial.attacks[0].kind == kind;
@@ -245,7 +245,7 @@ mod tests {
         let naming = |said: &[(f64, Said)]| judged(AttackKind::Break, said).naming;
         assert_eq!(naming(&[]), Naming::Nothing);
         assert_eq!(naming(&[(2.0, Said::Event(WIRES, None))]), Naming::Right);
-        // No signal tells a channel that shows less from a specimen that has broken.
+        // No signal distinguishes a channel that shows less from a specimen that has broken.
         assert_eq!(naming(&[(2.0, Said::Event(GAIN, None))]), Naming::Right);
         assert_eq!(
             naming(&[(2.0, Said::Event(LOOSE, Some(WIRES)))]),
@@ -285,13 +285,13 @@ mod tests {
         assert!((soon.cycles.unwrap() - 4.501).abs() < 1e-9);
         let late = said(5.5);
         assert!(late.found && !late.in_time);
-        // It had begun, and was not as large as it has to be.
+        // It had begun, but had not reached its required size.
         assert_eq!(said(-2.0).cycles, Some(0.0));
         let alarm = said(-20.0);
         assert!(alarm.false_alarm && !alarm.found && !alarm.in_time);
     }
 
-    /// What latches must not silence another.
+    /// A latched cause must not silence another.
     #[test]
     fn each_of_two_attacks_has_to_be_named_but_after_a_stop() {
         let spike = AttackKind::Spike(Channel::Force);

@@ -1,4 +1,4 @@
-//! Settings that come over the link and are no settings.
+//! Invalid settings that arrive over the link.
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::frame::{Fields as _, Reader, Writer};
@@ -7,19 +7,19 @@ use serde::Serialize;
 
 use crate::TICK_RATE;
 
-/// A word of a rig's settings in the place of which another came.
+/// A word of a rig's settings that was replaced by another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forgery {
-    /// Which, from the first on.
+    /// Index of the word, from the first on.
     pub word: usize,
-    /// What came in its place: NaN, infinities, and what no count may be.
+    /// The word in its place: NaN, infinities, and values that no count may have.
     pub bits: u32,
-    /// Whether the rig refuses to take it.
+    /// Whether the rig rejects it.
     pub refused: bool,
 }
 
-/// None of a rig's settings may be one of these, whether it is a number or a count.
+/// Neither a number nor a count of a rig's settings may be one of these.
 const FORGED: [u32; 4] = [
     f32::NAN.to_bits(),
     f32::INFINITY.to_bits(),
@@ -32,7 +32,7 @@ const WORD: usize = 4;
 /// Each word of a rig's settings replaced by each of these.
 ///
 /// # Errors
-/// The crate's own settings, where it refuses them.
+/// The crate rejects its own settings.
 pub fn forgeries() -> Result<Vec<Forgery>, ConfigError> {
     let mut room = [0; 512];
     let length = room.len();

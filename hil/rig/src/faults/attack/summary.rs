@@ -1,4 +1,4 @@
-//! What the attacks came to.
+//! Results of the attacks.
 
 use mesh_damper::health::Channel;
 use serde::Serialize;
@@ -8,21 +8,21 @@ use super::kind::{AttackKind, Element};
 use super::settings::Forgery;
 use super::trial::{AttackOutcome, Naming};
 
-/// Of a kind of hazardous state: how many trials had one.
+/// Number of trials with a hazardous state, by its reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hazards {
-    /// Behind a channel with a constant gain or offset only, which one channel cannot observe.
+    /// Behind a channel with a constant gain or offset only, which a single channel cannot observe.
     pub constant_gain: usize,
-    /// Because the enable line stayed high at the servo, which the rig had dropped.
+    /// The enable line stayed high at the servo after the rig had dropped it.
     pub line_high: usize,
-    /// While the controller was not called, which only a watchdog outside can end.
+    /// The controller was not called, which only an external watchdog can end.
     pub not_called: usize,
-    /// Behind a channel that was lost less than a cycle before, with another attack beside.
+    /// Behind a channel that was lost shortly before, together with another attack.
     pub just_lost: usize,
     /// Behind a channel whose gain drifts.
     pub drifting_gain: usize,
-    /// All others.
+    /// All other reasons.
     pub others: usize,
 }
 
@@ -31,7 +31,7 @@ impl Hazards {
         let mut hazards = Self::default();
         for outcome in outcomes {
             let any = |behind| outcome.hazards.iter().any(|hazard| hazard.behind == behind);
-            // The worst of a trial counts.
+            // The worst hazard of a trial counts.
             let count = if any(Behind::Other) || (any(Behind::JustLost) && outcome.is_hazardous()) {
                 &mut hazards.others
             } else if any(Behind::DriftingGain) {
@@ -53,36 +53,36 @@ impl Hazards {
     }
 }
 
-/// What was found of some trials.
+/// Findings in a set of trials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Counts {
     /// Trials with an attack that can be observed.
     pub trials: usize,
-    /// Of these, found.
+    /// Number of these in which it was found.
     pub found: usize,
-    /// Found as soon as it has to be.
+    /// Number of these in which it was found in time.
     pub in_time: usize,
-    /// The first cause that was named cannot be told from the attack.
+    /// Trials whose first reported cause cannot be distinguished from the attack.
     pub right: usize,
-    /// The first event says two causes, and the second is such a one.
+    /// Trials whose first event reports two causes, of which the second is such a one.
     pub both: usize,
-    /// Each attack of the trial was named at some time, or the rig stopped before it had to be.
+    /// Trials in which each attack was reported at some time, or the rig stopped before it had to be.
     pub all_named: usize,
-    /// Causes named before there was an attack, of all trials.
+    /// Causes reported before there was an attack, of all trials.
     pub early: usize,
-    /// Trials with a hazardous state, of all of them.
+    /// Trials with a hazardous state, of all trials.
     pub hazards: Hazards,
-    /// Trials of which no attack can be observed.
+    /// Trials none of whose attacks can be observed.
     pub hidden: usize,
-    /// Cycles from when it counts as there until it was found.
+    /// Median of the cycles from the time when the attack counts as present until it was found.
     pub median_cycles: Option<f64>,
-    /// The most cycles.
+    /// The largest number of cycles.
     pub worst_cycles: Option<f64>,
 }
 
 impl Counts {
-    /// Of these trials.
+    /// Counts of these trials.
     pub fn of<'o>(outcomes: impl Iterator<Item = &'o AttackOutcome> + Clone) -> Self {
         let open = || outcomes.clone().filter(|one| one.hidden.is_none());
         let count =
@@ -105,74 +105,74 @@ impl Counts {
     }
 }
 
-/// Of one kind and size, in trials of its own.
+/// Findings for one kind and size, in trials of its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackKindSummary {
-    /// What it is.
+    /// The kind.
     pub kind: AttackKind,
-    /// How large, in the unit of the trials.
+    /// Its size, in the unit of the trials.
     pub size: f64,
-    /// What fails.
+    /// The element that fails.
     pub element: Element,
-    /// Why it cannot be observed, where it cannot.
+    /// Why it cannot be observed, if it cannot.
     pub hidden: Option<&'static str>,
-    /// What was found.
+    /// The findings.
     pub counts: Counts,
 }
 
-/// How soon the rig stopped for a channel that a limit depends on and that was lost.
+/// How soon the rig stopped for the loss of a channel that a limit depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LossSummary {
-    /// Which.
+    /// The channel.
     #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
-    /// How often.
+    /// Number of trials.
     pub trials: usize,
-    /// How often the rig stopped.
+    /// Number of trials in which the rig stopped.
     pub stopped: usize,
-    /// Cycles until then, in the middle.
+    /// Median of the cycles until then.
     pub median_cycles: Option<f64>,
-    /// The most cycles.
+    /// The largest number of cycles.
     pub worst_cycles: Option<f64>,
 }
 
-/// A hazardous state of a trial that ought not to have been.
+/// A hazardous state of a trial that should not have occurred.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorstHazard {
-    /// By which true quantity.
+    /// The true quantity.
     pub quantity: Quantity,
-    /// The most it was, over its limit.
+    /// Its largest value divided by its limit.
     pub factor: f64,
-    /// The most steps on end.
+    /// Largest number of successive steps.
     pub steps: u32,
 }
 
-/// All attacks.
+/// Results of all attacks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackSummary {
-    /// Kind by kind, size by size, each alone.
+    /// Each kind and size, one attack per trial.
     pub kinds: Vec<AttackKindSummary>,
-    /// All attacks alone.
+    /// All attacks, one per trial.
     pub singles: Counts,
     /// All pairs.
     pub pairs: Counts,
-    /// All that the adversary drew.
+    /// All trials drawn by the adversary.
     pub adversary: Counts,
     /// Lost channels, in trials of their own.
     pub losses: Vec<LossSummary>,
-    /// By quantity, the worst of the trials that led to a hazardous state.
+    /// By quantity, the worst trials with a hazardous state.
     pub worst: Vec<WorstHazard>,
-    /// Settings that are none.
+    /// Invalid settings.
     pub forgeries: Vec<Forgery>,
-    /// Trial by trial: of attacks alone, of pairs, of the adversary.
+    /// Single trials: of attacks alone, of pairs, of the adversary.
     pub outcomes: Outcomes,
 }
 
-/// Trial by trial.
+/// Outcomes trial by trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcomes {
@@ -180,12 +180,12 @@ pub struct Outcomes {
     pub singles: Vec<AttackOutcome>,
     /// Two attacks each.
     pub pairs: Vec<AttackOutcome>,
-    /// Up to four.
+    /// Up to four attacks each.
     pub adversary: Vec<AttackOutcome>,
 }
 
 impl AttackSummary {
-    /// Of all these.
+    /// Summary of all these.
     pub fn of(outcomes: Outcomes, forgeries: Vec<Forgery>) -> Self {
         let Outcomes {
             singles,
@@ -225,7 +225,7 @@ impl AttackSummary {
         }
     }
 
-    /// Trials.
+    /// Number of trials.
     pub fn trials(&self) -> usize {
         let Outcomes {
             singles,

@@ -1,4 +1,4 @@
-//! Each attack does to signals and specimen what it says, and each trial is what its number says.
+//! Each attack changes signals and specimen as documented, and each trial follows from its number.
 
 use std::cell::Cell;
 
@@ -32,7 +32,7 @@ fn at(kind: AttackKind, size: f64) -> Attack {
     }
 }
 
-/// The specimen so many cycles after it.
+/// The specimen this many cycles after the attack.
 fn damaged(kind: AttackKind, size: f64, cycles: f64) -> Condition {
     let condition = Cell::new(Condition::NEW);
     let tick = (cycles * 1000.0) as u64;
@@ -110,7 +110,7 @@ fn a_specimen_is_damaged_by_as_much_as_it_says() {
     );
     assert_eq!(parts(damaged(AttackKind::Stiffened, 4.0, 1.0)), (5.0, 5.0));
     assert_eq!(parts(damaged(AttackKind::Removed, 1.0, 1.0)), (0.0, 0.0));
-    // One wire at once, one with each cycle, and no more than two fifths.
+    // One wire at once, one more with each cycle, and no more than two fifths.
     for (cycles, broken) in [(0.5, 0.01), (3.5, 0.04), (100.0, 0.4)] {
         let left = damaged(AttackKind::WiresOneByOne, 0.01, cycles).stiffness;
         assert!((1.0 - left - broken).abs() < 1e-12, "{cycles}: {left}");
@@ -181,7 +181,7 @@ fn attacks_alone_are_at_every_moment_specimen_noise_and_with_both_laws() {
     assert_eq!(these.len(), kind.sizes().len() * 4 * 4 * 3);
     let following = these.iter().filter(|trial| trial.follow > 0.0).count();
     assert_eq!(2 * following, these.len());
-    // The monitor has learned, and has as long as the attack allows to find it.
+    // The monitor has learned, and has as long to find it as the attack allows.
     for trial in &these {
         let attack = &trial.attacks[0];
         assert!((24.0..25.0).contains(&attack.begins));

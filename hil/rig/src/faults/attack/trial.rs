@@ -1,4 +1,4 @@
-//! A trial: a test on the rig, and one attack or several on it.
+//! A trial: a test on the rig with one attack or several.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -20,34 +20,34 @@ use crate::{RigSetup, SetupError, TICK_RATE};
 /// Most blocks of a trial's programme.
 pub const BLOCKS: usize = 4;
 
-/// An attack, and when it is there.
+/// An attack and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Attack {
-    /// What it is.
+    /// The kind.
     pub kind: AttackKind,
-    /// How large: a part, a ratio, °C, kN/mm or a number of samples or ticks, as [`AttackKind::sizes`] says.
+    /// Its size: a part, a ratio, °C, kN/mm or a number of samples or ticks, as [`AttackKind::sizes`] describes.
     pub size: f64,
-    /// When it begins: cycles from the end of the first ramp on; what is before the start begins with the trial.
+    /// When it begins, in cycles from the end of the first ramp; an attack before the start begins with the trial.
     pub begins: f64,
-    /// After how many cycles it is over; none where it stays.
+    /// Number of cycles after which it ends; `None` if it stays.
     pub lasts: Option<f64>,
 }
 
-/// Limits over what the healthy rig does.
+/// Ratio of the limits to the values of the healthy rig.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Headroom {
-    /// Over the amplitude, a ratio.
+    /// Relative to the amplitude, a ratio.
     pub displacement: f64,
-    /// Over the largest force, a ratio.
+    /// Relative to the largest force, a ratio.
     pub force: f64,
-    /// Over [`TRACKING`] of the amplitude, a ratio.
+    /// Relative to [`TRACKING`] of the amplitude, a ratio.
     pub tracking: f64,
 }
 
 impl Headroom {
-    /// The same of each.
+    /// The same ratio for each.
     pub fn of_all(part: f64) -> Self {
         Self {
             displacement: part,
@@ -57,92 +57,93 @@ impl Headroom {
     }
 }
 
-/// A test with attacks on it.
+/// A test with attacks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackTrial {
     /// In no particular order.
     pub attacks: Vec<Attack>,
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm.
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// RMS of the force channel's noise over that of the force.
+    /// RMS of the force channel's noise divided by that of the force.
     pub noise: f64,
-    /// Most by which the law follows slow changes, part of its coefficients; 0 where it stays.
+    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
     pub follow: f64,
     /// Cycles of each block, at most [`BLOCKS`] of them.
     pub blocks: Vec<u32>,
     /// Cycles within which a slow change is the run-in.
     pub run_in: u32,
-    /// Of the limits.
+    /// Ratio of the limits to the values of the healthy rig.
     pub headroom: Headroom,
-    /// Full scale of the force channel over the force's limit.
+    /// Full scale of the force channel divided by the force's limit.
     pub range: f64,
-    /// Of the sensors' noise and of what is random in the attacks.
+    /// Seed of the sensors' noise and of random parts of the attacks.
     pub seed: u64,
 }
 
-/// How a cause that was named stands to the attack, in the order of how good that is.
+/// Relation of a reported cause to the attack, from worst to best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
-    /// No cause was named.
+    /// No cause was reported.
     Nothing,
-    /// It is none of those that cannot be told from the attack.
+    /// It can be distinguished from the attack.
     Wrong,
-    /// The event says two causes, and the second is one of those.
+    /// The event reports two causes, and the second is a correct one.
     Both,
-    /// It is one of those.
+    /// It is a correct one.
     Right,
 }
 
-/// A channel that a limit depends on was lost.
+/// Loss of a channel that a limit depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Loss {
-    /// Which.
+    /// The channel.
     #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
-    /// Cycles until the rig had stopped, where it did.
+    /// Cycles until the rig had stopped, if it did.
     pub stopped_after: Option<f64>,
 }
 
-/// What came of a trial.
+/// Outcome of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackOutcome {
-    /// What was tried.
+    /// The trial.
     pub trial: AttackTrial,
-    /// Causes that were named and that for which it stopped, in order, each with its cycle as [`Attack::begins`] counts.
+    /// Reported causes and the trip cause, in order, each with its cycle as [`Attack::begins`] counts.
     pub named: Vec<(f64, String)>,
-    /// Something was named, or it stopped, from the first attack on.
+    /// Whether a cause was reported, or the rig stopped, from the first attack on.
     pub found: bool,
-    /// Cycles to that from when the attack that has to be found first counts as there; 0 where it was before.
+    /// Cycles until that, from the time when the first attack that must be found counts as present; 0 if it was before.
     pub cycles: Option<f64>,
-    /// Whether that was as soon as it has to be.
+    /// Whether it was found in time.
     pub in_time: bool,
-    /// How the first cause stands to the attacks.
+    /// Relation of the first cause to the attacks.
     pub naming: Naming,
-    /// Each attack that can be observed was named rightly or both at some time, or the rig stopped before it had to be.
+    /// Whether each observable attack was correctly named at some time, also as the second cause, or the rig stopped before it had
+    /// to be.
     pub all_named: bool,
-    /// Something was named before there was an attack.
+    /// Whether a cause was reported before there was an attack.
     pub false_alarm: bool,
-    /// Why the rig stopped, where it did.
+    /// Trip cause, if the rig stopped.
     pub stopped: Option<String>,
     /// Hazardous states.
     pub hazards: Vec<Hazard>,
-    /// A channel that was lost.
+    /// Loss of a channel.
     pub lost: Option<Loss>,
-    /// Why it cannot be observed, where no attack of it can.
+    /// Why it cannot be observed, if none of its attacks can.
     pub hidden: Option<&'static str>,
 }
 
 impl AttackOutcome {
-    /// Whether a state came about that the rig ought to have prevented: see [`Behind`].
+    /// Whether a state occurred that the rig should have prevented: see [`Behind`].
     pub fn is_hazardous(&self) -> bool {
         let is_alone = self.trial.attacks.len() < 2;
         let mut behind = self.hazards.iter().map(|hazard| hazard.behind);
@@ -154,19 +155,19 @@ impl AttackOutcome {
     }
 }
 
-/// Tracking's limit at a headroom of 1, part of the amplitude: twice what the first cycles take at 10 Hz, before amplitude and phase
-/// are corrected.
+/// Limit of tracking at a headroom of 1, as a part of the amplitude: twice the need of the first cycles at 10 Hz, before amplitude
+/// and phase are corrected.
 pub const TRACKING: f64 = 0.25;
 /// Ticks before the rig is started.
 pub(super) const IDLE: u64 = 20;
 /// Cycles of the ramps.
 pub(super) const RAMP: u32 = 1;
-/// In how many ticks the command goes to 0 once stopped.
+/// Number of ticks in which the command goes to 0 after a stop.
 const STOP_TICKS: u32 = 500;
-/// Ticks after which a silent link stops the rig.
+/// Number of ticks after which a silent link stops the rig.
 const LINK_TICKS: u32 = 200;
 
-/// A trial's rig, and what has to be known of it.
+/// The rig of a trial, with data for its evaluation.
 pub(super) struct Prepared {
     pub(super) setup: RigSetup<Damaged, BLOCKS, 1>,
     pub(super) condition: Rc<Cell<Condition>>,
@@ -179,7 +180,7 @@ impl AttackTrial {
     /// Tick of a cycle as [`Attack::begins`] counts.
     pub(super) fn tick(&self, cycle: f64) -> u64 {
         let ticks = (cycle + f64::from(RAMP)) * self.cycle_ticks();
-        // One that is before the start begins with the trial.
+        // An attack before the start begins with the trial.
         if ticks < 0.0 {
             0
         } else {
@@ -187,7 +188,7 @@ impl AttackTrial {
         }
     }
 
-    /// The cycle of a tick, likewise.
+    /// The cycle of a tick, counted in the same way.
     pub(super) fn cycle(&self, tick: u64) -> f64 {
         (tick as f64 - IDLE as f64) / self.cycle_ticks() - f64::from(RAMP)
     }
