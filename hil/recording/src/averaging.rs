@@ -15,29 +15,29 @@ use super::spectrum::powers;
 use crate::policy::policy;
 
 crate::numbers! {
-    /// Which channels were smoothed by a moving average.
+    /// How a moving average that smoothed the channels is recognized: by notches at equal distances in their spectra.
     AveragingPolicy {
-        /// At most this many notches are looked for.
-        most_notches: usize = 5, Convention("those beyond lie in the noise");
-        /// Fewest notches of an average.
-        fewest_notches: usize = 2, Derived("a filter against the mains has one");
-        /// Half the width of a notch over the distance of two.
-        notch: f64 = 0.06, Derived("the gain of a mean is below a fifteenth there");
-        /// What lies between notches: from the first to the second part of their distance beside one.
-        between: [f64; 2] = [0.25, 0.75], Derived("the gain of a mean is above half of its largest there");
-        /// A notch is at least this many bins of the spectrum wide to either side.
+        /// At most this many notches of the spectrum are examined, from the lowest frequency upwards.
+        most_notches: usize = 5, Convention("higher notches lie in the noise");
+        /// A moving average shows at least this many notches in the spectrum.
+        fewest_notches: usize = 2, Derived("a filter against mains hum has one notch");
+        /// Half the width of a notch in the spectrum, as a fraction of the distance between two notches.
+        notch: f64 = 0.06, Derived("there the gain of a moving average is below 1/15");
+        /// The power beside a notch is taken between these two distances from its centre, as fractions of the distance between two notches.
+        between: [f64; 2] = [0.25, 0.75], Derived("there the gain of a moving average is above half of its maximum between two notches");
+        /// A notch of the spectrum extends over at least this many bins to either side of its centre.
         fewest_bins: f64 = 2.4, Tuned("the recordings of others");
-        /// Logarithm of the power in notches over that between them, on average at most: −1.9 to −5.2 in recordings that were
-        /// averaged, above −0.9 at its deepest in others.
+        /// The mean over all notches of ln(power in the notch / power beside it) must be below this. Averaged recordings have −1.9 to −5.2;
+        /// in others the deepest mean is above −0.9.
         deep: f64 = -1.4, Tuned("the recordings of others");
-        /// The same logarithm in each of the notches at most.
+        /// In each single notch, ln(power in the notch / power beside it) must be below this.
         seen: f64 = -0.4, Tuned("the recordings of others");
-        /// Notches whose distances are within this ratio are the same.
+        /// Distances between notches up to this many times the smallest distance found belong to the same average.
         near: f64 = 1.15, Tuned("the recordings of others");
-        /// The distances tried are apart by this part of one.
-        finer: f64 = 0.002, Derived("at the fifth notch a twelfth of a notch's width");
-        /// The distances tried are apart by at least this many bins.
-        finest: f64 = 0.5, Derived("half of what a spectrum resolves");
+        /// The distances between notches that are tried grow in steps of this fraction.
+        finer: f64 = 0.002, Derived("moves the fifth notch by a twelfth of a notch width");
+        /// The distances between notches that are tried grow in steps of at least this many bins of the spectrum.
+        finest: f64 = 0.5, Derived("half of the resolution of a spectrum");
     }
 }
 

@@ -8,23 +8,23 @@ use crate::policy::policy;
 crate::numbers! {
     /// How the clock behind a recording's times is found.
     ClockPolicy {
-        /// A time that is off its tick by up to this part of a period is taken as it is: at a velocity v the displacement is then off
-        /// by at most this part of v·period.
+        /// If no time is off its tick by more than this fraction of a period, the samples are taken to lie on the ticks. At a velocity v
+        /// the displacement is then off by at most this fraction of v·period.
         rounding: f64 = 0.05, Convention("the rounding of printed times");
-        /// A step of more periods is a gap where the times keep no clock.
+        /// A time step of more than this many periods is a gap, in the first estimate of the period and in times that follow no clock.
         gap: f64 = 1.75, Tuned("the injected channel faults");
-        /// The largest relative change of the period by which gaps can be said to be of whole periods.
+        /// Gaps are taken as whole numbers of periods if this changes the estimated period by less than this fraction.
         refinement: f64 = 1e-3, Tuned("the injected channel faults");
-        /// Times that are off their ticks by more, RMS in periods, keep no clock.
+        /// Times follow no clock if their RMS deviation from the ticks exceeds this many periods.
         keeps_no_clock: f64 = 0.45, Tuned("the injected channel faults");
-        /// Jitter below this is not said, RMS in periods.
-        worth_saying: f64 = 0.03, Convention("the velocity errs by as little");
-        /// Samples that the first estimate of a jittering clock is made of.
+        /// Jitter is reported only if the RMS deviation of the times from the ticks exceeds this many periods.
+        worth_saying: f64 = 0.03, Convention("the error of the velocity is then as small");
+        /// The first estimate of a jittering clock uses this many samples.
         first: usize = 32, Tuned("the injected channel faults");
-        /// Times are rounded to a step where none is off by more than this part of it.
-        rounded: f64 = 0.55, Derived("half a step, and a tenth for the period's own error");
-        /// A step is decimal where no time is off by more than this part of its last digit.
-        decimal: f64 = 1e-4, Derived("what reading a time rounds, of a recording of days");
+        /// Times count as rounded, and not as jittering, if none is off its tick by more than this fraction of the rounding step.
+        rounded: f64 = 0.55, Derived("half a step, and a tenth of that for the error of the period");
+        /// Times are rounded to a decimal step if none is off a multiple of the step by more than this fraction of it.
+        decimal: f64 = 1e-4, Derived("covers the rounding when a time is read, in a recording of days");
     }
 }
 

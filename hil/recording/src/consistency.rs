@@ -7,29 +7,34 @@ use crate::policy::policy;
 crate::numbers! {
     /// Which recordings contradict each other.
     ConsistencyPolicy {
-        /// Displacement histories that differ by less than this part of their RMS are the same motion.
-        same_motion: f64 = 0.02, Convention("a controller repeats a motion to a per cent");
-        /// They also move alike, to within this part of the RMS about their means.
-        same_moves: f64 = 0.2, Convention("a fifth: a displacement that moves has noise far below that");
-        /// Forces under the same motion that differ by more than this part of their RMS contradict each other: noise is about 0.004,
-        /// and wear, temperature or run-in change a force by a few per cent.
+        /// Two recordings have the same motion only if the RMS difference of their displacements is at most this fraction of the larger RMS
+        /// displacement.
+        same_motion: f64 = 0.02, Convention("a controller repeats a motion to within one per cent");
+        /// Two recordings have the same motion only if their displacements also agree about their means: the RMS difference is at most this
+        /// fraction of the larger RMS about the mean.
+        same_moves: f64 = 0.2, Convention("a fifth: the noise of a displacement that moves is far below that");
+        /// Two recordings with the same motion contradict each other if the RMS difference of their forces exceeds this fraction of the
+        /// larger RMS force. Noise makes about 0.004, and wear, temperature or run-in a few per cent.
         contradiction: f64 = 0.25, Tuned("the recordings of others");
-        /// The same where the two were recorded at other temperatures: only a sign or a unit can be said to be wrong.
-        contradiction_between_temperatures: f64 = 0.9, Convention("a force that is mostly another one");
-        /// Mean temperatures that differ by more are other temperatures, °C.
-        same_temperature: f64 = 2.0, Convention("a laboratory keeps its temperature to that");
-        /// Control inputs that differ by less than this part of the larger, on average over the samples, are one input.
-        same_control: f64 = 0.05, Convention("a source keeps its current to that");
-        /// The shortest common stretch that is compared, samples.
+        /// The limit of `contradiction` for two recordings at different temperatures: only a wrong sign or unit can be recognized there.
+        contradiction_between_temperatures: f64 = 0.9, Convention("beyond it the two forces have little in common");
+        /// Two recordings are at different temperatures if their mean temperatures differ by more than this, °C.
+        same_temperature: f64 = 2.0, Convention("a laboratory keeps its temperature within that");
+        /// A control input is the same in two recordings if its mean absolute difference is at most this fraction of the mean of the larger
+        /// value. If it is not the same, the forces are not compared.
+        same_control: f64 = 0.05, Convention("a source keeps its current within that");
+        /// Two recordings are compared only if they have at least this many samples in common, counted from their starts.
         shortest: usize = 50, Convention("fewer are a quarter of a cycle");
-        /// Work of more than this part of what the force could do says which way the energy goes.
+        /// A recording dissipates or supplies energy if the work of its force exceeds this fraction of the most that such a force could do
+        /// on that path. Two recordings that differ in this contradict each other.
         dissipates: f64 = 0.1, Tuned("the recordings of others");
-        /// Samples that a step of displacement is taken over, so that its noise is small beside it.
-        stride: usize = 8, Convention("a twenty-fifth of a cycle of 5 Hz at 1 kHz");
-        /// A factor between two forces is −1 to within this.
+        /// The work is computed from steps of the displacement over this many samples, so that the noise is small compared with a step.
+        stride: usize = 8, Convention("1/25 of a cycle of 5 Hz at 1 kHz");
+        /// Two forces have opposite signs if the factor between them is −1 to within this.
         opposite: f64 = 0.1, Convention("a tenth");
-        /// A factor between two forces is one where it leaves less than this part of the square.
-        is_factor: f64 = 0.01, Derived("a tenth of the RMS, squared");
+        /// Two forces differ by a factor if 1 − r² is below this, with their correlation r. It is the part of the squared force that a
+        /// factor does not explain.
+        is_factor: f64 = 0.01, Derived("a tenth of the RMS force, squared");
     }
 }
 

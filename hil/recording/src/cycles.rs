@@ -8,14 +8,15 @@ use crate::policy::policy;
 crate::numbers! {
     /// Which cycles and which blocks are alike.
     CyclesPolicy {
-        /// Two neighbouring cycles are of one block when their periods and amplitudes differ by less than this part.
+        /// Two neighbouring cycles belong to one block if their periods differ by less than this fraction of the larger, and their
+        /// amplitudes too.
         alike: f64 = 0.08, Tuned("the blind trial and the recordings of others");
-        /// Two blocks are of one amplitude when those differ by less than this part.
+        /// Two blocks have the same amplitude if their amplitudes differ by less than this fraction of the larger.
         same_amplitude: f64 = 0.06, Tuned("the blind trial");
-        /// With more amplitudes the motion has no levels of amplitude.
-        most_amplitudes: usize = 8, Convention("a test with more is a sweep of amplitude");
-        /// Samples by which the boundary of a block may lie beside a kink that it is moved to.
-        snap: usize = 2, Derived("a crossing found through noise may be a sample off, and a kink too");
+        /// A motion with more amplitudes than this has no levels of amplitude: one set of coefficients of the law holds for all of them.
+        most_amplitudes: usize = 8, Convention("a test with more is a sweep of the amplitude");
+        /// The boundary of a block moves to a kink of the motion (a jump of the velocity) that is at most this many samples away.
+        snap: usize = 2, Derived("noise may move a crossing by one sample, and a kink too");
     }
 }
 

@@ -14,10 +14,10 @@ use super::motion::{MotionEstimate, leaves_only_noise};
 use crate::policy::policy;
 
 crate::numbers! {
-    /// Motion that is a sine.
+    /// Which motion is a sine.
     HarmonicPolicy {
-        /// A block of more cycles is of a sine.
-        several: usize = 2, Derived("a cycle into the block, one in it and one out of it");
+        /// A block counts as a sine only if it has more cycles than this.
+        several: usize = 2, Derived("a cycle into the block, one within it and one out of it");
     }
 }
 

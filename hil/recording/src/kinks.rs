@@ -9,27 +9,28 @@ use crate::policy::policy;
 const SMOOTH: usize = 5;
 
 crate::numbers! {
-    /// Where the velocity jumps.
+    /// Where the velocity jumps: a kink of the displacement. Polynomials are fitted on both sides of a sample, and their slopes compared.
     KinksPolicy {
-        /// Times that a kink is moved to where its sides meet.
+        /// A kink is moved at most this many times to the place where the polynomials on its two sides meet.
         meetings: usize = 3, Tuned("the estimated motions");
-        /// Samples by which it is moved each time at most.
+        /// A kink is moved by at most this many samples at a time.
         farthest: f64 = 6.0, Tuned("the estimated motions");
-        /// Its sides meet within this many samples of it in the end.
+        /// A kink is kept only if the polynomials on its two sides finally meet within this many samples of it.
         closest: f64 = 2.0, Tuned("the estimated motions");
-        /// The windows to either side of a sample are this part of a period long.
+        /// The windows on the two sides of a sample, over which polynomials are fitted, are this fraction of a period long.
         window: f64 = 0.05, Tuned("the estimated motions");
-        /// The windows have at least and at most this many samples.
-        windows: [usize; 2] = [5, 200], Derived("a quadratic through fewer has no error, and more cost time and gain nothing");
-        /// A jump of the slope stands out where it is more than this many of its deviations.
+        /// The windows on the two sides of a sample have at least and at most this many samples.
+        windows: [usize; 2] = [5, 200], Derived("fewer samples leave a quadratic no residual; more cost time and gain nothing");
+        /// A jump of the slope is a kink only if it exceeds this many of its standard deviations.
         stands_out: f64 = 8.0, Tuned("the estimated motions");
-        /// A jump of the slope stands out where it is more than this part of the slopes around it.
+        /// A jump of the slope is a kink only if it exceeds this fraction of the larger slope on its two sides.
         large: f64 = 0.1, Tuned("the estimated motions");
-        /// What of a jump is surely there lies beyond this many of its deviations.
+        /// Jumps of the slope are compared by their lower bounds, this many standard deviations below their estimates.
         surely: f64 = 3.0, Convention("three in a thousand by chance");
-        /// Two quadratics that meet at a kink are better than one smooth polynomial by this many deviations.
+        /// A kink is kept only if two quadratics that meet there fit better than one smooth polynomial, by this many standard deviations of
+        /// the noise.
         clearly: f64 = 5.0, Derived("noise alone does so once in a million samples");
-        /// A sample up to this part of a tick before where the sides meet belongs to what comes after.
+        /// A sample up to this fraction of a tick before a kink belongs to the part after it.
         at_kink: f64 = 0.2, Tuned("the estimated motions");
     }
 }

@@ -22,19 +22,21 @@ use crate::policy::policy;
 crate::numbers! {
     /// How velocity and acceleration are estimated.
     MotionPolicy {
-        /// Fewest samples to each side of the one that a cubic is fitted for.
-        shortest: usize = 4, Derived("nine samples leave five beside a cubic's four coefficients");
-        /// A speed within this many of its deviations has no certain direction.
+        /// The cubic for a sample is fitted to at least this many samples on each side.
+        shortest: usize = 4, Derived("nine samples leave five degrees of freedom with the four coefficients of a cubic");
+        /// A velocity below this many of its standard deviations has no certain direction. It is set to 0 if it is small too (see
+        /// `at_rest`).
         uncertain: f64 = 2.0, Tuned("the blind trial");
-        /// A measured velocity that is off by more than this many times the error of the estimated one is of no use.
-        worse: f64 = 2.0, Derived("with weights by the inverse of the variances it would take a tenth off the error");
-        /// A speed above this part of the largest has a direction.
+        /// A measured velocity is not used if its RMS difference from the estimated velocity exceeds this many times the error of the
+        /// estimate.
+        worse: f64 = 2.0, Derived("weighted by the inverse of its variance it would reduce the error by only a tenth");
+        /// A speed above this fraction of the largest speed keeps its direction, even if that is uncertain (see `uncertain`).
         at_rest: f64 = 1e-3, Tuned("the blind trial");
-        /// A window reaches over at most this part of a period to each side.
+        /// The window of a cubic reaches over at most this fraction of a period to each side.
         longest: f64 = 0.15, Tuned("the estimated motions");
-        /// A start from rest lasts at most this part of the first period.
-        start: f64 = 0.5, Derived("a quarter of a period leads from rest to the first turn, and the window is twice what it is used for");
-        /// A window leaves only noise where its error is within this many deviations of that.
+        /// A start from rest is fitted over at most this fraction of the first period.
+        start: f64 = 0.5, Derived("from rest to the first turn is a quarter of a period, and only half of the window is used");
+        /// A fit leaves only noise if its sum of squares exceeds the expected sum by at most this many standard deviations.
         only_noise: f64 = 4.0, Derived("a normal variable exceeds it once in 30 000 times");
     }
 }

@@ -11,8 +11,8 @@ use crate::policy::policy;
 crate::numbers! {
     /// How far a motion may be off.
     MotionErrorPolicy {
-        /// Samples to either side that tell how large the force is that the motion's error leaves.
-        about: usize = 16, Convention("33 squares give a variance to a quarter");
+        /// The force error that comes from the motion's error is averaged, as a variance, over this many samples to each side.
+        about: usize = 16, Convention("the mean of 33 squares gives a variance to within a quarter");
     }
 }
 

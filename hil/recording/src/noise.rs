@@ -13,21 +13,21 @@ pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0]
 const POWER: f64 = 924.0;
 
 crate::numbers! {
-    /// What of a channel is noise.
+    /// Which part of a channel is noise. Noise is estimated from sixth differences of the samples.
     NoisePolicy {
-        /// Tones of fewer cycles a sample are too little of a sixth difference to be taken for noise.
-        lowest: f64 = 0.1, Derived("the gain of a sixth difference there is (2 sin 0.1π)⁶, a twentieth");
+        /// Tones are searched for only above this many cycles per sample; a slower tone hardly changes the estimate of the noise.
+        lowest: f64 = 0.1, Derived("there a sixth difference has the gain (2 sin 0.1π)⁶, a twentieth");
         /// A tone has more than this many times the median power of the bins around it.
         stands_out: f64 = 40.0, Tuned("the injected channel faults");
-        /// So many bins are around it: it is but four of them.
-        around: usize = 32, Convention("enough for a median that a tone does not move");
-        /// A difference of more than this many deviations is no noise, and no tone either.
+        /// The median power around a tone is taken over this many bins of the spectrum, of which a tone fills only four.
+        around: usize = 32, Convention("enough bins for a median that a tone does not change");
+        /// A sixth difference of more than this many standard deviations is a jump: neither noise nor a tone.
         jump: f64 = 4.0, Tuned("the injected channel faults");
-        /// At most this many tones are taken off.
-        most_tones: usize = 12, Convention("a mains' hum and its harmonics");
-        /// Rounds in which their frequencies, which a spectrum gives within a fiftieth of a bin, are made exact.
-        rounds: usize = 2, Derived("each round squares what is left of the error");
-        /// Tones are there where less than this part of the deviation is left without them.
+        /// At most this many tones are removed before the noise is estimated.
+        most_tones: usize = 12, Convention("mains hum and its harmonics");
+        /// The frequency of a tone, which the spectrum gives to within a fiftieth of a bin, is refined this many times.
+        rounds: usize = 2, Derived("each time the remaining error is squared");
+        /// Tones are accepted only if removing them reduces the standard deviation of the noise below this fraction.
         left: f64 = 0.85, Tuned("the injected channel faults");
     }
 }

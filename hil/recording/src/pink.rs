@@ -9,16 +9,17 @@ use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
-    /// Noise that grows towards low frequencies.
+    /// How pink noise is recognized: noise that grows towards low frequencies.
     PinkPolicy {
-        /// Samples of a stretch whose spectrum is taken, at most.
+        /// Pink noise is searched for in spectra of stretches with at most this many samples.
         longest: usize = 16_384, Convention("twelve octaves");
-        /// Stretches of a record, at least.
-        stretches: usize = 8, Derived("the lowest octave then has four bins in fifteen of them that overlap, and is certain to an eighth");
-        /// Octaves in which it is more than the white noise beside it, at least.
+        /// The spectra of at least this many stretches of a recording are averaged to find pink noise.
+        stretches: usize = 8,
+            Derived("the lowest octave then has four bins in each of fifteen overlapping stretches, and is certain to an eighth");
+        /// Pink noise must exceed the white noise in at least this many octaves.
         octaves: usize = 5, Convention("a factor of thirty in frequency");
-        /// By how much log₂ of an octave's power is off the sum of both, at most.
-        straight: f64 = 0.5, Derived("three deviations of the lowest octave's");
+        /// The power of each octave, as log₂, differs from the sum of pink and white noise by less than this.
+        straight: f64 = 0.5, Derived("three standard deviations of the lowest octave");
     }
 }
 

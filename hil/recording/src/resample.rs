@@ -9,11 +9,13 @@ use crate::policy::policy;
 crate::numbers! {
     /// How a recording is brought to equal steps.
     ResamplePolicy {
-        /// Channels are interpolated by cubics across steps of up to this many periods; longer ones are gaps.
-        longest: f64 = 2.2, Derived("two ticks, and a tenth of each for their jitter");
-        /// The same of samples that stand on their ticks.
-        longest_on_ticks: f64 = 1.5, Derived("between one tick and two");
-        /// A recording with more ticks than this many a sample is mostly gaps.
+        /// If the samples lie off the ticks, channels are interpolated by cubics across time steps of up to this many periods; longer steps
+        /// are gaps.
+        longest: f64 = 2.2, Derived("two periods, and a tenth of each for jitter");
+        /// If the samples lie on the ticks, channels are interpolated by cubics across time steps of up to this many periods; longer steps
+        /// are gaps.
+        longest_on_ticks: f64 = 1.5, Derived("between one period and two");
+        /// A recording with more ticks per sample than this is refused, because it is mostly gaps.
         most_ticks_per_sample: usize = 4, Convention("three quarters of it are missing");
     }
 }

@@ -12,11 +12,12 @@ use crate::policy::policy;
 crate::numbers! {
     /// Where the displacement stands still.
     RestPolicy {
-        /// Fewest samples of a rest.
-        shortest: usize = 32, Derived("their mean is known to a sixth of the noise, so that a motion of a noise within them shows");
-        /// The mean of the last [`RestPolicy::shortest`] samples differs from that of all before by less than this many of its
-        /// deviations, and a turn's squares from one cubic exceed those of noise by less than as many of theirs.
-        same: f64 = 5.0, Derived("noise alone exceeds it once in two million times, and it is asked at every sample");
+        /// A rest of the displacement has at least this many samples.
+        shortest: usize = 32, Derived("their mean is known to a sixth of the noise, so that a motion as small as the noise shows");
+        /// A rest ends where the mean of the last `shortest` samples differs from that of all before by more than this many standard
+        /// deviations. It is a turn of the motion if the squared residuals of one cubic exceed those of noise by at most this many standard
+        /// deviations.
+        same: f64 = 5.0, Derived("noise alone exceeds it once in two million times, and it is tested at every sample");
     }
 }
 

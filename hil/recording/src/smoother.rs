@@ -17,37 +17,40 @@ use super::spectrum::{density, floor};
 use crate::policy::policy;
 
 crate::numbers! {
-    /// Motions of few samples to the cycle.
+    /// How a motion with few samples per cycle is estimated: from the spectrum of the displacement.
     SmootherPolicy {
-        /// Bins of frequency in which the power of the motion is estimated.
-        bins: usize = 256, Derived("their covariance repeats after 512 samples, four times as far as it is used");
-        /// At least this many stretches of the record give their powers.
-        stretches: usize = 40, Derived("they overlap by halves, and the mean of twenty powers exceeds twice its expectation once in ten thousand times");
-        /// A bin holds motion where it has more than this many times the noise's power.
-        above: f64 = 2.0, Derived("the mean of those in a bin exceeds that by chance in none of a thousand");
-        /// The fastest motion: below it lies this part of the velocity's power.
+        /// The power of the motion is estimated in at most this many bins of frequency.
+        bins: usize = 256, Derived("the covariance from them repeats after 512 samples, four times as far as it is used");
+        /// The power in each bin is averaged over at least this many stretches of the recording.
+        stretches: usize = 40,
+            Derived("they overlap by halves, and the mean of twenty powers exceeds twice its expectation once in ten thousand times");
+        /// A bin contains motion if its power exceeds this many times that of the noise.
+        above: f64 = 2.0, Derived("chance raises the mean power of no bin in a thousand above that");
+        /// The fastest motion has the frequency below which this fraction of the velocity's power lies.
         most_of_velocity: f64 = 0.99, Convention("a hundredth of the power is a tenth of the velocity");
-        /// The estimate takes in this many periods of the fastest motion to each side.
+        /// The estimate at a sample uses the samples within this many periods of the fastest motion to each side.
         periods: f64 = 4.0, Tuned("the estimated motions");
-        /// At least and at most this many samples to each side.
+        /// The estimate at a sample uses at least and at most this many samples to each side.
         reach: [usize; 2] = [16, 64], Tuned("the estimated motions");
-        /// A motion of more samples to a period of the fastest needs no spectrum.
-        fine: f64 = 64.0, Derived("the shortest window of a cubic, nine samples, shrinks its slope by 1e-4 (Savitzky–Golay)");
-        /// A motion has more samples to a period.
-        unmeasured: f64 = 3.5, Convention("no rig is sampled so coarsely; what is faster is noise that a filter shaped, and what stands above its floor is no motion");
-        /// Of the velocity's power a part below this may be faster.
+        /// With more samples than this per period of the fastest motion, the spectrum is not needed.
+        fine: f64 = 64.0, Derived("the shortest window of a cubic, nine samples, then reduces the slope by 1e-4 (Savitzky–Golay)");
+        /// Power with fewer samples per period than this is not motion.
+        unmeasured: f64 = 3.5,
+            Convention("no rig is sampled so coarsely; faster power above the noise floor is noise that a filter shaped");
+        /// The spectrum is not used if more than this fraction of the velocity's power is not motion (see `unmeasured`).
         part_unmeasured: f64 = 1e-4, Convention("a hundredth of the velocity");
-        /// However quiet, the noise is taken for at least this part of the displacement's deviation.
-        quiet: f64 = 3e-6, Derived("R of f64 numbers can be factored down to some 1e-12 of its diagonal");
-        /// Of a motion without noise the estimate may leave this part of the displacement's deviation.
-        exact: f64 = 1e-4, Derived("with some ten samples to the cycle the corner of a triangle leaves a hundredth");
-        /// Samples to either side in which noise alone is to be left.
-        about: usize = 16, Convention("as many as tell how large an error is");
-        /// A corner shows in what is left at this many samples to either side.
+        /// The noise of the displacement is assumed to be at least this fraction of the displacement's standard deviation.
+        quiet: f64 = 3e-6, Derived("with f64 numbers a covariance matrix can be factored down to some 1e-12 of its diagonal");
+        /// In a recording without noise, a residual up to this fraction of the displacement's standard deviation counts as noise.
+        exact: f64 = 1e-4, Derived("with some ten samples per cycle the corner of a triangle leaves a hundredth");
+        /// The estimate is used at a sample only if the residual over this many samples to each side is only noise.
+        about: usize = 16, Convention("the same number as `motion_error.about`");
+        /// A corner of the motion shows in the residual over this many samples to each side.
         corner: usize = 4, Derived("the shortest window of a cubic");
-        /// All corners together leave more there than elsewhere, by this many deviations of the squares of noise.
-        some_noise: f64 = 2.0, Convention("noise does so once in forty times, and little is lost where it does");
-        /// The estimate is taken where its squared error is below this part of the other's.
+        /// Corners count only if the squared residuals near all of them together exceed the average by more than this many standard
+        /// deviations of those of noise.
+        some_noise: f64 = 2.0, Convention("noise does so once in forty times, and then little is lost");
+        /// The estimate from the spectrum is used only if its squared velocity error is below this fraction of that of the local estimate.
         better: f64 = 0.8, Tuned("the estimated motions");
     }
 }

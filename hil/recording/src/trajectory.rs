@@ -20,28 +20,36 @@ use crate::policy::policy;
 crate::numbers! {
     /// How a recording is made ready for identification.
     TrajectoryPolicy {
-        /// A recording with fewer samples that can be used is refused.
-        fewest_samples: usize = 32, Convention("of fewer no motion can be estimated");
-        /// An average that a channel was smoothed by is over at most this part of a period.
-        longest_average: f64 = 0.2, Tuned("the recordings of others: the gaps between the harmonics of a motion with corners look like an average over half a period and more");
-        /// Noise of more than this part of the displacement's range leaves no motion to be seen.
+        /// A recording with fewer usable samples than this is refused.
+        fewest_samples: usize = 32, Convention("no motion can be estimated from fewer");
+        /// A moving average of the channels is taken into account only if it is shorter than this fraction of the shortest period.
+        longest_average: f64 = 0.2,
+            Tuned("the recordings of others: between the harmonics of a motion with corners the spectrum looks like an average over half a \
+                period or more");
+        /// A recording is refused if the noise of its displacement exceeds this fraction of the displacement's range.
         largest_noise: f64 = 0.05, Convention("a twentieth");
-        /// The middle of a motion is off by more than this part of the largest amplitude, where the specimen does not feel it.
+        /// The zero of the displacement is wrong if the middle of the motion is farther from it than this fraction of the largest
+        /// amplitude, and the specimen does not feel it (see `felt`).
         off: f64 = 0.05, Tuned("the blind trial and the recordings of others");
-        /// The middle of a motion is off, whatever the force, by more than this part of the largest amplitude.
+        /// The zero of the displacement is wrong, whatever the force, if the middle of the motion is farther from it than this fraction of
+        /// the largest amplitude.
         far: f64 = 0.5, Tuned("the recordings of others");
-        /// The mean of a motion about its middle differs from that by less than this part.
+        /// The test `off` applies only if the mean displacement differs from the middle of the motion by less than this fraction of the
+        /// distance between middle and zero.
         about: f64 = 0.25, Tuned("the recordings of others");
-        /// A specimen that is pushed off its rest has more than this part of the force of a spring.
+        /// A specimen feels that the middle of its motion is off zero if the force there exceeds this fraction of the force of a spring as stiff as it is.
         felt: f64 = 0.4, Tuned("the recordings of others");
-        /// A velocity of more than this many of its deviations is certain enough for the law's steep |v|^α.
+        /// A velocity of more than this many of its standard deviations is certain enough for the law's |v|^α, which is steep near 0;
+        /// errors are computed only from such samples and from rests.
         certain: f64 = 3.0, Tuned("the blind trial");
-        /// A crossing counts where the displacement leaves a band of this many deviations of the noise about its middle.
+        /// A crossing of the mid level counts if the displacement then leaves a band around it, of ± this many standard deviations of the
+        /// noise. The wider of this band and that of `crossing` is used.
         crossing_noises: f64 = 6.0, Derived("white noise does so about twice in 10⁹ samples");
-        /// A crossing counts where the displacement leaves a band of this part of its range about its middle.
+        /// A crossing of the mid level counts if the displacement then leaves a band around it, of ± this fraction of its range. The wider
+        /// of this band and that of `crossing_noises` is used.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
-        /// The temperature of a recording that has none, °C.
-        room: f64 = 20.0, Convention("a laboratory's");
+        /// The temperature of a recording without a temperature channel, °C.
+        room: f64 = 20.0, Convention("that of a laboratory");
     }
 }
 

@@ -11,20 +11,22 @@ use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
-    /// A zero that steps.
+    /// How a step of the force's zero is recognized in the residual of a law. Means of the residual before and after each sample are
+    /// compared.
     ZeroPolicy {
-        /// Steps of one record, at most.
+        /// At most this many steps of the zero are removed from one recording.
         most: usize = 4, Convention("a load cell that steps more often is broken");
-        /// A level lasts at least this part of the record.
-        lasts: f64 = 0.05, Convention("a twentieth: what ends sooner is an event");
-        /// Samples of the narrowest means that are compared.
-        narrowest: usize = 16, Convention("a mean of them is certain to a quarter of the noise");
-        /// The smallest step is larger than the largest change elsewhere by this factor.
-        stands_out: f64 = 2.0, Tuned("white noise, walks and effects that a law lacks: see the tests beside it");
-        /// Of the change of a narrow mean, this many deviations may be noise.
+        /// The zero stays at a level for at least this fraction of the recording.
+        lasts: f64 = 0.05, Convention("a twentieth: a shorter change is an event");
+        /// The shortest means of the residual that are compared cover this many samples.
+        narrowest: usize = 16, Convention("the standard deviation of such a mean is a quarter of that of the noise");
+        /// A step of the zero counts only if the smallest step exceeds the largest change of the mean residual elsewhere by more than this
+        /// factor.
+        stands_out: f64 = 2.0, Tuned("white noise, walks and effects that a law lacks: see the tests in the same file");
+        /// Noise may change the mean of a few samples (see `narrowest`) beside a step by this many standard deviations.
         noises: f64 = 3.0, Convention("three deviations of a mean");
-        /// The levels on both sides differ by the step to within this part of it.
-        stays: f64 = 0.5, Convention("a half: the rest is what the law leaves there beside it");
+        /// The levels before and after a step of the zero differ by the step, to within this fraction of it.
+        stays: f64 = 0.5, Convention("a half: the rest is the law's own residual there");
     }
 }
 

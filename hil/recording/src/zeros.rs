@@ -8,14 +8,14 @@ use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
-    /// Zeros of recordings.
+    /// How a recording is recognized whose force has another zero than the other recordings.
     ZerosPolicy {
-        /// Of fewer recordings none is odd.
-        fewest: usize = 4, Derived("three that agree, and one");
-        /// An odd mean is farther from the others than these are from each other by this factor.
-        stands_out: f64 = 5.0, Tuned("means drawn at random: see the tests beside it");
-        /// Without its odd zeros a law leaves less than this part of what it left.
-        needed: f64 = 0.75, Convention("what a residual table has to gain in the place of a name");
+        /// The zeros of recordings are compared only if there are at least this many recordings.
+        fewest: usize = 4, Derived("three that agree, and one that does not");
+        /// The zero of a recording is wrong if its mean residual is farther from those of the others than this many times their range.
+        stands_out: f64 = 5.0, Tuned("means drawn at random: see the tests in the same file");
+        /// Wrong zeros are removed only if this reduces the RMS residual of the law below this fraction.
+        needed: f64 = 0.75, Convention("the gain that a residual table needs to replace effects");
     }
 }
 

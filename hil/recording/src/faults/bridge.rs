@@ -11,20 +11,21 @@ use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
 crate::numbers! {
-    /// What stands in for samples that were not measured.
+    /// How samples that are missing or faulty are filled in.
     BridgePolicy {
-        /// Up to this many samples in a row are bridged by a cubic.
+        /// A gap of up to this many samples is filled by a cubic; a longer one by the sine of the motion, or by a straight line.
         short: usize = 4, Tuned("the injected channel faults");
-        /// Samples to each side that the cubic goes through.
+        /// The cubic across a gap is fitted to this many samples on each side.
         neighbours: usize = 5, Tuned("the injected channel faults");
-        /// Part of a period to each side that a sine is fitted to.
+        /// The sine across a gap is fitted to the samples within this fraction of a period on each side.
         reach: f64 = 0.75, Tuned("the injected channel faults");
-        /// A sine that leaves less than this part of its amplitude is the motion.
+        /// A gap is filled by a sine only if the RMS residual of the sine is below this fraction of the RMS of the samples about their
+        /// mean.
         is_sine: f64 = 0.03, Tuned("the injected channel faults");
-        /// A crossing counts where the channel leaves a band of this part of its range about the middle.
-        hysteresis: f64 = 0.05, Convention("above any noise that leaves a motion to be seen");
-        /// A fit needs this many known samples on either side of a gap.
-        fewest: usize = 3, Convention("of six samples four functions leave something to judge by");
+        /// A crossing of the mid level counts if the channel then leaves a band around that level, of ± this fraction of its range.
+        hysteresis: f64 = 0.05, Convention("above any noise in which a motion can still be seen");
+        /// A gap is filled by a fit only if there are at least this many known samples on each side.
+        fewest: usize = 3, Convention("six samples leave two degrees of freedom with four functions");
     }
 }
 

@@ -9,16 +9,17 @@ use crate::policy::policy;
 crate::numbers! {
     /// Which channels end at the limit of their range.
     ClippingPolicy {
-        /// Fewest samples at a limit.
+        /// A channel is clipped only if at least this many samples are at its limit.
         samples: usize = 6, Tuned("the injected channel faults");
-        /// Fewest times that the channel stays there for two samples or more.
+        /// A channel is clipped only if it stays at its limit at least this many times, for two samples or more each time.
         stays: usize = 2, Tuned("the injected channel faults");
-        /// There are more than this many times as many samples at a limit as just below it: the turn of a smooth signal that was
-        /// rounded leaves as many in the next four steps as in the last.
+        /// A channel is clipped only if more than this many times as many samples are at the limit as just below it. A smooth, rounded
+        /// signal has as many samples in the next four steps below its turn as in the last step.
         pile: f64 = 2.5, Tuned("the injected channel faults");
-        /// The other channel moves meanwhile by more than this part of its spread, beyond its noise.
+        /// A channel is clipped only if the other channel (force or displacement) moves meanwhile by more than this fraction of its spread,
+        /// in addition to its noise; otherwise the motion dwells.
         moves: f64 = 0.01, Tuned("the injected channel faults");
-        /// Steps of rounding that count as just below a limit.
+        /// Samples up to this many rounding steps below a limit count as just below it.
         steps: f64 = 4.0, Tuned("the injected channel faults");
     }
 }

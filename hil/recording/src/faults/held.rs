@@ -11,15 +11,17 @@ use crate::policy::policy;
 crate::numbers! {
     /// Which values were repeated while the motion went on.
     HeldPolicy {
-        /// A run of fewer equal samples is no held value.
+        /// A run of equal samples is a held value only if it has at least this many samples.
         shortest: usize = 4, Tuned("the injected channel faults");
-        /// A run is one that rounding would not make where its chance anywhere in the recording is below this.
+        /// A run of equal samples is a held value if rounding makes such a run, anywhere in the recording, with a probability below this.
         chance: f64 = 1e-4, Convention("one false alarm in ten thousand recordings");
-        /// Samples to each side of a run that say how often neighbours are equal there.
+        /// This many samples on each side of a run of equal samples show how often neighbours are equal there.
         around: usize = 40, Tuned("the injected channel faults");
-        /// A channel that is let go jumps by more than this many times the steps, the rounding or the noise before it was held.
+        /// A run of equal samples is a held value too if the channel then jumps by more than this many times the largest of three: half of
+        /// its median step before the run, its rounding step and its noise.
         jump: f64 = 8.0, Tuned("the injected channel faults");
-        /// Neighbours differ by chance where the noise is more than this part of the rounding's step.
+        /// The test `chance` applies only if the noise exceeds this fraction of the rounding step; with less noise, neighbours do not
+        /// differ by chance.
         noisy: f64 = 0.7, Tuned("the injected channel faults");
     }
 }

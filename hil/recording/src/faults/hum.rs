@@ -13,23 +13,25 @@ use crate::resample::Uniform;
 use crate::spectrum::{place_of_line, powers};
 
 crate::numbers! {
-    /// Hum of the mains.
+    /// How hum of the mains is recognized.
     HumPolicy {
-        /// Frequencies of the mains, Hz.
-        mains: [f64; 2] = [50.0, 60.0], Convention("the world's");
-        /// Multiples of them that are looked at.
-        multiples: usize = 3, Convention("what is there of higher ones is small");
-        /// The mains are off their frequency by at most this part; so may the clock of a recording be.
+        /// Frequencies of the mains at which hum is searched for, Hz.
+        mains: [f64; 2] = [50.0, 60.0], Convention("the two that are in use in the world");
+        /// Hum is searched for at multiples of the mains frequency up to this one.
+        multiples: usize = 3, Convention("higher harmonics are small");
+        /// The frequency of a hum may differ from a multiple of the mains frequency by up to this fraction. It includes an error of the
+        /// recording's clock.
         off: f64 = 0.01, Convention("half a hertz, beyond which grids shed load");
-        /// Part of the frequency to either side in which a hum stands alone.
-        alone: f64 = 0.25, Derived("harmonics of a motion are nearer, but for the first five of it");
-        /// The power of a hum over the median of that of the bins there.
+        /// A hum is compared with the bins of the spectrum within this fraction of its frequency to either side.
+        alone: f64 = 0.25, Derived("the harmonics of a motion, except the first five, have neighbours nearer than that");
+        /// A hum has at least this many times the median power of the bins around it (see `alone`).
         stands_out: f64 = 100.0, Derived("of some 1000 bins of noise none has 20 times the median");
-        /// The power of a hum over the largest of the other bins there.
+        /// A hum has at least this many times the largest power of the other bins around it (see `alone`).
         above_others: f64 = 8.0, Tuned("the blind trial over any motion");
-        /// A hum is at most this part of the channel's RMS.
-        largest: f64 = 0.05, Convention("more is a motion of its own");
-        /// In each quarter of a recording it differs by less than this part from what it is in all.
+        /// A tone is a hum only if its RMS is below this fraction of the RMS of the channel.
+        largest: f64 = 0.05, Convention("a larger tone is a motion in its own right");
+        /// A tone is a hum only if its phasor in each quarter of the recording differs from that of the whole by less than this fraction of
+        /// its amplitude.
         steady: f64 = 0.35, Tuned("the blind trial over any motion");
     }
 }

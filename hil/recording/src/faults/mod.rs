@@ -26,10 +26,11 @@ use crate::policy::policy;
 crate::numbers! {
     /// What all searches for channel faults share.
     FaultsPolicy {
-        /// Values that differ by less than this part of the channel's spread are the same.
-        same_value: f64 = 1e-7, Convention("below the last digit that files carry, above what reading rounds");
-        /// What a channel usually does is what this part of its samples keeps to.
-        usually: f64 = 0.9, Convention("nine in ten, so that no spike decides");
+        /// Two values of a channel are equal if they differ by at most this fraction of its spread.
+        same_value: f64 = 1e-7, Convention("below the last digit in files, above the rounding when a value is read");
+        /// The spread of a channel is the distance from its median within which this fraction of its samples lie. The usual deviation
+        /// around a spike is such a distance too.
+        usually: f64 = 0.9, Convention("nine in ten, so that a spike does not decide");
     }
 }
 

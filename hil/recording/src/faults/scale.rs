@@ -8,32 +8,40 @@ use super::{Channel, ChannelFault, ChannelFaultKind, spread};
 use crate::policy::policy;
 
 crate::numbers! {
-    /// Which units are off by a thousand.
+    /// How a unit that is wrong by a factor of 1000 is recognized.
     ScalePolicy {
-        /// Sizes are compared over this part of the recording before and after a change.
+        /// A change of unit is searched for by comparing the size of a channel over this fraction of the recording, before and after each
+        /// sample.
         stretch: f64 = 0.05, Tuned("the injected channel faults");
-        /// Sizes are compared over at least this many samples.
+        /// A change of unit is searched for by comparing the size of a channel over at least this many samples, before and after each
+        /// sample.
         shortest: usize = 16, Tuned("the injected channel faults");
-        /// What changes by more than this factor has another unit: no programme of one specimen, and no two recordings of it, differ
-        /// by as much.
-        unit_apart: f64 = 200.0, Tuned("the recordings of others, whose stiffness differs between amplitudes by less");
-        /// What changes by less than this factor has the same unit.
+        /// A size that changes by more than this factor has changed its unit: no test of one specimen changes it as much, within a
+        /// recording or between two recordings.
+        unit_apart: f64 = 200.0, Tuned("the recordings of others, whose stiffness differs less between amplitudes");
+        /// A size that changes by less than this factor has kept its unit.
         same_unit: f64 = 12.0, Tuned("the injected channel faults");
-        /// A recording in which a unit changes in more stretches is left as it is.
+        /// A recording in which a unit changes more often than this is not repaired.
         most_changes: usize = 6, Convention("a logger is not switched more often in one test");
-        /// Force per displacement that a mesh damper can have, kN/mm.
-        mesh_stiffness: [f64; 2] = [0.01, 30.0], Convention("the paper's specimens lie in 0.2 to 9, and other sizes get a factor of 3 above and of 20 below");
-        /// Displacements that such a damper is tested with, mm.
-        mesh_travel: [f64; 2] = [0.002, 8.0], Convention("from a sensor's noise to half the height of the paper's specimens, which is 15 mm");
-        /// Force per displacement above which nothing that is called a damper lies, kN/mm.
+        /// Smallest and largest force per displacement of a declared mesh damper, kN/mm. Outside this range the unit of a channel may be
+        /// wrong.
+        mesh_stiffness: [f64; 2] = [0.01, 30.0],
+            Convention("the paper's specimens have 0.2 to 9; for other sizes there is a factor of 20 below and of 3 above");
+        /// Smallest and largest displacement in a test of a declared mesh damper, mm. Outside this range the unit of the displacement may
+        /// be wrong.
+        mesh_travel: [f64; 2] = [0.002, 8.0],
+            Convention("from the noise of a sensor to half the height of the paper's specimens, which is 15 mm");
+        /// A force per displacement above this is reported as a wrong unit, for any damper, kN/mm.
         stiffest: f64 = 300.0, Convention("ten times the stiffest mesh damper");
-        /// A channel in motion correlates with the other by at least this.
+        /// A channel has changed its unit only if its smaller part correlates with the other channel by at least this; otherwise it is at
+        /// rest there.
         follows: f64 = 0.3, Tuned("the injected channel faults");
-        /// A channel that moves in a smaller unit is larger than this many times its noise; one that rests is not.
+        /// A channel has changed its unit only if its smaller part is at least this many times its noise there; otherwise it is at rest
+        /// there.
         above_noise: f64 = 4.0, Tuned("the injected channel faults, and motions with pauses");
-        /// Samples to either side of a change among which its place is sought.
+        /// The sample at which a unit changes is searched for within this many samples of the first estimate, to either side.
         near: usize = 24, Tuned("the injected channel faults");
-        /// A declared sampling rate is a unit off where it is a thousand times that of the times to within this part.
+        /// A declared sampling rate has a wrong unit if it is 1000 times that of the times, or a thousandth of it, to within this fraction.
         same_rate: f64 = 0.05, Convention("a declared rate is a round number");
     }
 }

@@ -8,32 +8,34 @@ use super::{Channel, ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 
 crate::numbers! {
-    /// When force and displacement are not of the same time.
+    /// When force and displacement are shifted in time. A shift is found by fitting a general damper, a sum of functions of the motion, to
+    /// the force.
     ShiftPolicy {
-        /// Samples that a shift is judged on, at most.
+        /// A time shift is judged on at most this many samples.
         most_rows: usize = 3000, Convention("bounds the time of the search");
-        /// Shifts are sought up to this part of the shortest period.
-        reach: f64 = 0.3, Tuned("the injected channel faults: a slow specimen with memory may look as if it were early by more");
-        /// Shifts are sought up to this many ticks: filters and loggers are late by no more.
+        /// Time shifts are searched for up to this fraction of the shortest period.
+        reach: f64 = 0.3, Tuned("the injected channel faults: the force of a slow specimen with memory may look earlier than that");
+        /// Time shifts are searched for up to this many ticks: filters and loggers are late by no more.
         most_ticks: usize = 64, Convention("a filter of 64 samples is a long one");
-        /// The least shift that is said, ticks.
+        /// The smallest time shift that is reported and removed, ticks.
         least: f64 = 0.7, Tuned("the injected channel faults");
-        /// A shift has to bring the error of a general damper below this part of what it is unshifted.
+        /// A time shift is accepted only if it reduces the RMS residual of a general damper below this fraction of the residual without it.
         better: f64 = 0.6, Tuned("the injected channel faults and the blind trial");
-        /// A shift has to bring it below this part of the force: what no such damper describes says nothing about its times.
+        /// A time shift is accepted only if the RMS residual of a general damper is then below this fraction of the RMS force: a force that
+        /// such a damper cannot describe says nothing about its time.
         described: f64 = 0.12, Tuned("the injected channel faults and the blind trial");
-        /// The same of one frequency only, where a phase may be a loss as well as a time.
+        /// The limit of `described` for a recording with a single frequency, where a phase may be a loss as well as a time shift.
         well_described: f64 = 0.05, Tuned("the injected channel faults and the blind trial");
-        /// A force that gives energy gives more than this many deviations of what its noise makes.
+        /// A force supplies energy if its work is negative by more than this many standard deviations of the work of its noise.
         energy_deviations: f64 = 3.0, Convention("one in a thousand by chance");
-        /// A block of this many cycles has a frequency.
+        /// A block has a frequency if it has at least this many cycles.
         steady: usize = 3, Convention("one cycle more than a start and an end");
-        /// Frequencies that differ by more than this factor are several.
+        /// A recording has several frequencies if the highest is more than this many times the lowest.
         several: f64 = 1.4, Tuned("the blind trial");
-        /// Samples to either side of a kink of the motion that are left out.
+        /// Samples up to this many to either side of a kink of the motion (a jump of the velocity) are not used to find a time shift.
         about_kinks: usize = 3, Tuned("the injected channel faults");
-        /// Of an amplitude with fewer samples nothing is said.
-        fewest_samples: usize = 60, Derived("five for each of the twelve functions");
+        /// The samples of an amplitude are used to find a time shift only if there are at least this many.
+        fewest_samples: usize = 60, Derived("five for each of the twelve functions of a general damper");
     }
 }
 

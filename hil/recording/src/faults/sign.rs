@@ -7,17 +7,19 @@ use crate::policy::policy;
 crate::numbers! {
     /// When a force has the wrong sign.
     SignPolicy {
-        /// The energy's way is certain where the work is more than this part of what the force could do.
+        /// The sign of a force is wrong if it supplies more than this fraction of the largest possible work, and its correlation with the
+        /// displacement is below `against`.
         certain: f64 = 0.03, Tuned("the injected channel faults");
-        /// The force stands against the motion where its correlation with the displacement is below this.
+        /// A force whose correlation with the displacement is below this acts against a spring; its sign is wrong if it supplies energy too
+        /// (see `certain`).
         against: f64 = -0.2, Tuned("the injected channel faults");
-        /// A force that gives more than this part of the most that it could stands against the velocity, though its correlation with the
-        /// displacement is only not above `with`: a damper that is hardly a spring.
-        gives: f64 = 0.5, Convention("a half: that of a sine whose force is 70° off, and a spring's is not late by that");
-        /// A force with a larger correlation with the displacement may be late and not turned.
-        with: f64 = 0.3, Convention("a force that leads or lags by 73° or more");
-        /// Samples that a step of displacement is taken over, so that its noise is small beside it.
-        stride: usize = 4, Convention("a fiftieth of a cycle of 5 Hz at 1 kHz");
+        /// The sign of a force is wrong if it supplies more than this fraction of the largest possible work, and its correlation with the
+        /// displacement is below `with`: a damper with hardly any spring.
+        gives: f64 = 0.5, Convention("a half: a sine supplies that with a phase 70° off, and the force of a spring is never that late");
+        /// A force whose correlation with the displacement is at least this may be late, but its sign is not wrong.
+        with: f64 = 0.3, Convention("at a smaller correlation the force leads or lags by 73° or more");
+        /// The work is computed from steps of the displacement over this many samples, so that the noise is small compared with a step.
+        stride: usize = 4, Convention("1/50 of a cycle of 5 Hz at 1 kHz");
     }
 }
 

@@ -12,38 +12,42 @@ use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
 crate::numbers! {
-    /// Which samples are spikes.
+    /// Which samples are spikes. The deviation of a sample is its distance from the running median.
     SpikesPolicy {
-        /// Samples to each side of the running median; up to this many in a row are seen as one spike.
+        /// The running median reaches this many samples to each side. Up to this many samples in a row can be one spike.
         half: usize = 3, Tuned("the injected channel faults");
-        /// A spike stands out by more than this many deviations of the noise.
+        /// A spike deviates from the running median by more than this many standard deviations of the noise.
         noises: f64 = 8.0, Tuned("the injected channel faults");
-        /// A spike stands out by more than this part of the channel's spread.
+        /// A spike deviates from the running median by more than this fraction of the channel's spread.
         smallest: f64 = 0.06, Tuned("the injected channel faults");
-        /// A spike that stands out by more than this part of the channel's spread is a large one.
+        /// A spike is large if it deviates from the running median by more than this fraction of the channel's spread.
         large: f64 = 0.25, Tuned("the injected channel faults");
-        /// A small and a large spike stand out by this many times what is usual in the same state: contact and friction come back in
-        /// every cycle, and small spikes have to be the rarer.
+        /// A spike deviates by more than this many times the usual deviation in the same state of the motion; the first number is for small
+        /// spikes, the second for large ones. Contact and friction return in every cycle, so small spikes must be rarer.
         times_usual: [f64; 2] = [8.0, 4.0], Tuned("the injected channel faults");
-        /// A small and a large spike stand out by this many times what is usual around them: a tone comes back too.
+        /// A spike deviates by more than this many times the usual deviation of the samples around it, because a tone repeats too; the
+        /// first number is for small spikes, the second for large ones.
         times_around: [f64; 2] = [8.0, 3.0], Tuned("the injected channel faults");
-        /// Samples to each side that are around a spike.
+        /// The usual deviation around a spike is taken over this many samples to each side.
         around: usize = 25, Tuned("the injected channel faults");
-        /// Fewest samples that say what is usual in a state.
-        enough: usize = 30, Convention("of thirty, nine tenths is known to within a few");
-        /// States around a rare one are counted with it up to this many levels and octaves away.
+        /// The usual deviation in a state of the motion is taken over at least this many samples.
+        enough: usize = 30, Convention("the nine-tenths quantile of thirty samples is known to within a few samples");
+        /// A state of the motion with too few samples (see `enough`) is joined with states up to this many levels of displacement and
+        /// octaves of speed away.
         reach: i32 = 3, Tuned("the injected channel faults");
-        /// What stands out in more than this part of all samples is how the channel is.
+        /// If more than this fraction of all samples look like spikes, none of them is one: the channel is like that.
         most: f64 = 0.08, Tuned("the injected channel faults");
-        /// Times that a channel is searched: large spikes hide small ones beside them.
-        passes: usize = 4, Convention("a search ends earlier where nothing new is found");
-        /// Levels of displacement by which states are told apart.
+        /// A channel is searched for spikes at most this many times: large spikes hide small ones beside them.
+        passes: usize = 4, Convention("a search ends earlier if it finds nothing new");
+        /// The range of the displacement is divided into this many levels, to distinguish states of the motion.
         levels: f64 = 16.0, Tuned("the injected channel faults");
-        /// A change of displacement of less than one in this many of the range is rest.
+        /// The motion is at rest if the displacement changes, within the window of the running median, by less than its range divided by
+        /// this.
         slowest: f64 = 256.0, Tuned("the injected channel faults");
-        /// A run is cut to its samples that stand out by more than this part of its largest.
+        /// A spike is cut to the samples that deviate by more than this fraction of its largest deviation.
         high: f64 = 0.4, Tuned("the injected channel faults");
-        /// Every sample of a run stands out of what either side leads to by more than this part of its largest.
+        /// Every sample of a spike is off the continuation of the samples on either side by more than this fraction of its largest
+        /// deviation.
         beyond: f64 = 0.3, Tuned("the injected channel faults");
     }
 }

@@ -7,18 +7,19 @@ use crate::policy::policy;
 crate::numbers! {
     /// When a measured velocity is not the derivative of the displacement.
     VelocityPolicy {
-        /// A velocity whose correlation with the derivative is below this is none.
+        /// A measured velocity is dropped if the magnitude of its correlation with the derivative of the displacement is below this.
         is_derivative: f64 = 0.8, Tuned("the injected channel faults");
-        /// A velocity between these times the derivative has the unit that its column says.
+        /// A measured velocity has the unit that its column states if its ratio to the derivative of the displacement is between these two.
         same_unit: [f64; 2] = [0.7, 1.4], Tuned("the injected channel faults");
-        /// A ratio is that of two units where it is one of theirs to within this part.
+        /// A measured velocity has another unit if its ratio to the derivative of the displacement is 10³, 10⁻³, 10⁶ or 10⁻⁶ to within this
+        /// fraction; otherwise it is dropped.
         near: f64 = 0.2, Tuned("the injected channel faults");
-        /// A slope is taken over steps that are this many times the displacement's noise.
+        /// The derivative of the displacement is taken over enough samples that its steps are more than this many times the noise.
         beyond_noise: f64 = 10.0, Tuned("the injected channel faults");
-        /// The steps of a motion are as large as the one below which this part of them lie.
+        /// The steps of a displacement are as large as the step below which this fraction of them lie.
         moving: f64 = 0.8, Convention("one step in five is larger");
-        /// A slope is taken over at most this many samples to each side.
-        longest_stride: usize = 16, Convention("a slow motion sampled fast has a derivative over as many");
+        /// The derivative of the displacement is taken over at most this many samples to each side.
+        longest_stride: usize = 16, Convention("a slow motion that is sampled fast needs as many");
     }
 }
 
