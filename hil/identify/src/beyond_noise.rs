@@ -3,9 +3,10 @@
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// What a law leaves beyond the noise.
+    /// The error of a law beyond the noise.
     BeyondNoisePolicy {
-        /// The part of the noise, in squares, by which an error may differ from it by chance.
+        /// Chance may change a squared error by this fraction of the squared noise, which is therefore added to each squared error beyond
+        /// the noise.
         uncertain: f64 = 0.3, Tuned("the blind trial");
     }
 }

@@ -21,19 +21,19 @@ use crate::policy::policy;
 /// Coefficients of eq 13 at a node.
 const LOCAL: usize = 4;
 mesh_damper_recording::numbers! {
-    /// The last steps of a fit, by the crate's own force.
+    /// The last steps of a fit, with the force as the crate computes it.
     ExactPolicy {
-        /// Change of the force, as part of its RMS, that a difference is taken over.
-        change: f64 = 1e-3, Convention("above rounding, below what bends");
-        /// The same of an exponent, and of a searched parameter, which is a logarithm or a change of a force.
-        step: f64 = 1e-3, Convention("above rounding, below what bends");
-        /// Derivatives are taken so often.
+        /// For a derivative by a linear coefficient, the coefficient is changed so that the force changes by this fraction of its RMS.
+        change: f64 = 1e-3, Convention("above rounding, below the curvature of the force");
+        /// For a derivative by an exponent or a searched parameter (a logarithm, or a change of a force), the parameter is changed by this.
+        step: f64 = 1e-3, Convention("above rounding, below the curvature of the force");
+        /// In the last steps of a fit, the derivatives are computed at most this many times.
         tangents: usize = 2, Tuned("the blind trial");
-        /// So many steps are made with each.
+        /// In the last steps of a fit, at most this many steps are made with the same derivatives.
         steps: usize = 3, Tuned("the blind trial");
-        /// A step that does not help is halved so often.
+        /// In the last steps of a fit, a step that does not reduce the error is halved at most this many times.
         halvings: usize = 3, Tuned("the blind trial");
-        /// Steps that save less than this part of the squared error end the fit.
+        /// The last steps of a fit end when a step saves less than this fraction of the squared error.
         settled: f64 = 1e-4, Tuned("the blind trial");
     }
 }

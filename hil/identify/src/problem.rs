@@ -22,16 +22,16 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// The fit of the law and of effects.
     ProblemPolicy {
-        /// Exponents of the damping that a search with nothing to start from begins with; the middle one is also that of a node
-        /// that is near none.
+        /// Starting values of the law's exponent α for a fit without a known solution. The middle one is also used for an amplitude without
+        /// a known neighbour.
         exponents: [f64; 3] = [0.15, 0.35, 0.6], Tuned("the blind trial");
-        /// The deflection of a spring in series is worked out this many times before all is fitted at once.
+        /// The deflection of a spring in series is computed this many times before all parameters are fitted together.
         series_rounds: usize = 4, Tuned("the blind trial");
-        /// A search ends where a step saves less than this part of the squared error.
+        /// A fit ends when a step saves less than this fraction of the squared error.
         saved: f64 = 1e-7, Convention("below any gain that counts");
-        /// A search ends where a step changes its parameters by less than this part.
+        /// A fit ends when a step changes its parameters by less than this fraction.
         changed: f64 = 1e-5, Convention("below any interval");
-        /// Evaluations that a search may take, over the number of its parameters and one.
+        /// A fit ends after this many evaluations, multiplied by the number of its parameters plus one.
         patience: usize = 8, Tuned("the blind trial");
     }
 }

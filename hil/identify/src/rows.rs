@@ -9,16 +9,16 @@ use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
 use super::tolerance::certainty;
 mesh_damper_recording::numbers! {
-    /// How many samples a fit is made to, evenly picked, at most about.
+    /// How many samples a fit uses at most, approximately. They are picked evenly.
     RowsPolicy {
-        /// Of a search, for effects or for a residual table.
-        search: usize = 4_000, Convention("a second a fit");
-        /// Of the closing fit.
-        closing: usize = 60_000, Convention("a minute of 1 kHz");
-        /// Of the fits that leave out one block after the other.
-        in_turn: usize = 8_000, Convention("a few seconds for all of them");
-        /// Of the fits to simulated forces by which effects are told apart.
-        separating: usize = 1_500, Convention("there are hundreds of them");
+        /// A fit in the search for effects, or for a residual table, uses at most about this many samples.
+        search: usize = 4_000, Convention("a fit then takes a second");
+        /// The final fit uses at most about this many samples.
+        closing: usize = 60_000, Convention("a minute at 1 kHz");
+        /// A fit that leaves out one block or condition uses at most about this many samples.
+        in_turn: usize = 8_000, Convention("all of these fits then take a few seconds");
+        /// A fit to simulated forces, by which effects are told apart, uses at most about this many samples.
+        separating: usize = 1_500, Convention("there are hundreds of these fits");
     }
 }
 

@@ -4,132 +4,140 @@ use crate::policy::policy;
 use mesh_damper::effects::CONTROLS;
 use mesh_damper_recording::trajectory::Trajectory;
 mesh_damper_recording::numbers! {
-    /// Within what ranges the parameters of effects are sought, and from how many starts.
+    /// The ranges in which the parameters of effects are searched for, and the starting values.
     ShapePolicy {
-        /// A value within this factor of an end of its range stands at it.
-        at_end: f64 = 1.02, Convention("a fit ends a little inside");
-        /// The shortest length is this many times the noise of the displacement: a smaller one cannot be told from an error of the
-        /// velocity at a reversal.
+        /// A parameter within this factor of an end of its range is at the end: the effect cannot be told from a simpler one.
+        at_end: f64 = 1.02, Convention("a fit ends slightly inside the range");
+        /// The shortest length that is searched for is at least this many times the noise of the displacement: a shorter one cannot be told
+        /// from an error of the velocity at a reversal.
         noises: f64 = 5.0, Tuned("the blind trial");
-        /// The shortest length is this part of the amplitude where there is less noise.
+        /// The shortest length that is searched for is at least this fraction of the amplitude, however small the noise.
         shortest: f64 = 1e-3, Tuned("the blind trial");
-        /// The shortest length is at most this part of the amplitude.
-        longest_shortest: f64 = 0.4, Derived("less than half of what is longest, so that a range is left to search in");
-        /// A slip limit, the stretch at which a dashpot yields, and half a gap are at most this part of the amplitude.
+        /// The shortest length that is searched for is at most this fraction of the amplitude, however large the noise.
+        longest_shortest: f64 = 0.4, Derived("less than half of the longest length (`longest`), so that a range remains for the search");
+        /// A slip limit, the yield stretch of a dashpot, and half a gap are at most this fraction of the amplitude.
         longest: f64 = 0.9, Convention("at the whole amplitude nothing slips or moves");
-        /// Starts of the slip limit of one element.
+        /// Number of starting values of the slip limit of a single stick-slip element.
         slip_starts: usize = 10, Tuned("the blind trial");
-        /// The slip limit of Bouc and Wen is at most this part of the amplitude: it rounds the corner before.
+        /// The slip limit of a Bouc–Wen element is at most this multiple of the amplitude: the element rounds the corner before its limit.
         bouc_wen_longest: f64 = 2.0, Tuned("the blind trial");
-        /// Starts of the slip limit of Bouc and Wen.
+        /// Number of starting values of the slip limit of a Bouc–Wen element.
         bouc_wen_starts: usize = 8, Tuned("the blind trial");
-        /// The range of the sharpness of Bouc and Wen.
-        sharpness: [f64; 2] = [0.5, 8.0], Convention("from a parabola's corner to one that is as good as sharp");
-        /// Starts of the sharpness of Bouc and Wen.
+        /// Smallest and largest sharpness of a Bouc–Wen element.
+        sharpness: [f64; 2] = [0.5, 8.0], Convention("from the corner of a parabola to a practically sharp one");
+        /// Starting values of the sharpness of a Bouc–Wen element.
         sharpness_starts: [f64; 2] = [1.0, 2.5], Tuned("the blind trial");
-        /// Friction that hardens has become stiffer by this many times its stiffness at 0 where its stretch ends.
-        hardening: f64 = 4.0, Convention("five times as stiff as at 0 is beyond what a test reaches");
-        /// It ends at this many amplitudes, at least and at most.
-        stretch_limit: [f64; 2] = [1.0, 80.0], Derived("at the first it hardens as much as is allowed within the motion, at the second by a twentieth");
-        /// Starts of that limit.
+        /// The stiffness of hardening friction at its stretch limit exceeds the stiffness at 0 by this many times the latter.
+        hardening: f64 = 4.0, Convention("five times the stiffness at 0 is beyond what a test reaches");
+        /// Smallest and largest stretch limit of hardening friction, in amplitudes.
+        stretch_limit: [f64; 2] = [1.0, 80.0],
+            Derived("at the first it hardens within the motion by all that is allowed, at the second by a twentieth of that");
+        /// Number of starting values of the stretch limit of hardening friction.
         stretch_limit_starts: usize = 3, Tuned("the Bouc–Wen benchmark");
-        /// Range of its sharpness.
-        hardening_sharpness: [f64; 2] = [0.5, 3.0], Convention("about the line that Bouc and Wen's has most often");
-        /// Range of its loss.
-        hardening_loss: [f64; 2] = [0.4, 160.0], Convention("a tenth of its hardening is hardly a loss, and the crate takes 200");
-        /// Starts of its loss.
+        /// Smallest and largest sharpness of hardening friction.
+        hardening_sharpness: [f64; 2] = [0.5, 3.0], Convention("about 1, the straight line that Bouc–Wen models most often have");
+        /// Smallest and largest loss of hardening friction, in the units of its hardening.
+        hardening_loss: [f64; 2] = [0.4, 160.0], Convention("a tenth of the hardening is hardly a loss, and the crate accepts up to 200");
+        /// Number of starting values of the loss of hardening friction.
         hardening_loss_starts: usize = 2, Tuned("the Bouc–Wen benchmark");
-        /// The largest slip limit of several elements is at least this many times the shortest length.
+        /// The largest slip limit of several stick-slip elements (an Iwan model) is at least this many times the shortest length that is
+        /// searched for.
         iwan_shortest: f64 = 6.0, Tuned("the blind trial");
-        /// Starts of the largest slip limit of several elements.
+        /// Number of starting values of the largest slip limit of several stick-slip elements (an Iwan model).
         iwan_starts: usize = 6, Tuned("the blind trial");
-        /// Half a gap is at least this many times the shortest length.
+        /// Half a gap is at least this many times the shortest length that is searched for.
         gap_shortest: f64 = 2.0, Tuned("the blind trial");
-        /// Starts of half a gap.
+        /// Number of starting values of half a gap.
         gap_starts: usize = 8, Tuned("the blind trial");
-        /// A contact is beyond this part of the largest displacement to its side, and short of the rest of the second.
+        /// Smallest and largest distance of a contact, as fractions of the largest displacement to its side.
         contact: [f64; 2] = [0.02, 0.98], Tuned("the blind trial");
-        /// Starts of a contact.
+        /// Number of starting values of the distance of a contact.
         contact_starts: usize = 16, Tuned("the blind trial");
-        /// A spring in series is at least and at most this many times as stiff as the specimen: a softer one takes up more than the whole
-        /// displacement.
+        /// Smallest and largest stiffness of a spring in series, as multiples of the specimen's: a softer spring takes up more than the
+        /// whole displacement.
         series: [f64; 2] = [1.3, 200.0], Tuned("the blind trial");
-        /// Starts of a spring in series.
+        /// Number of starting values of the stiffness of a spring in series.
         series_starts: usize = 6, Tuned("the blind trial");
-        /// A delay is at least this part of a tick.
+        /// A delay is at least this fraction of a tick.
         shortest_delay: f64 = 0.02, Tuned("the blind trial");
-        /// A delay is at most this part of the longest period.
+        /// A delay is at most this fraction of the longest period.
         longest_delay: f64 = 0.2, Tuned("the blind trial");
         /// A delay is at most this many ticks.
-        longest_delay_in_ticks: f64 = 250.0, Derived("what the crate remembers");
-        /// Starts of a delay.
+        longest_delay_in_ticks: f64 = 250.0, Derived("the crate remembers no more");
+        /// Number of starting values of a delay.
         delay_starts: usize = 9, Tuned("the blind trial");
         /// A drift settles within at least this many cycles.
         shortest_drift: f64 = 0.3, Tuned("the blind trial");
-        /// A drift settles within at most this many times the cycles recorded.
-        longest_drift: f64 = 10.0, Convention("longer, and it is a straight line");
-        /// Starts of a drift.
+        /// A drift settles within at most this many times the recorded cycles.
+        longest_drift: f64 = 10.0, Convention("a longer drift is a straight line");
+        /// Number of starting values of the cycles of a drift.
         drift_starts: usize = 8, Tuned("the blind trial");
-        /// A Maxwell branch relaxes in at least this part of a tick.
-        shortest_relaxation: f64 = 0.5, Derived("faster, and it has relaxed at the next");
-        /// Starts of a branch's time.
+        /// The relaxation time of a Maxwell branch is at least this fraction of a tick.
+        shortest_relaxation: f64 = 0.5, Derived("a faster branch has relaxed at the next tick");
+        /// Number of starting values of the relaxation time of a Maxwell branch.
         relaxation_starts: usize = 12, Tuned("the blind trial");
-        /// A dashpot yields at a stretch of at least this part of the amplitude.
-        shortest_yield: f64 = 1e-3, Convention("the spring is then as good as rigid");
-        /// Starts of that stretch.
-        yield_starts: usize = 4, Convention("four times the one before: a fit goes on from there");
-        /// A dashpot yields at a rate of at least and at most this part of the largest velocity.
-        yield_rate: [f64; 2] = [0.01, 3.0], Derived("at the first it slips nearly at once, at the second tanh of a third is a line within a twenty-fifth");
-        /// Starts of that rate.
-        yield_rate_starts: usize = 3, Convention("four times the one before: a fit goes on from there");
-        /// The viscosity over the stiffness is at least and at most this many times the amplitude over the largest velocity, about the time of a
-        /// swing.
-        yield_time: [f64; 2] = [1e-4, 3.0], Derived("at the first it adds less to the force than the shortest stretch, at the second the dashpot hardly moves");
-        /// Starts of that time.
-        yield_time_starts: usize = 1, Convention("the stretch and the rate say where the dashpot yields");
-        /// The lag of a control input is at least this part of a tick.
-        shortest_lag: f64 = 0.5, Derived("shorter, and it is all there at the next");
-        /// That lag is at most this part of a recording.
-        longest_lag: f64 = 0.2, Convention("a fifth: what is later has hardly been seen twice");
-        /// Starts of that lag.
-        lag_starts: usize = 4, Convention("some seven times the one before: a fit goes on from there");
-        /// The strength of a control input saturates at least and at most at this many times the largest input.
-        saturation: [f64; 2] = [0.1, 10.0], Derived("at the first the largest does 10/11 of all that there is, at the last a tenth less than a line");
-        /// Starts of that saturation.
-        saturation_starts: usize = 2, Convention("below and above the largest input");
-        /// Starts of the slip limit behind a play.
-        backlash_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
-        /// Half a play is at least this part of the amplitude.
-        shortest_slack: f64 = 0.02, Tuned("the blind trial: a shorter one rounds the corner of a slider as a tick does that falls into it");
-        /// Starts of the play.
-        slack_starts: usize = 3, Convention("four times the one before: a fit goes on from there");
-        /// A spring that degrades has lost half of its stiffness after at least and at most this many amplitudes.
-        softening: [f64; 2] = [0.03, 10.0], Derived("at the first it has as good as the same force at every largest displacement, at the second it loses an eleventh");
-        /// Starts of that displacement.
-        softening_starts: usize = 4, Convention("three times the one before: a fit goes on from there");
-        /// Range of its pinching.
-        pinching: [f64; 2] = [0.02, 1.0], Convention("less is a spring that does not pinch, and there is no more than all of it");
-        /// Starts of its pinching.
+        /// The stretch at which a dashpot yields is at least this fraction of the amplitude.
+        shortest_yield: f64 = 1e-3, Convention("its spring is then practically rigid");
+        /// Number of starting values of the stretch at which a dashpot yields.
+        yield_starts: usize = 4, Convention("each is four times the one before: a fit goes on from there");
+        /// Smallest and largest rate at which a dashpot yields, as fractions of the largest velocity.
+        yield_rate: [f64; 2] = [0.01, 3.0],
+            Derived("at the first it slips nearly at once, at the second tanh(1/3) is a straight line to within 1/25");
+        /// Number of starting values of the rate at which a dashpot yields.
+        yield_rate_starts: usize = 3, Convention("each is four times the one before: a fit goes on from there");
+        /// Smallest and largest ratio of viscosity to stiffness of a yielding dashpot, as multiples of amplitude/largest velocity, about
+        /// the time of a swing.
+        yield_time: [f64; 2] = [1e-4, 3.0],
+            Derived("at the first it adds less to the force than the shortest stretch, at the second the dashpot hardly moves");
+        /// Number of starting values of the ratio of viscosity to stiffness of a yielding dashpot.
+        yield_time_starts: usize = 1, Convention("stretch and rate determine where the dashpot yields");
+        /// The lag of a control input is at least this fraction of a tick.
+        shortest_lag: f64 = 0.5, Derived("after a shorter lag all of the input has arrived at the next tick");
+        /// The lag of a control input is at most this fraction of the longest recording.
+        longest_lag: f64 = 0.2, Convention("a fifth: a longer lag has hardly been seen twice");
+        /// Number of starting values of the lag of a control input.
+        lag_starts: usize = 4, Convention("each is some seven times the one before: a fit goes on from there");
+        /// Smallest and largest saturation of a control input, as multiples of the largest input.
+        saturation: [f64; 2] = [0.1, 10.0],
+            Derived("at the first the largest input has 10/11 of its final strength, at the second a tenth less than on a straight line");
+        /// Number of starting values of the saturation of a control input.
+        saturation_starts: usize = 2, Convention("one below and one above the largest input");
+        /// Number of starting values of the slip limit of friction behind free play.
+        backlash_starts: usize = 4, Convention("each is three times the one before: a fit goes on from there");
+        /// Half of a free play is at least this fraction of the amplitude.
+        shortest_slack: f64 = 0.02,
+            Tuned("the blind trial: a shorter play rounds the corner of a slider just as a tick does that falls into the corner");
+        /// Number of starting values of a free play.
+        slack_starts: usize = 3, Convention("each is four times the one before: a fit goes on from there");
+        /// A spring that degrades has lost half of its stiffness at a largest displacement between these two, in amplitudes.
+        softening: [f64; 2] = [0.03, 10.0],
+            Derived("at the first the force is practically the same at every largest displacement, at the second it loses an eleventh");
+        /// Number of starting values of the displacement at which a degrading spring has lost half of its stiffness.
+        softening_starts: usize = 4, Convention("each is three times the one before: a fit goes on from there");
+        /// Smallest and largest pinching of a spring that degrades: the fraction by which it is softer near 0.
+        pinching: [f64; 2] = [0.02, 1.0], Convention("less is practically no pinching, and 1 is all of the stiffness");
+        /// Number of starting values of the pinching of a spring that degrades.
         pinching_starts: usize = 2, Convention("the softening is known by then");
-        /// Starts of the slip limit of a slider that weakens.
-        weakening_starts: usize = 6, Convention("two to three times the one before: a fit goes on from there");
-        /// Range of the part of its strength that it loses.
-        strength_loss: [f64; 2] = [0.05, 1.0], Convention("less is a slider that does not weaken, and there is no more than all of it");
-        /// Starts of that part.
+        /// Number of starting values of the slip limit of a slider that weakens.
+        weakening_starts: usize = 6, Convention("each is two to three times the one before: a fit goes on from there");
+        /// Smallest and largest fraction of its strength that a weakening slider finally loses.
+        strength_loss: [f64; 2] = [0.05, 1.0], Convention("less is practically no weakening, and 1 is all of the strength");
+        /// Starting values of the fraction of its strength that a weakening slider finally loses.
         strength_loss_starts: [f64; 2] = [0.3, 0.7], Convention("a third and two thirds");
-        /// It has lost half of that after at least this energy of the first cycles, and at most this many times that of all.
-        loss_energy: [f64; 2] = [0.1, 3.0], Convention("within a cycle, and later than any that is recorded");
-        /// Starts of that energy.
-        loss_energy_starts: usize = 3, Convention("as few as tell soon from late");
-        /// With ω·time below this at the highest frequency a branch is a dashpot.
-        dashpot: f64 = 0.2, Tuned("the blind trial; a branch then differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
-        /// With ω·time above this at the lowest frequency a branch is a spring.
-        spring: f64 = 10.0, Tuned("the blind trial; a branch then differs from its spring by 1/√(1 + ω²τ²), a tenth");
-        /// The highest frequency is more than this many times the lowest where there are several.
+        /// A weakening slider has lost half of its final loss after an energy between the first number times that of one cycle and the
+        /// second number times that of all cycles.
+        loss_energy: [f64; 2] = [0.1, 3.0], Convention("from within one cycle to later than all that are recorded");
+        /// Number of starting values of the energy after which a weakening slider has lost half of its final loss.
+        loss_energy_starts: usize = 3, Convention("the fewest that tell early from late");
+        /// A Maxwell branch cannot be told from a dashpot if ω·(relaxation time) is below this at the highest frequency.
+        dashpot: f64 = 0.2, Tuned("the blind trial; such a branch differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
+        /// A Maxwell branch cannot be told from a spring if ω·(relaxation time) is above this at the lowest frequency.
+        spring: f64 = 10.0, Tuned("the blind trial; such a branch differs from its spring by 1/√(1 + ω²τ²), a tenth");
+        /// The tests `dashpot` and `spring` apply only if the highest frequency is at least this many times the lowest.
         several: f64 = 1.2, Tuned("the blind trial");
-        /// A tone has at least this many periods in a recording.
-        fewest_periods: f64 = 4.0, Convention("fewer are a drift");
-        /// A tone has at most this many cycles a sample.
+        /// A tone has at least this many periods in the longest recording.
+        fewest_periods: f64 = 4.0, Convention("a tone with fewer is a drift");
+        /// A tone has at most this many cycles per sample.
         highest_tone: f64 = 0.499, Derived("half of the sampling rate");
     }
 }

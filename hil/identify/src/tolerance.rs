@@ -5,10 +5,10 @@ use mesh_damper_recording::trajectory::Trajectory;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// The error that a law is held to.
+    /// The smallest error that a law is expected to reach.
     TolerancePolicy {
-        /// However quiet a recording, errors below this part of the force are those of the estimated motion: what was filtered before
-        /// it was written looks quieter than it is.
+        /// The noise of the force is assumed to be at least this fraction of its RMS. The estimated motion has an error too, and a
+        /// recording that was filtered looks quieter than it is.
         quiet: f64 = 1e-3, Tuned("the estimated motions");
     }
 }

@@ -13,16 +13,17 @@ use super::term::{Term, TermValue};
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// Intervals of what was fitted.
+    /// The intervals of fitted parameters.
     UncertaintyPolicy {
-        /// A row that is fitted by itself alone keeps this part of its residual.
+        /// A fit reduces the residual of each sample, most where a sample determines a parameter almost alone. For the intervals, a
+        /// residual is assumed to keep at least this fraction of its error.
         least_kept: f64 = 0.1, Tuned("hil/studies/tests/studies/intervals.rs");
-        /// Longest lag, in samples, over which residuals are taken as correlated.
+        /// Residuals are taken as correlated over a lag of at most this many samples.
         longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
-        /// Residuals are correlated up to the first lag whose correlation is below this.
+        /// Residuals are taken as correlated up to the first lag with a correlation of at most this.
         uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/studies/intervals.rs");
-        /// A parameter that is uncertain by more than this factor either way has no bound.
-        bounded: f64 = 10.0, Convention("of what is known to a decade either way not even the order of magnitude is known");
+        /// A parameter has no bound if its interval extends by more than this factor to either side.
+        bounded: f64 = 10.0, Convention("within a decade to either side not even the order of magnitude is known");
     }
 }
 

@@ -37,7 +37,8 @@ crate::numbers! {
         /// The test `off` applies only if the mean displacement differs from the middle of the motion by less than this fraction of the
         /// distance between middle and zero.
         about: f64 = 0.25, Tuned("the recordings of others");
-        /// A specimen feels that the middle of its motion is off zero if the force there exceeds this fraction of the force of a spring as stiff as it is.
+        /// A specimen feels that the middle of its motion is off zero if the force there exceeds this fraction of that of a spring with its
+        /// stiffness.
         felt: f64 = 0.4, Tuned("the recordings of others");
         /// A velocity of more than this many of its standard deviations is certain enough for the law's |v|^α, which is steep near 0;
         /// errors are computed only from such samples and from rests.

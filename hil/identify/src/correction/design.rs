@@ -15,13 +15,14 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// The samples that a residual table is fitted to.
     DesignPolicy {
-        /// The mean over a window is taken over at most this many of its samples.
-        most_instants: usize = 9, Convention("a cubic over the window is averaged to a per cent");
-        /// Frequencies within this many octaves are one.
+        /// Where a moving average smoothed the channels, the mean over its window is computed from at most this many samples.
+        most_instants: usize = 9, Convention("the mean of a cubic over the window is then right to one per cent");
+        /// A residual table over the frequency needs frequencies that span more than this many octaves.
         one_frequency: f64 = 0.1, Tuned("the blind trial");
-        /// At most this many blocks are left out, one at a time.
-        most_left_out: usize = 48, Convention("bounds time and memory, of which each takes its own: without like cycles every cycle is a block");
-        /// A memory that changes by less than this part of its range never changes.
+        /// At most this many blocks are left out of the fit of a residual table, one at a time.
+        most_left_out: usize = 48,
+            Convention("bounds time and memory, which each block needs separately; if no cycles are alike, every cycle is a block");
+        /// A residual table does not use a memory that changes by less than this fraction of its range.
         changes: f64 = 1e-3, Convention("a thousandth");
     }
 }

@@ -8,9 +8,9 @@ use super::trend::Trend;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// Where something may touch.
+    /// Where something may touch, as an edge in a residual table.
     EdgesPolicy {
-        /// Zones over ± the largest displacement, over which friction and damping may differ.
+        /// To find such edges, the range of the displacement is divided into this many zones, each with its own friction and damping.
         zones: usize = 40, Tuned("the blind trial");
     }
 }

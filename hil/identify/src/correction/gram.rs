@@ -17,7 +17,7 @@ const ALIKE: f64 = 1e-9;
 mesh_damper_recording::numbers! {
     /// The least squares of a residual table.
     GramPolicy {
-        /// The largest change of an exponent in one step.
+        /// In the fit of a residual table, the law's exponent α changes by at most this in one step.
         largest_step: f64 = 0.1, Tuned("the blind trial");
     }
 }

@@ -7,19 +7,19 @@ use super::trend::Trend;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// Which trends a residual table follows.
+    /// Which trends a residual table follows. A trend is a function of displacement and speed, or of a memory in place of speed.
     GrowthPolicy {
-        /// Most trends.
+        /// A residual table follows at most this many trends (functions of its variables).
         most: usize = 5, Tuned("the blind trial");
-        /// So many trends, which save most in the fit, are judged by what is left out of it.
+        /// At each step only this many trends are judged by the blocks left out of the fit: those that save most in the fit.
         promising: usize = 24, Convention("bounds the time");
-        /// A trend is taken for an error beyond the noise that is at most this part of that without.
+        /// A trend is added if it reduces the error beyond the noise to at most this fraction of the error without it.
         worthwhile: f64 = 0.93, Tuned("the blind trial");
-        /// Times that those taken are tried to be as wide or as narrow, one after the other.
+        /// The widths of the trends are multiplied and divided by these factors, one factor after the other, to find better ones.
         wider: [f64; 4] = [1.5, 1.22, 1.11, 1.05], Derived("each the square root of the one before");
-        /// Most changes by one of these.
+        /// At most this many widths are changed with each factor of `wider`.
         changes: usize = 6, Convention("bounds the time");
-        /// A change leaves at most this part of the error.
+        /// The width of a trend is changed if this reduces the error beyond the noise to at most this fraction.
         better: f64 = 0.98, Tuned("the blind trial");
     }
 }

@@ -9,27 +9,30 @@ use super::edges;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// What a residual table may remember.
+    /// The memories that a residual table may have in place of speed.
     MemoryPolicy {
-        /// The kinds that are tried.
-        kinds: Vec<MemoryKind> = KINDS.to_vec(), Tuned("the unlisted effects of the blind trial, and the recordings of others: each wins some of them");
-        /// The first step of an edge, over the largest displacement; each later one is half of that before.
-        edge: f64 = 0.025, Derived("half of a zone in which edges are sought first");
-        /// What hardly changes within a block would tell blocks apart, whatever it is of: a time is at most this part of the longest.
+        /// The kinds of memory that are tried for a residual table.
+        kinds: Vec<MemoryKind> = KINDS.to_vec(),
+            Tuned("the unlisted effects of the blind trial, and the recordings of others: each kind is best for some of them");
+        /// The first step by which an edge is moved, as a fraction of the largest displacement; each later step is half of the one before.
+        edge: f64 = 0.025, Derived("half of a zone in which edges are searched for first");
+        /// The averaging time of a mean speed is at most this fraction of the longest block. A memory that hardly changes within a block
+        /// would tell blocks apart, whatever it remembers.
         lasting: f64 = 0.5, Tuned("the blind trial");
-        /// The shortest time, over the period of the fastest motion.
+        /// The shortest averaging time that is tried, as a fraction of the period of the fastest motion.
         shortest: f64 = 0.02, Derived("that motion then lags by an eighth of a radian");
-        /// The shortest time, in ticks.
-        shortest_in_ticks: f64 = 2.0, Derived("what lags by less is the next sample");
-        /// The shortest time of a mean speed, over the shortest of a lag.
+        /// The shortest averaging time that is tried has at least this many ticks.
+        shortest_in_ticks: f64 = 2.0, Derived("a shorter lag only leads to the next sample");
+        /// The shortest averaging time of a mean speed, as a multiple of that of a displacement (see `shortest`).
         travel: f64 = 5.0, Tuned("the blind trial");
-        /// The least and the largest slip limit, over the largest displacement.
+        /// The smallest and the largest slip limit that are tried, as fractions of the largest displacement.
         slip: [f64; 2] = [0.05, 0.8], Tuned("the blind trial");
-        /// The shortest time since the start, over the whole recording's.
+        /// The shortest first step of the time since the start, which grows in powers of two, as a fraction of the duration of the
+        /// recording.
         age: f64 = 0.01, Tuned("the blind trial");
-        /// The time over which a frequency is taken, over the period of the fastest and of the slowest motion.
-        period: f64 = 0.5, Derived("from one reversal to the next is half a period");
-        /// Factors by which a limit or a time is moved from the best of those tried first.
+        /// The frequency of the motion is averaged over this fraction of a period: of the fastest motion, of the slowest, and between.
+        period: f64 = 0.5, Derived("half a period lies between one reversal and the next");
+        /// The best limit or time of a memory is multiplied by these factors to find a better one.
         around: [f64; 4] = [0.65, 0.8, 1.25, 1.55], Tuned("the blind trial");
     }
 }

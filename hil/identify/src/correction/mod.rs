@@ -29,14 +29,14 @@ use settle::{settle, settled};
 use trend::{Trend, Variable};
 
 mesh_damper_recording::numbers! {
-    /// When a residual table is taken.
+    /// When a residual table is used.
     CorrectionPolicy {
-        /// A table is taken for an error beyond the noise that is at most this part of that without.
+        /// A residual table is used if it reduces the error beyond the noise to at most this fraction of the error without it.
         worthwhile: f64 = 0.85, Tuned("the blind trial");
-        /// A memory is taken for an error that is at most this part of that without: with this many to choose from, one will look better
-        /// by chance.
+        /// A residual table has a memory if that reduces the error beyond the noise to at most this fraction of the error without memory.
+        /// Among many memories one looks better by chance.
         remembered: f64 = 0.75, Tuned("the blind trial");
-        /// A variable is needed whose absence makes the error more than this many times as large.
+        /// A residual table depends on a variable if the error is more than this many times as large without that variable.
         needed: f64 = 1.7, Tuned("the blind trial");
     }
 }

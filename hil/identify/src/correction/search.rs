@@ -11,21 +11,22 @@ use super::{Choice, Fitted, growth, memory};
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// How a residual table is sought.
+    /// How a residual table is searched for.
     SearchPolicy {
-        /// Penalties of the bends of the table that are tried, over what the data say of a cell.
-        smoothness: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0], Convention("decades from hardly any to a plane");
-        /// The penalty with which kinds of memory are compared.
+        /// Penalties on the curvature of the table that are tried, relative to the weight of the data in a cell.
+        smoothness: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0], Convention("decades, from hardly any smoothing to a plane");
+        /// The penalty on the curvature of the table (see `smoothness`) with which kinds of memory are compared.
         typical: f64 = 1e-2, Tuned("the blind trial");
-        /// A table around the trends is taken for an error beyond the noise that is below this part of that without.
+        /// A table is added to the trends if it reduces the error beyond the noise below this fraction.
         tabulated: f64 = 0.9, Tuned("the blind trial");
-        /// A kind of memory is judged if the error of its fit is at most this many times the least of those that do not go on with time.
+        /// A kind of memory is judged by left-out blocks only if the error of its fit is at most this many times the smallest one. The time
+        /// since the start does not count for the smallest.
         comparable: f64 = 2.0, Tuned("the blind trial");
-        /// Something touches on both sides if that fits with less than this part of the error of one.
+        /// Edges on both sides are considered only if their fit has less than this fraction of the error with an edge on one side.
         another_side: f64 = 0.9, Tuned("the blind trial");
-        /// Times that what a memory is of is sought ever more finely.
+        /// The limit, time or edge of a memory is refined this many times.
         sought: u32 = 5, Tuned("the blind trial");
-        /// Times that trends are sought, each beside the exponents of the law that those before led to.
+        /// Trends are searched for this many times, each time with the law's exponents from the fit before.
         rounds: usize = 2, Tuned("the blind trial");
     }
 }

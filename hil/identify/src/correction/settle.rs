@@ -8,11 +8,11 @@ use super::trend::Trend;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// When the exponents beside a residual table have settled.
+    /// When the law's exponents have settled in the fit of a residual table.
     SettlePolicy {
-        /// Most steps in which the law's exponents follow.
+        /// The law's exponents are fitted together with a residual table in at most this many steps.
         steps: usize = 8, Convention("they settle in three or four");
-        /// Exponents have settled where none changes by more than this.
+        /// The law's exponents have settled if none of them changes by this or more in a step.
         settled: f64 = 2e-3, Convention("below their intervals");
     }
 }

@@ -13,13 +13,16 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// How smooth a residual table is.
     SystemPolicy {
-        /// What a bend between neighbouring amplitudes costs the law's coefficients, over what the data say of them.
+        /// Penalty on a bend of a coefficient of the law over three neighbouring amplitudes, relative to the weight of the data.
         bend: f64 = 1e-3, Tuned("the blind trial");
-        /// What a change of an exponent costs: a step of the search, that later ones carry on.
+        /// Penalty on the change of an exponent in one step of the search, relative to the weight of the data. Later steps continue the
+        /// change.
         step: f64 = 1e-3, Tuned("the blind trial");
-        /// What a slope costs the table, over what a bend costs: so that it ends flat where nothing is known.
+        /// Penalty on a slope of the residual table, relative to the penalty on its curvature, so that the table ends flat where there are
+        /// no data.
         slope: f64 = 1e-3, Tuned("the blind trial");
-        /// What a cell of a line costs, over what the data say of one: so that it takes nothing that the law can.
+        /// Penalty on the force of a residual table over one variable, relative to the weight of the data in a cell, so that the table
+        /// takes no force that the law can describe.
         level: f64 = 1e-3, Tuned("the blind trial");
     }
 }

@@ -62,15 +62,15 @@ const OVER_SPEED: [fn(f64) -> f64; 3] = [f64::sqrt, |w| w, |w| w * w];
 /// and of speed over a width: friction that grows from rest;
 const GROWING: fn(f64) -> f64 = f64::tanh;
 mesh_damper_recording::numbers! {
-    /// What a residual table may follow.
+    /// The widths of the trends that a residual table may follow.
     TrendPolicy {
-        /// Widths over which friction that grows from rest begins, of the largest speed.
+        /// Widths that are tried first for friction that grows from rest, as fractions of the largest speed.
         first_growing: [f64; 2] = [0.002, 0.006], Tuned("the blind trial");
-        /// The range of those widths.
+        /// The smallest and the largest width of friction that grows from rest, as fractions of the largest speed.
         growing_widths: [f64; 2] = [5e-4, 0.05], Tuned("the blind trial");
-        /// Widths over which friction that fades begins, of the largest speed.
+        /// Widths that are tried first for friction that fades with speed, as fractions of the largest speed.
         first_fading: [f64; 3] = [0.03, 0.1, 0.3], Tuned("the blind trial");
-        /// The range of those widths.
+        /// The smallest and the largest width of friction that fades with speed, as fractions of the largest speed.
         fading_widths: [f64; 2] = [0.01, 1.0], Tuned("the blind trial");
     }
 }

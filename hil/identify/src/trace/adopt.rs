@@ -4,9 +4,10 @@ use super::relative_error::RelativeError;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// When a law with more takes the place of the law alone.
+    /// When a law with effects or a table is adopted in place of the law alone.
     AdoptPolicy {
-        /// Held out in turn, conditions are left by it with less than this part of the law's error: of the mean square, and of the geometric mean.
+        /// Effects or a table are adopted only if they leave less than this fraction of the law's error beyond the noise, on conditions
+        /// held out in turn: both as an RMS and as a geometric mean.
         gain: f64 = 0.98, Convention("two per cent is no gain");
     }
 }

@@ -17,13 +17,15 @@ use mesh_damper_recording::zero::zero_step;
 use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
 mesh_damper_recording::numbers! {
-    /// What recordings of one rig share.
+    /// The properties that recordings of one rig share.
     AlignedPolicy {
-        /// Zeros that differ by less than this part of the smaller amplitude are one.
+        /// Two recordings have the same wrong zero of the displacement if the middles of their motions differ by less than this fraction of
+        /// the smaller amplitude.
         same_zero: f64 = 0.05, Tuned("the recordings of others");
-        /// Shifts that differ by less than this many ticks may be one.
+        /// Two recordings may have the same time shift of the force if their shifts differ by less than this many ticks.
         same_shift: f64 = 1.5, Tuned("the injected channel faults");
-        /// Ticks that forces are first moved too far: a model finds a force that is late better than one that is early.
+        /// A force with a time shift is first moved so that it is this many ticks late, because a model measures a late force better than
+        /// an early one.
         too_far: f64 = 0.5, Tuned("the injected channel faults");
     }
 }

@@ -20,12 +20,12 @@ use crate::solution::Solution;
 use crate::uncertainty::{Interval, Uncertainty};
 
 mesh_damper_recording::numbers! {
-    /// When an effect is confirmed though something else is missing too.
+    /// When an effect is confirmed although something else is still missing.
     ConfirmPolicy {
-        /// With fewer conditions on which it shows nothing is confirmed.
+        /// An effect is confirmed only if at least this many conditions show it.
         fewest: usize = 3, Convention("two may agree by chance");
-        /// Its parameters from any two of the fits differ by less than this many of their joint deviations.
-        steady: f64 = 2.0, Convention("what 95 of 100 differences of one truth stay within");
+        /// An effect is confirmed only if its parameters from any two of the fits differ by less than this many joint standard deviations.
+        steady: f64 = 2.0, Convention("95 of 100 differences of one true value stay within that");
     }
 }
 

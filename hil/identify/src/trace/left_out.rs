@@ -19,24 +19,25 @@ use crate::policy::policy;
 use crate::tolerance::goal;
 
 mesh_damper_recording::numbers! {
-    /// Blocks that are left out of a fit.
+    /// Blocks and conditions that are left out of a fit.
     LeftOutPolicy {
-        /// With fewer blocks none is left out.
+        /// Blocks are left out of a fit only if there are at least this many blocks.
         fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
-        /// With fewer blocks between the first and the last of their recordings those are left out too.
+        /// The first and the last block of a recording are left out of a fit only if fewer than this many others can be.
         fewest_inner: usize = 2, Convention("one alone decides nothing");
-        /// With fewer conditions, stretches of the recordings take their place.
-        fewest_conditions: usize = 3, Convention("of two each would be judged by the other alone");
+        /// If there are fewer blocks than this to be conditions, the recordings or stretches of them are the conditions.
+        fewest_conditions: usize = 3, Convention("with two, each would be judged by the other alone");
         /// At most this many conditions are held out in turn.
-        most_conditions: usize = 8, Convention("bounds the time: each takes a fit");
-        /// Stretches that recordings without conditions are cut into.
+        most_conditions: usize = 8, Convention("bounds the time: each needs a fit");
+        /// A recording whose blocks are no conditions is cut into this many stretches.
         stretches: usize = 5, Convention("each leaves four fifths to fit");
-        /// At most this many blocks are left out.
-        most: usize = 4, Convention("bounds the time: each takes a fit");
-        /// This part of the cycles are not the worst, which may be those of a start or of a change between blocks.
+        /// At most this many blocks are left out of a fit, one at a time.
+        most: usize = 4, Convention("bounds the time: each needs a fit");
+        /// An error over the cycles counts this fraction of them. The worst cycles, which do not count, may belong to a start or to a
+        /// change between blocks.
         most_cycles: f64 = 0.8, Tuned("the blind trial");
-        /// Blocks of fewer cycles may be ramps.
-        some_cycles: usize = 3, Derived("a cycle into the block, one in it and one out of it");
+        /// A block with fewer cycles than this may be a ramp, and is no condition.
+        some_cycles: usize = 3, Derived("a cycle into the block, one within it and one out of it");
     }
 }
 

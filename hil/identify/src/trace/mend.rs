@@ -14,10 +14,10 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// When a residual table takes the place of effects.
     MendPolicy {
-        /// A law is taken in the place of a simpler one if its error is below this part of the other's.
+        /// A law replaces a simpler one if its error beyond the noise is below this fraction of the other's.
         better: f64 = 0.95, Tuned("the blind trial");
-        /// The same for effects beside a table, which could stand in for most of them, and for a table in the place of effects, whose
-        /// force is known where no table was fitted: of the blocks left out alone, or of all.
+        /// Where effects are named, a residual table is used only if it reduces the error beyond the noise below this fraction, on the
+        /// blocks left out or on all blocks. A table could replace most effects, but their force is known also where no table was fitted.
         needed: f64 = 0.75, Tuned("the blind trial");
     }
 }

@@ -54,10 +54,10 @@ use select::{Search, Selection, amplitude_nodes, error_between};
 mesh_damper_recording::numbers! {
     /// The steps of a trace.
     TracePolicy {
-        /// A force that was found to be early is moved again at most so often.
-        most_moves: usize = 2, Convention("the second settles what the first began");
-        /// An effect whose force is nowhere this part of the largest force is not there.
-        nothing: f64 = 1e-7, Convention("a rounding to 32 bits is 6e-8: the crate's force would not show it");
+        /// A force that was found early or late is moved again at most this many times.
+        most_moves: usize = 2, Convention("the second move completes the first");
+        /// An effect is dropped if its force is everywhere below this fraction of the largest force.
+        nothing: f64 = 1e-7, Convention("rounding to 32 bits is 6e-8, so that the crate's force would not show it");
     }
 }
 

@@ -10,12 +10,12 @@ use crate::policy::policy;
 use crate::tolerance::held_to;
 
 mesh_damper_recording::numbers! {
-    /// What the remainder depends on.
+    /// Which variables the residual of the final model depends on.
     RemainderPolicy {
-        /// Zones of a variable over its range.
-        zones: usize = 12, Convention("as fine as a table's, with some hundred samples in each");
-        /// A variable explains at least this part of what is left beyond the noise.
-        explains: f64 = 0.15, Convention("less is seen in no picture");
+        /// The range of a variable is divided into this many zones, and the residual is averaged over each.
+        zones: usize = 12, Convention("as fine as in a residual table, with some hundred samples in each zone");
+        /// The residual depends on a variable if the means over its zones explain at least this fraction of its square beyond the noise.
+        explains: f64 = 0.15, Convention("less cannot be seen in a picture");
     }
 }
 

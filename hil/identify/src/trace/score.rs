@@ -11,15 +11,17 @@ use crate::tolerance::{certainty, least};
 mesh_damper_recording::numbers! {
     /// Whether one law predicts better than another.
     ScorePolicy {
-        /// Pieces that a period is cut into, of which each counts once.
+        /// Laws are compared piece by piece; a period is cut into this many pieces.
         pieces_per_period: f64 = 4.0, Derived("a quarter of a period is loading or unloading on one side");
-        /// Fewest samples of a piece.
+        /// A piece of a period has at least this many samples.
         shortest_piece: usize = 4, Convention("fewer are noise");
         /// A better law saves more than this part of the other's squared error.
         least_gain: f64 = 0.05, Tuned("the blind trial");
-        /// A law that saves more than this part without the piece in which it saves most is better whatever the others say.
+        /// A law that passes `least_gain` is better than another if it saves more than this fraction of the squared error even without the
+        /// piece of a period in which it saves most. It then need not be better in most pieces.
         large_gain: f64 = 0.2, Tuned("the blind trial");
-        /// The gain of the pieces stands more than this many of its deviations from zero.
+        /// A law that passes `least_gain` is better than another if its mean relative gain over all pieces of the periods exceeds this many
+        /// of its standard errors.
         deviations: f64 = 3.0, Tuned("the blind trial");
     }
 }

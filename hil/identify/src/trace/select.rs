@@ -34,15 +34,16 @@ use crate::tolerance::goal;
 mesh_damper_recording::numbers! {
     /// The search for effects.
     SelectPolicy {
-        /// Most terms beside the law.
-        most_terms: usize = 6, Convention("a search ends long before, where nothing is gained");
-        /// Laws that are carried on from one step to the next: the best with one effect need not be part of the best with two.
+        /// A search adds at most this many terms to the law.
+        most_terms: usize = 6, Convention("a search ends long before, when nothing is gained");
+        /// This many of the best laws enter the next step of a search: the best law with one effect need not be part of the best with two.
         beam: usize = 3, Tuned("the blind trial");
-        /// Candidates beside a law that are fitted, of those that promise most; the others are rated as a fit would begin.
+        /// At most this many candidates of a step are fitted, those with the largest predicted gain. The others keep the parameters of
+        /// their best starting value.
         fitted: usize = 4, Tuned("the blind trial");
-        /// A candidate that is fitted promises more than this part of what the first does.
+        /// A candidate is fitted only if its predicted gain exceeds this fraction of the largest.
         promising: f64 = 0.5, Tuned("the blind trial");
-        /// A candidate is fitted from at most this many starts.
+        /// A candidate is fitted from at most this many starting values.
         starts: usize = 2, Tuned("the blind trial");
     }
 }

@@ -22,32 +22,32 @@ use crate::solution::Solution;
 use crate::tolerance::{goal, noise_of};
 
 mesh_damper_recording::numbers! {
-    /// The test that would tell effects apart.
+    /// The separating test, which would tell effects apart.
     SeparatingPolicy {
-        /// Frequencies that are tried below the lowest recorded, over it.
+        /// Frequencies below the recorded ones that the separating test may use, as fractions of the lowest recorded.
         below: [f64; 3] = [0.125, 0.25, 0.5], Convention("octaves");
-        /// Frequencies that are tried above the highest recorded, over it.
+        /// Frequencies above the recorded ones that the separating test may use, as multiples of the highest recorded.
         above: [f64; 3] = [2.0, 4.0, 8.0], Convention("octaves");
-        /// Amplitudes that are tried, over the largest recorded.
-        amplitudes: [f64; 2] = [0.5, 1.5], Convention("a half less and a half more");
-        /// The lowest and the highest frequency that the rig runs, Hz.
-        frequencies: [f64; 2] = [0.1, 10.0], Convention("what the rig runs");
-        /// The largest amplitude that the rig runs, mm.
-        largest_amplitude: f64 = 0.3, Convention("what the rig runs, where nothing larger was recorded");
-        /// Most blocks of a programme.
-        most_blocks: usize = 4, Convention("a test of a minute");
-        /// Effects that differ by this many times the noise need no further block.
-        plenty: f64 = 10.0, Convention("told apart at a glance");
-        /// Effects that differ by less than this many times the noise are not told apart.
+        /// Amplitudes that the separating test may use in addition to the largest recorded, as multiples of it.
+        amplitudes: [f64; 2] = [0.5, 1.5], Convention("half less and half more");
+        /// The lowest and the highest frequency of the separating test, Hz.
+        frequencies: [f64; 2] = [0.1, 10.0], Convention("the range of the rig");
+        /// The largest amplitude of the separating test, mm, unless a larger one was recorded.
+        largest_amplitude: f64 = 0.3, Convention("the range of the rig");
+        /// The separating test has at most this many blocks.
+        most_blocks: usize = 4, Convention("the test then takes a minute");
+        /// The separating test gets no further block if the effects already differ by this many times the noise.
+        plenty: f64 = 10.0, Convention("they are told apart at a glance");
+        /// There is no separating test if the effects differ by less than this many times the noise.
         enough: f64 = 1.0, Derived("the noise");
-        /// Samples of the fastest cycle in a simulation.
-        samples: f64 = 200.0, Convention("as many as of 5 Hz at 1 kHz");
-        /// Cycles of each block in a simulation.
-        cycles: u32 = 3, Convention("the first starts, the others repeat");
-        /// Least duration of a block of the programme, s.
-        duration: f64 = 3.0, Convention("a block that an operator sees");
-        /// Fewest cycles of a block of the programme.
-        fewest_cycles: f64 = 5.0, Convention("a ramp, and four to fit and to judge by");
+        /// A simulation of the separating test has this many samples in the fastest cycle.
+        samples: f64 = 200.0, Convention("as many as at 5 Hz and 1 kHz");
+        /// A simulation of the separating test has this many cycles of each block.
+        cycles: u32 = 3, Convention("the first starts the motion, the others repeat it");
+        /// A block of the separating test lasts at least this long, s.
+        duration: f64 = 3.0, Convention("an operator can see a block of that length");
+        /// A block of the separating test has at least this many cycles.
+        fewest_cycles: f64 = 5.0, Convention("a ramp, and four cycles to fit and to validate");
     }
 }
 

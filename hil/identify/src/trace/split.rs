@@ -11,17 +11,18 @@ use mesh_damper_recording::trajectory::Trajectory;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// Which samples are kept apart.
+    /// Which samples are validation and test data.
     SplitPolicy {
-        /// Of a block's cycles that are still fitted, one in this many is kept apart.
+        /// One in this many of the cycles of a block becomes test data, and of the remaining cycles the same part becomes validation data.
         cycles_per_kept: usize = 4, Tuned("the blind trial");
-        /// A whole block is kept apart where at least this many are fitted.
-        fewest_blocks: usize = 3, Derived("one of two blocks would leave one condition to fit");
-        /// A block with at least this many cycles that are fitted is one of them.
+        /// A whole block becomes test or validation data only if at least this many blocks are still training data.
+        fewest_blocks: usize = 3, Derived("with two blocks one condition would be left to fit");
+        /// A block counts as training data for `fewest_blocks` only if at least this many of its cycles are.
         fewest_cycles: usize = 2, Derived("one of them may be a ramp");
-        /// Where less than this part of a recording would be kept apart by its cycles, stretches of it are.
-        least_kept: f64 = 0.08, Derived("one of seven cycles is the least of a block, and half of a test may be ramps");
-        /// Stretches that a recording without like cycles is cut into, of which one in four judges.
+        /// If its cycles would make less than this fraction of a recording test or validation data, stretches of the recording are taken
+        /// instead.
+        least_kept: f64 = 0.08, Derived("of a block at least one in seven cycles is taken, and half of a test may be ramps");
+        /// A recording without similar cycles is cut into this many stretches, of which one in four becomes validation data.
         stretches: usize = 16, Tuned("the blind trial over any motion");
     }
 }

@@ -7,22 +7,22 @@ use super::split::Roles;
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// Tones in a residual.
+    /// Tones in a residual: which of its spectral lines may be a tone from outside, and which the motion makes.
     TonesPolicy {
-        /// A search for a tone starts from this many of the strongest lines.
+        /// A search for a tone starts from at most this many of the strongest spectral lines.
         most: usize = 3, Tuned("the blind trial");
-        /// Of this many of the strongest lines, without those that the motion makes.
-        seen: usize = 24, Convention("those that the motion makes are a dozen");
-        /// A motion of at most this many lines has frequencies of its own.
-        most_of_motion: usize = 4, Convention("a modulated or beating sine has three; of more the sums fill the band");
-        /// They hold this part of the displacement's power.
-        hold: f64 = 0.95, Convention("what is left is starts, ends and noise");
-        /// A line is more than this part of the strongest.
+        /// This many of the strongest spectral lines are examined for a tone; those that the motion makes are left out.
+        seen: usize = 24, Convention("the motion makes about a dozen");
+        /// Lines that the motion makes are known only if its displacement has at most this many spectral lines.
+        most_of_motion: usize = 4, Convention("a modulated or beating sine has three; with more, the sums fill the band");
+        /// The spectral lines of the displacement must hold at least this fraction of its power.
+        hold: f64 = 0.95, Convention("the rest is starts, ends and noise");
+        /// A spectral line of the displacement counts if its power exceeds this fraction of the strongest one's.
         least_of_motion: f64 = 1e-3, Convention("a thirtieth of its amplitude");
-        /// Sums of this many lines, their signs either way, are made by a specimen that the motion drives.
-        sums: usize = 4, Convention("a law of the third power has sums of three, and what changes with its power those of four");
-        /// A tone is one of them where it is off by less than this part of a line's width.
-        off: f64 = 0.1, Derived("a line that stands out is placed to a hundredth, and a model's tone to less than a tenth");
+        /// The motion makes a line at each sum of up to this many frequencies of the displacement, with either sign.
+        sums: usize = 4, Convention("a law of the third power makes sums of three, and a change that follows its power sums of four");
+        /// A tone is one of the lines that the motion makes if it is off by less than this fraction of a line's width.
+        off: f64 = 0.1, Derived("a line that stands out is located to a hundredth of its width, and a model's tone to less than a tenth");
     }
 }
 

@@ -11,24 +11,27 @@ use super::select::{Candidate, Selection};
 use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
-    /// What is concluded from a search.
+    /// The verdict on the result of a search.
     VerdictPolicy {
-        /// A law is noise-limited where it leaves at most this many times the noise: the estimated motion errs too. Nothing is sought
-        /// beside such a law.
+        /// A law is noise-limited if its error is at most this many times the noise: the estimated motion has an error too. No effect is
+        /// added to such a law.
         noise_limited: f64 = 1.5, Tuned("the blind trial");
-        /// The same of a law with more families than `few`: enough of them come near anything.
+        /// The limit of `noise_limited` for a law with more families of effects than `few`, because enough effects come near any force.
         noise_limited_by_many: f64 = 1.1, Tuned("the blind trial");
-        /// Families of effects that are few.
+        /// A law with at most this many families of effects has few of them (see `noise_limited_by_many`).
         few: usize = 2, Tuned("the blind trial");
-        /// Effects that are there take at least this part of the error beyond the noise in blocks that were not fitted.
+        /// Effects must reduce the error beyond the noise by at least this fraction in blocks that were not fitted, unless the law is
+        /// noise-limited there.
         least_taken: f64 = 0.35, Tuned("the blind trial");
-        /// Effects that explain a recording leave at most this part of what the law alone leaves beyond the noise: one that is like
-        /// the one at work leaves more, as a dashpot leaves a fifth of a drag that grows with v².
+        /// Effects explain a recording if they leave at most this fraction of the law's error beyond the noise. An effect that is only
+        /// similar leaves more: a dashpot leaves a fifth of a drag that grows with v².
         most_left: f64 = 0.12, Tuned("the blind trial");
-        /// What is left below this many times the noise does not show.
+        /// Effects explain a recording too if the error that they leave beyond the noise is at most this many times the noise: it does not
+        /// show.
         unseen: f64 = 0.6, Tuned("the blind trial");
-        /// An error of more than this many times the noise of the force, all of which may come from the estimated motion, is warned of.
-        hidden_by_motion: f64 = 3.0, Convention("twice what a noise-limited law leaves");
+        /// A warning is given if the error of the fit exceeds this many times the noise of the force and all of it may come from the
+        /// estimated motion.
+        hidden_by_motion: f64 = 3.0, Convention("twice the error of a noise-limited law");
     }
 }
 

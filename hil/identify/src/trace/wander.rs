@@ -12,7 +12,8 @@ use crate::tolerance::held_to;
 mesh_damper_recording::numbers! {
     /// When a force wanders.
     WanderPolicy {
-        /// The squared differences of its cycles' means are more than this many times those of noise.
+        /// A force wanders if the mean residuals of the cycles of a block differ, in squares, by more than this many times what noise
+        /// causes.
         more: f64 = 20.0, Tuned("the recordings of others");
     }
 }
