@@ -8,17 +8,57 @@ use serde_json::Value;
 use super::cost::{Cost, Costs, Score};
 use super::{Number, numbers};
 
-/// All numbers in Markdown, with what those that are tuned cost.
+/// The text before the tables. Its links are within `docs/`.
+const HEAD: &str = "# The numbers that decide
+
+This page lists the numbers that decide how `hil` reads a recording and what a trace finds, such as thresholds, limits and counts.
+Use it to look up why a decision was made, or to find the number that you want to change.
+[How tracing decides](deciding.md) explains the decisions in order; the [glossary](glossary.md) explains the words.
+
+## How to read the tables
+
+The heading of a table and the name of a number are its path, such as `identify.select.beam`.
+Sections that begin with `recording` are about reading a recording, those with `identify` about fitting and tracing.
+
+| column | content |
+|---|---|
+| number | the name |
+| decides | what the number decides, with its unit if it has one |
+| is | the value, or several values separated by commas |
+| from | where the value comes from, see below |
+| halved, doubled | the change of the blind trial with half and with twice the number; empty if it was not measured |
+
+A value comes from one of three sources:
+
+- `derived`: it follows from something else, which the text states.
+- `convention`: another value would do as well, or the number bounds time and memory; the text gives the reason for this one.
+- `tuned`: it was chosen for its results on the data that the text names.
+  For most numbers that is the [blind trial](blind-trial.md).
+
+## How to change a number
+
+To try another value without a build, write it into a JSON file, such as `{\"identify\": {\"select\": {\"beam\": 4}}}`.
+Give the file to a command of `hil` with `--policy FILE`.
+
+To change the default, edit the `numbers!` block in the source file that uses the number.
+`hil study numbers` writes this page from these blocks, so don't edit the page.
+\"Adding a number\" in `CONTRIBUTING.md` lists the steps.
+";
+
+/// All numbers in Markdown, with the measured scores of the tuned ones.
 pub fn table(costs: &Costs) -> String {
-    let mut page = String::from(
-        "# The numbers that decide\n\n\
-        Written by `hil study numbers`; the numbers stand beside the code that they are for, see CONTRIBUTING.md.\n\n",
-    );
+    let mut page = String::from(HEAD);
     if let Some(default) = costs.default {
         let _ = writeln!(
             page,
-            "Halved and doubled: what the blind trial of seeds {} to {} gains or loses, in trials that are called what they are, of {}, \
-             and after the comma in unlisted effects that are mended. As the numbers are, it has {} and {}.\n",
+            "\n## Halved and doubled\n\n\
+            The columns `halved` and `doubled` compare two blind trials: with half or twice the number, and with this page's numbers.\n\
+            Both use the seeds {} to {}.\n\
+            The first figure is the change in the number of trials with a correct result, of {}.\n\
+            The second figure is the change in the number of unmodelled effects that are predicted well: to 1.5 times the noise, or to \
+            a tenth of the law's error.\n\
+            A dash means that the number cannot be halved or doubled, or that the trial failed.\n\
+            With this page's numbers, {} trials have a correct result, and {} unmodelled effects are predicted well.",
             costs.seeds.start,
             costs.seeds.end.saturating_sub(1),
             default.of,
@@ -95,7 +135,7 @@ fn in_words(value: &Value) -> String {
 mod tests {
     use super::*;
 
-    /// What is measured is the page's own.
+    /// The measured columns may differ.
     #[test]
     fn the_page_in_the_tree_has_every_number_as_it_is() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/numbers.md");
