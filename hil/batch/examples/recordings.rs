@@ -1,4 +1,4 @@
-//! Writes recordings of a few seconds into a folder, each of another simulated specimen: something to try a batch on.
+//! Writes recordings of a few seconds into a folder, each of a different simulated specimen, as material for a batch.
 //!
 //! `cargo run --release -p mesh-damper-batch --example recordings -- recordings 1000`
 

@@ -1,4 +1,5 @@
-//! Recordings a second and memory of `hil batch` over its workers, as a table and a picture; and a batch that is killed at half.
+//! Measures recordings per second and memory of `hil batch` over its number of workers, as a table and a picture; and a batch that
+//! is killed half way.
 //!
 //! `cargo run --release -p mesh-damper-batch --example throughput -- target/release/hil recordings batch-throughput.svg`
 
@@ -13,7 +14,7 @@ use mesh_damper_report::over_time::{Panel, Value, picture};
 type Failed = Box<dyn std::error::Error>;
 
 const WORKERS: [usize; 3] = [1, 2, 4];
-/// Between two looks at a process. Its peak of memory is kept by the system.
+/// Time between two checks of a process. The system keeps its peak memory.
 const LOOK: Duration = Duration::from_millis(20);
 
 fn start(hil: &str, folder: &str, out: &Path, workers: usize) -> Result<Child, Failed> {
@@ -29,7 +30,7 @@ fn start(hil: &str, folder: &str, out: &Path, workers: usize) -> Result<Child, F
         .spawn()?)
 }
 
-/// Waits for its end; returns its peak of memory, MiB.
+/// Waits for the process to end; returns its peak memory, MiB.
 fn wait(mut child: Child) -> Result<f64, Failed> {
     let status = format!("/proc/{}/status", child.id());
     let mut peak = 0.0;

@@ -1,4 +1,4 @@
-//! Which trace it is: of what its recordings hold and of what it is made with, whatever the files are called.
+//! The identity of a trace: from the contents of its recordings and its settings, independent of file names.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -11,13 +11,13 @@ use sha2::{Digest as _, Sha256};
 
 use crate::list::Task;
 
-/// How a gzipped file begins.
+/// First bytes of a gzipped file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// The SHA-256 of what a recording holds.
+/// The SHA-256 of a recording's contents.
 pub(crate) type Content = [u8; 32];
 
-/// What each recording of a task holds: those that are fitted, then those held out.
+/// The contents of each recording of a task: the fitted ones, then the held-out ones.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -25,7 +25,7 @@ pub(crate) fn contents(task: &Task, limit: ReadLimit) -> Result<Vec<Content>, In
     task.paths().map(|path| content(path, limit)).collect()
 }
 
-/// The identity of a trace, in hexadecimal digits. The order of the recordings is no part of it.
+/// The identity of a trace, in hexadecimal digits. It does not depend on the order of the recordings.
 pub(crate) fn identity(task: &Task, contents: &[Content], decisive: &str) -> String {
     let (fitted, held_out) = contents.split_at(task.recordings.len().min(contents.len()));
     let mut hash = Sha256::new();
@@ -38,7 +38,7 @@ pub(crate) fn identity(task: &Task, contents: &[Content], decisive: &str) -> Str
             hash.update(content);
         }
     }
-    // As many as keep a million traces apart but once in 10²⁶.
+    // Enough digits to distinguish a million traces except once in 10²⁶.
     hex(&hash.finalize()[..16])
 }
 
@@ -46,8 +46,8 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The hash of a file; of one that is gzipped, that of what is packed in it. What is beyond the limit is not read: the reader refuses
-/// the file.
+/// The hash of a file; for a gzipped file, that of its contents. The part beyond the limit is not read: the reader refuses the
+/// file.
 fn content(path: &Path, limit: ReadLimit) -> Result<Content, InputError> {
     let failed = |error: io::Error| InputError::io(path, "read", &error);
     if path.is_dir() {
@@ -65,7 +65,7 @@ fn content(path: &Path, limit: ReadLimit) -> Result<Content, InputError> {
         .read_to_end(&mut first)
         .map_err(failed)?;
     if first == GZIP {
-        // A damaged one is known by its bytes.
+        // A damaged file is identified by its bytes.
         if let Ok(content) = hashed(MultiGzDecoder::new(open().map_err(failed)?), limit) {
             return Ok(content);
         }

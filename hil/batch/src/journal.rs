@@ -1,4 +1,4 @@
-//! What is done already: a line for each trace, on the disk before the next begins.
+//! The record of finished traces: one line per trace, on the disk before the next trace begins.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::outcome::Outcome;
 
-/// The word by which a journal is known, and its version.
+/// The word that marks a journal, and its version.
 const FORMAT: &str = "mesh-damper batch journal";
 const VERSION: u64 = 1;
 
@@ -29,10 +29,10 @@ struct Entry {
     outcome: Outcome,
 }
 
-/// The outcomes of a batch by the identities of its traces, and the file that keeps them.
+/// The outcomes of a batch by the identities of its traces, and the file that stores them.
 ///
-/// A line is written at once and is on the disk when [`Journal::keep`] returns. A batch that is killed as it writes one leaves it cut: it
-/// is taken off when the journal is opened again, and its trace is made again.
+/// A line is written at once and is on the disk when [`Journal::keep`] returns. If a batch is killed while it writes a line, the
+/// line stays cut. It is removed when the journal is opened again, and its trace is made again.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
@@ -41,10 +41,10 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal at `path`, or begins it.
+    /// Opens the journal at `path`, or creates it.
     ///
     /// # Errors
-    /// What the file system says; a file that is another journal or none.
+    /// Errors of the file system; a file that is another journal, or no journal.
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let failed = |error: io::Error| InputError::io(path, "read", &error);
         let mut file = OpenOptions::new()
@@ -70,7 +70,7 @@ impl Journal {
             if whole == 0 {
                 check_head(path, &line)?;
             } else if let Ok(Entry { id, outcome }) = serde_json::from_slice(&line) {
-                // One that is damaged is made again.
+                // A damaged line is made again.
                 known.insert(id, outcome);
             }
             whole += length as u64;
@@ -90,15 +90,15 @@ impl Journal {
         Ok(journal)
     }
 
-    /// What became of the trace with this identity, as far as it is known.
+    /// The outcome of the trace with this identity, if known.
     pub fn outcome(&self, id: &str) -> Option<&Outcome> {
         self.known.get(id)
     }
 
-    /// Keeps what became of a trace.
+    /// Stores the outcome of a trace.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Errors of the file system.
     pub fn keep(&mut self, id: &str, outcome: &Outcome) -> Result<(), InputError> {
         let entry = Entry {
             id: id.to_owned(),
@@ -183,7 +183,7 @@ mod tests {
             let mut journal = Journal::open(&path).unwrap();
             let has = |id| journal.outcome(id).is_some();
             assert_eq!((has("1"), has("2")), (length >= one, length >= whole.len()));
-            // What is kept then is read again, whatever was there.
+            // An outcome stored afterwards is read again, whatever the file contained.
             journal.keep("3", &failed("three")).unwrap();
             let journal = Journal::open(&path).unwrap();
             assert_eq!(journal.outcome("3"), Some(&failed("three")), "{length}");

@@ -1,11 +1,11 @@
-//! Many recordings: traces of a list of them, resumable, and models of one specimen over time beside each other.
+//! Many recordings: a resumable list of traces, and a comparison of models of one specimen over time.
 //!
 //! | module | for |
 //! |---|---|
-//! | the root | [`Batch`]: traces of a [`List`], kept one by one; [`Summary`] and its [`Row`]s: what became of them |
+//! | the root | [`Batch`]: traces of a [`List`], stored one by one; [`Summary`] and its [`Row`]s: their outcomes |
 //! | [`mod@compare`] | models of one specimen over time |
 //! | [`list`] | a folder, a list of paths, a table of paths with their groups |
-//! | [`outcome`] | what a row says of its trace |
+//! | [`outcome`] | the part of a row about its trace |
 //! | [`mod@table`] | the rows as Parquet and CSV |
 
 #![forbid(unsafe_code)]

@@ -18,7 +18,7 @@ use crate::list::Task;
 use crate::outcome::{Failure, Found};
 use crate::settings::Settings;
 
-/// A trace that was made, still to be written.
+/// A finished trace that is still to be written.
 pub(crate) struct Made {
     pub found: Found,
     result: TraceResult,
@@ -26,7 +26,7 @@ pub(crate) struct Made {
     report: Option<String>,
 }
 
-/// Traces the recordings of `task`. What goes wrong with them, and a fault in the trace itself, is the failure of this one alone.
+/// Traces the recordings of `task`. An error in them, or a fault in the trace itself, fails only this task.
 pub(crate) fn trace(task: &Task, settings: &Settings, folder: String) -> Result<Made, Failure> {
     // Nothing of it is used after a panic.
     catch_unwind(AssertUnwindSafe(|| try_to_trace(task, settings, folder))).unwrap_or_else(
@@ -83,7 +83,7 @@ fn try_to_trace(task: &Task, settings: &Settings, folder: String) -> Result<Made
     })
 }
 
-/// What is wrong with a task that has one recording twice: it would be counted twice, or fitted and held out.
+/// The error of a task that has one recording twice: it would count twice, or be both fitted and held out.
 pub(crate) fn twice(task: &Task, contents: &[Content]) -> Option<Failure> {
     let paths: Vec<&Path> = task.paths().collect();
     contents.iter().enumerate().find_map(|(place, content)| {
@@ -105,7 +105,7 @@ pub(crate) const MODEL: &str = "model.json";
 pub(crate) const REPORT: &str = "report.html";
 
 impl Made {
-    /// Writes its files into `folder`, whole or not at all.
+    /// Writes the files into `folder`, each completely or not at all.
     pub fn write(&self, folder: &Path) -> Result<(), InputError> {
         let [trace, model, page] = [TRACE, MODEL, REPORT].map(|name| folder.join(name));
         let mut outputs = Plan::new().writes([&trace, &model, &page]).begin()?;
@@ -118,7 +118,7 @@ impl Made {
     }
 }
 
-/// Whether the files of a trace that was made are there.
+/// Whether the files of a finished trace exist.
 pub(crate) fn is_there(folder: &Path, settings: &Settings) -> bool {
     let has = |name: &str| folder.join(name).is_file();
     has(TRACE) && has(MODEL) && (has(REPORT) || !settings.reports)

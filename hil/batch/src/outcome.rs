@@ -1,4 +1,4 @@
-//! What became of one trace: what a row of the batch says of it.
+//! The outcome of one trace, as a row of the batch shows it.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 
-/// What became of one trace.
+/// The outcome of one trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "outcome", rename_all = "snake_case")]
@@ -22,8 +22,8 @@ pub enum Outcome {
 }
 
 impl<'de> Deserialize<'de> for Outcome {
-    /// By way of JSON's own values: what serde derives for a tag keeps the fields in values of its own, in which no number is found
-    /// where any crate of a build asks serde_json for numbers of arbitrary precision.
+    /// Goes through JSON values: the code that serde derives for a tag keeps the fields in its own values, and these lose numbers
+    /// if any crate of a build enables arbitrary precision in serde_json.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut fields = Map::deserialize(deserializer)?;
         let kind = fields.remove("outcome");
@@ -37,18 +37,18 @@ impl<'de> Deserialize<'de> for Outcome {
     }
 }
 
-/// Why a trace could not be made.
+/// The reason why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
-    /// One line: the file, the place, what is wrong there, how to mend it.
+    /// One line: the file, the place, the error and the remedy.
     pub error: String,
-    /// The most bytes of a file that were read, where a recording was refused as it was read: with more it may pass.
+    /// The read limit in bytes of a file, if a recording was refused while it was read: a larger limit may let it pass.
     pub read_limit: Option<u64>,
 }
 
 impl Failure {
-    /// By an error that another limit of reading does not change.
+    /// For an error that does not depend on the read limit.
     pub(crate) fn of(error: &impl ToString) -> Self {
         Self {
             error: error.to_string(),
@@ -57,15 +57,15 @@ impl Failure {
     }
 }
 
-/// What a trace found: of `trace.json` what a table of many needs. An error that is not finite is none.
+/// The result of a trace: the part of `trace.json` that a table of many needs. An error that is not finite is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Found {
-    /// The folder with its files, below the batch's; empty where none were written.
+    /// The folder with its files, relative to the batch's; empty if none were written.
     pub folder: String,
     /// The version of the program that made it.
     pub program_version: String,
-    /// What it took, s.
+    /// Duration of the trace, s.
     pub trace_s: f64,
     /// Samples of all recordings.
     pub samples: usize,
@@ -73,11 +73,11 @@ pub struct Found {
     pub duration_s: f64,
     /// The motion that was fitted, mm and mm/s.
     pub fitted_range: FittedRange,
-    /// What was concluded.
+    /// The conclusion.
     pub verdict: Verdict,
     /// Errors of the force, RMS over RMS.
     pub nrmse: Nrmse,
-    /// Whether the model holds what was found.
+    /// Whether the model contains the effects found.
     pub adopted: bool,
     /// The law's name.
     pub law_name: String,
@@ -87,15 +87,15 @@ pub struct Found {
     pub effects: Vec<Effect>,
     /// Effects that are not confirmed.
     pub unconfirmed: Vec<Effect>,
-    /// What the law with all effects leaves, over the noise; null where that is noise.
+    /// Remainder of the law with all effects, as a multiple of the noise; null if it is only noise.
     pub remainder_times_noise: Option<f64>,
-    /// What the force beyond the law depends on.
+    /// The variables that the force beyond the law depends on.
     pub depends_on: Vec<String>,
-    /// The test that would tell the candidates apart, where one is needed.
+    /// The test that would distinguish the candidates, if one is needed.
     pub separating_test: Option<String>,
-    /// What is wrong with the data, in words. Files are named as they were when it was traced.
+    /// Problems of the data, as sentences. They name files as they were at the time of the trace.
     pub warnings: Vec<String>,
-    /// What was taken for what in the files without being sure, in words.
+    /// Guesses made in reading the files, as sentences.
     pub guesses: Vec<String>,
 }
 
@@ -105,19 +105,19 @@ pub struct Found {
 pub struct Nrmse {
     /// NRMSE of the noise of the measured force.
     pub noise_floor: Option<f64>,
-    /// NRMSE of the law alone on what was fitted.
+    /// NRMSE of the law alone on fitted samples.
     pub baseline_fitted: Option<f64>,
-    /// The same on what was held out.
+    /// The same on held-out samples.
     pub baseline_held_out: Option<f64>,
-    /// NRMSE of the model, in f64, on what was fitted.
+    /// NRMSE of the model, in f64, on fitted samples.
     pub augmented_fitted: Option<f64>,
-    /// The same on what was held out.
+    /// The same on held-out samples.
     pub augmented_held_out: Option<f64>,
-    /// NRMSE of the embedded model, in f32, on what was held out.
+    /// NRMSE of the embedded model, in f32, on held-out samples.
     pub on_target_held_out: Option<f64>,
 }
 
-/// One effect beside the law.
+/// One effect in addition to the law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
@@ -125,14 +125,14 @@ pub struct Effect {
     pub family: String,
     /// Its parameters by name, with their 90 % intervals.
     pub parameters: BTreeMap<String, Estimate>,
-    /// Held-out error of everything but this effect.
+    /// Held-out error without this effect.
     pub nrmse_without: Option<f64>,
     /// Held-out error with it.
     pub nrmse_with: Option<f64>,
 }
 
 impl Found {
-    /// Of `trace`, which was made of `recordings` in `trace_s`.
+    /// From `trace`, which was made of `recordings` in `trace_s`.
     pub(crate) fn of(
         trace: &Trace,
         recordings: &[Recording],

@@ -8,7 +8,7 @@ use crate::one::REPORT;
 use crate::outcome::{Found, Outcome};
 use crate::row::Row;
 
-/// The page of `rows`, with links to the reports that are in the folders below `out`.
+/// The page of `rows`, with links to the reports in the folders below `out`.
 pub(crate) fn page(rows: &[Row], out: &Path) -> String {
     let rows: Vec<BatchRow> = rows.iter().map(|row| page_row(row, out)).collect();
     batch_page(&rows)

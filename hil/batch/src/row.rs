@@ -1,4 +1,4 @@
-//! The rows of a batch: a trace each, with what became of it.
+//! The rows of a batch: one per trace, with its outcome.
 
 use std::path::PathBuf;
 
@@ -15,28 +15,28 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// What the list calls it: its group, or the recording's path.
+    /// Its name in the list: its group, or the recording's path.
     pub trace: String,
-    /// The group that the table names.
+    /// The group from the table.
     pub group: Option<String>,
-    /// The specimen that the table names.
+    /// The specimen from the table.
     pub specimen: Option<String>,
     /// Paths of the recordings that were fitted.
     pub recordings: Vec<String>,
     /// Paths of the recordings that were held out.
     pub held_out: Vec<String>,
-    /// Paths of recordings that hold the same, and are no trace of their own.
+    /// Paths of recordings with the same contents, which have no separate trace.
     pub copies: Vec<String>,
-    /// The identity of the trace: of what the recordings hold and of what it is made with. `None` where one could not be read.
+    /// The identity of the trace: from the contents of the recordings and the settings. `None` if a recording could not be read.
     pub id: Option<String>,
-    /// What became of it.
+    /// The outcome.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
 impl Row {
-    /// Makes one trace on one core and writes no file of it: for who has thousands of them made elsewhere, and keeps the rows. A
-    /// recording that cannot be read or traced is a row with its error.
+    /// Makes one trace on one core and writes no files, for callers that distribute thousands of traces and store the rows
+    /// themselves. A recording that cannot be read or traced gives a row with its error.
     pub fn make(task: &Task, settings: &Settings) -> Self {
         let make = || Self::made(task, settings);
         match ThreadPoolBuilder::new().num_threads(1).build() {
@@ -84,11 +84,11 @@ impl Row {
     }
 }
 
-/// What a batch did: the contents of its JSON.
+/// The result of a batch: the contents of its JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// The word by which the file is known.
+    /// The word that marks the file.
     pub format: &'static str,
     /// Its version.
     pub version: u64,
@@ -96,14 +96,14 @@ pub struct Summary {
     pub traced: usize,
     /// Traces that could not be made.
     pub failed: usize,
-    /// Traces that were made or failed now.
+    /// Traces that were made or failed in this run.
     pub computed: usize,
-    /// Traces that an earlier run has kept.
+    /// Traces from an earlier run.
     pub kept: usize,
-    /// Recordings that are in several traces, in words.
+    /// Recordings that are in several traces, as sentences.
     pub shared: Vec<String>,
-    /// What it took, s.
+    /// Duration, s.
     pub seconds: f64,
-    /// The traces in the order of the list. Of those that hold the same the first one stands there.
+    /// The traces in the order of the list. Traces with the same contents appear once, at the first one's place.
     pub traces: Vec<Row>,
 }

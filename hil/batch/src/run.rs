@@ -1,4 +1,4 @@
-//! The traces of a list, made by several workers, each kept as soon as it is there.
+//! Makes the traces of a list with several workers, and stores each as soon as it is finished.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -21,9 +21,9 @@ use crate::settings::Settings;
 use crate::table::{outcomes, parameters};
 use crate::work::{Workers, each};
 
-/// The file that keeps what is done.
+/// The file with the finished traces.
 const JOURNAL: &str = "journal.jsonl";
-/// The folder of the folders of all traces.
+/// The folder that contains the folders of all traces.
 const TRACES: &str = "traces";
 /// The tables.
 const OUTCOMES: &str = "outcomes.parquet";
@@ -32,48 +32,48 @@ const EFFECTS: &str = "effects.parquet";
 /// The page.
 const PAGE: &str = "index.html";
 
-/// Most traces at the same time: above what one machine has cores for, and below what its threads take the machine down by.
+/// Most traces at the same time: above the number of cores of one machine, and below the number whose threads would overload it.
 const MOST_JOBS: usize = 1024;
 
-/// Traces to be made, and where they go.
+/// Traces to make, and the place for them.
 #[derive(Clone, Debug)]
 pub struct Batch {
     /// The traces.
     pub list: List,
-    /// What all of them are made with.
+    /// The settings of all traces.
     pub settings: Settings,
-    /// Other files that were read for it, as a law is: no output may replace them.
+    /// Other files that were read for the batch, such as a law: no output may replace them.
     pub reads: Vec<PathBuf>,
-    /// The folder of the tables and of the traces. What an earlier run left there is taken up.
+    /// The folder of the tables and of the traces. Results from an earlier run in it are used.
     pub out: PathBuf,
-    /// Traces that are made at the same time. Each holds its recordings in memory.
+    /// Traces that are made at the same time. Each has its recordings in memory.
     pub jobs: NonZeroUsize,
-    /// Where the summary goes as JSON, `-` for standard output.
+    /// Path of the summary as JSON, `-` for standard output.
     pub json: Option<PathBuf>,
 }
 
-/// How far a batch is.
+/// The progress of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Traces and copies that are dealt with.
+    /// Finished traces and copies.
     pub done: usize,
-    /// All of them.
+    /// Their total number.
     pub total: usize,
-    /// Of those done, traces that could not be made.
+    /// Finished traces that could not be made.
     pub failed: usize,
-    /// Of those done, traces that were made or failed now.
+    /// Finished traces that were made or failed in this run.
     pub computed: usize,
-    /// Since the beginning, s.
+    /// Time since the beginning, s.
     pub seconds: f64,
 }
 
 impl Progress {
-    /// Traces that are made in a second; `None` before the first.
+    /// Traces per second; `None` before the first.
     pub fn rate(&self) -> Option<f64> {
         (self.computed > 0).then(|| self.computed as f64 / self.seconds)
     }
 
-    /// Time that is left if all others have to be made, s.
+    /// Remaining time if all other traces have to be made, s.
     pub fn left(&self) -> Option<f64> {
         self.rate()
             .map(|rate| (self.total - self.done) as f64 / rate)
@@ -81,14 +81,14 @@ impl Progress {
 }
 
 impl Batch {
-    /// Makes the traces, and writes the tables. `progress` is told after each.
+    /// Makes the traces, and writes the tables. `progress` is called after each trace.
     ///
-    /// A trace whose identity an earlier run kept, and whose files are there, is not made again. A recording that cannot be read or traced
-    /// is a row with its error.
+    /// A trace whose identity an earlier run stored, and whose files exist, is not made again. A recording that cannot be read or
+    /// traced gives a row with its error.
     ///
     /// # Errors
-    /// A folder that another run fills, or that is the recordings' own; an output that would destroy something; what cannot be written.
-    /// The traces made so far are kept.
+    /// Another run uses the folder, or it is the recordings' folder; an output would destroy a file; a file cannot be written. The
+    /// traces made so far are kept.
     pub fn run(&self, progress: &(dyn Fn(Progress) + Sync)) -> Result<Summary, InputError> {
         let started = Instant::now();
         self.refuse_own_folder()?;
@@ -155,7 +155,7 @@ impl Batch {
             .iter()
             .flat_map(Task::paths)
             .filter_map(Path::parent)
-            // A name alone is in the working directory.
+            // A bare file name is in the working directory.
             .map(|folder| match folder.as_os_str().is_empty() {
                 true => Path::new("."),
                 false => folder,
@@ -171,7 +171,7 @@ impl Batch {
     }
 }
 
-/// A batch under way.
+/// A batch in progress.
 struct Running<'a> {
     batch: &'a Batch,
     decisive: String,
@@ -184,9 +184,9 @@ struct State {
     journal: Journal,
     /// The tasks of each identity.
     claims: BTreeMap<String, Vec<usize>>,
-    /// Why a task has no identity.
+    /// The reason why a task has no identity.
     unread: BTreeMap<usize, Failure>,
-    /// The tasks that hold the same recording, by what it holds.
+    /// The tasks with the same recording, by its contents.
     holders: BTreeMap<Content, Vec<(usize, PathBuf)>>,
     failed: usize,
     computed: usize,
@@ -195,7 +195,7 @@ struct State {
 }
 
 impl Running<'_> {
-    /// Makes one trace, unless it is made already.
+    /// Makes one trace unless it already exists.
     fn deal_with(&self, which: usize) -> Result<(), InputError> {
         let task = &self.batch.list.tasks[which];
         match contents(task, self.batch.settings.reading.limit) {
@@ -249,7 +249,7 @@ impl Running<'_> {
                 Some(Outcome::Failed(failure)) => {
                     let limit = settings.reading.limit.file();
                     let may_pass = failure.read_limit.is_some_and(|known| known != limit);
-                    // Its words are about a file that may have another name now.
+                    // Its text is about a file that may have another name now.
                     let is_renamed = !task
                         .paths()
                         .any(|path| failure.error.contains(&path.display().to_string()));
@@ -264,7 +264,7 @@ impl Running<'_> {
     }
 
     fn make(&self, task: &Task, id: &str, contents: &[Content]) -> Result<(), InputError> {
-        // Files of many folders have one name; 16 digits are the same of two in 10⁵ of them once in 10⁹ batches.
+        // Files of many folders have the same name. 16 digits coincide for two of 10⁵ such files once in 10⁹ batches.
         let folder = format!("{TRACES}/{}-{}", short_name(&task.name), &id[..16]);
         let made = match one::twice(task, contents) {
             Some(failure) => Err(failure),
@@ -287,7 +287,7 @@ impl Running<'_> {
     }
 
     fn with_state<T>(&self, of: impl FnOnce(&mut State) -> T) -> T {
-        // A worker that panicked while it held the lock left it as it was between two steps.
+        // If a worker panics while it holds the lock, the data stay as they were between two steps.
         let mut state = self
             .state
             .lock()
@@ -353,7 +353,7 @@ impl Running<'_> {
     }
 }
 
-/// A folder's name of a task's: its last part, of letters, digits, dots, dashes and underscores.
+/// The folder name for a task: its last part, with letters, digits, dots, dashes and underscores.
 fn short_name(name: &str) -> String {
     const LONGEST: usize = 48;
     let last = name.rsplit(['/', '\\']).find(|part| !part.is_empty());
@@ -367,6 +367,6 @@ fn short_name(name: &str) -> String {
         _ => '_',
     };
     let short: String = last.chars().take(LONGEST).map(plain).collect();
-    // Neither hidden nor the folder above.
+    // Neither hidden nor the parent folder.
     short.trim_start_matches('.').to_owned()
 }

@@ -1,23 +1,23 @@
-//! What all traces of a batch are made with.
+//! The settings of all traces of a batch.
 
 use mesh_damper_identify::trace::Sought;
 use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::read_limit::ReadLimit;
 
-/// What all traces of a batch are made with.
+/// The settings of all traces of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// Which effects are sought, and beside which law.
+    /// The effects to look for, and the base law.
     pub sought: Sought,
     /// How the recordings are read.
     pub reading: Reading,
-    /// Whether each trace has a `report.html`.
+    /// Whether each trace gets a `report.html`.
     pub reports: bool,
 }
 
 impl Settings {
-    /// Everything that decides what a trace finds, as text: the program's version, how files are read, what is sought, and the numbers
-    /// that decide. How much of a file may be read is no part of it: what passed one limit is the same within another.
+    /// Everything that determines the result of a trace, as text: the program's version, the reading of files, the effects to look
+    /// for, and the policy numbers. The read limit is no part of it: a file within one limit is the same within another.
     pub(crate) fn decisive(&self) -> String {
         let numbers = (
             mesh_damper_recording::policy::policy(),

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use mesh_damper_recording::error::InputError;
 use rayon::ThreadPoolBuilder;
 
-/// Who does the work.
+/// The threads that do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Workers {
     /// Tasks at the same time.
@@ -19,8 +19,8 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
-    /// As many as `jobs`, each of one thread: a trace alone is parallel in parts only, and traces beside each other do not wait for each
-    /// other. Of fewer tasks each has several threads.
+    /// `jobs` workers with one thread each: a single trace is only partly parallel, and traces next to each other do not wait for
+    /// each other. With fewer tasks, each has several threads.
     pub fn for_tasks(jobs: NonZeroUsize, tasks: usize) -> Self {
         let count = jobs.get().min(tasks.max(1));
         Self {
@@ -30,13 +30,13 @@ impl Workers {
     }
 }
 
-/// Does `work` for 0 to `tasks`, each once, in order. After an error none is begun any more.
+/// Calls `work` for 0 to `tasks`, each once, in order. After an error no further task begins.
 ///
 /// # Errors
 /// The first error of `work`, or threads that cannot be started.
 ///
 /// # Panics
-/// Where `work` does.
+/// If `work` panics.
 pub(crate) fn each(
     workers: Workers,
     tasks: usize,
@@ -51,7 +51,7 @@ pub(crate) fn each(
         first.get_or_insert(end);
     };
     let worker = || {
-        // A trace that runs within it takes no thread of another.
+        // A trace in this pool takes no thread of another.
         let pool = match ThreadPoolBuilder::new()
             .num_threads(workers.threads)
             .build()
@@ -67,7 +67,7 @@ pub(crate) fn each(
             if which >= tasks {
                 return;
             }
-            // Nothing of it is used after a panic, which goes on where the work was asked for.
+            // Nothing of it is used after a panic, which continues in the calling thread.
             match catch_unwind(AssertUnwindSafe(|| pool.install(|| work(which)))) {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => fail(End::Error(error)),
@@ -87,7 +87,7 @@ pub(crate) fn each(
     }
 }
 
-/// Why the work ended early.
+/// The reason why the work ended early.
 enum End {
     Error(InputError),
     Panic(Box<dyn Any + Send>),

@@ -5,17 +5,17 @@ use std::ops::Range;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::noise::noise_deviation;
 
-/// A reversal counts when the displacement then moves on by this part of its range.
+/// A reversal counts if the displacement then moves on by this fraction of its range,
 const REVERSAL: f64 = 0.05;
-/// … and by so many deviations of the noise that smoothing leaves.
+/// and by this many deviations of the noise after smoothing.
 const NOISE_MARGIN: f64 = 6.0;
-/// A cycle that begins or ends within this part of its height from its lowest point, or of its force from the lowest, is
-/// whole: the rest is a hold, or a residual set.
+/// A cycle is whole if it begins and ends within this fraction of its height from its lowest point, or of its force from the
+/// lowest. The rest is a hold, or a residual set.
 const OPEN: f64 = 0.05;
-/// Longest moving mean, as part of a cycle.
+/// Longest moving mean, as a fraction of a cycle.
 const LONGEST_MEAN: f64 = 0.02;
 
-/// Displacement and force of a compression, both positive, smoothed as far as their noise asks for.
+/// Displacement and force of a compression, both positive, smoothed according to their noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// mm
@@ -33,16 +33,16 @@ pub struct Cycle {
     pub samples: Range<usize>,
     /// The sample of the largest displacement.
     pub peak: usize,
-    /// Whether both branches are there from their lowest point on.
+    /// Whether both branches are complete from their lowest point on.
     pub is_whole: bool,
 }
 
 impl Curve {
-    /// Turns what was recorded as negative compression, and takes a moving mean of both channels over the same samples, which
-    /// keeps the line that they lie on.
+    /// Reverses the sign of channels that were recorded with negative compression. Takes a moving mean of both channels over the
+    /// same samples, which keeps the line that they lie on.
     ///
-    /// A mean over m samples lowers a turning point by s·m/4, s being the travel from sample to sample, and leaves the noise
-    /// σ/√m: the two are equal in size for m = (4σ/s)^(2/3). Without noise nothing is smoothed.
+    /// A mean over m samples lowers a turning point by s·m/4, where s is the travel from sample to sample, and leaves the noise
+    /// σ/√m. The two have equal size for m = (4σ/s)^(2/3). Without noise nothing is smoothed.
     pub fn new(displacement: &[f64], force: &[f64]) -> Self {
         let turned = signs(displacement, force);
         let sign = |turned| if turned { -1.0 } else { 1.0 };
@@ -50,7 +50,7 @@ impl Curve {
         let f: Vec<f64> = force.iter().map(|f| sign(turned.1) * f).collect();
         let relative = |values: &[f64]| noise_deviation(values) / span(values);
         let noise = relative(&x).max(relative(&f));
-        // Reversals of the raw displacement that are no noise.
+        // Reversals of the raw displacement that are not noise.
         let reversals = turning_points(&x, REVERSAL.max(NOISE_MARGIN * relative(&x)) * span(&x));
         let step = reversals.len().saturating_sub(1).max(1) as f64 / x.len() as f64;
         let longest = LONGEST_MEAN / step;
@@ -63,7 +63,7 @@ impl Curve {
         }
     }
 
-    /// The cycles in order, those that the recording cuts off among them.
+    /// The cycles in order, including those that the recording cuts off.
     pub fn cycles(&self) -> Vec<Cycle> {
         let x = &self.displacement;
         let noise = noise_deviation(x);
@@ -92,7 +92,7 @@ impl Curve {
         cycles
     }
 
-    /// Whether a sample is near the lowest displacement or force of its cycle.
+    /// Whether a sample is close to the lowest displacement or force of its cycle.
     fn is_low(&self, sample: usize, cycle: Range<usize>, peak: usize) -> bool {
         [&self.displacement, &self.force].into_iter().any(|values| {
             let least = values[cycle.clone()]
@@ -104,8 +104,8 @@ impl Curve {
     }
 }
 
-/// Whether displacement and force have to be turned for both to grow as the specimen is loaded: the force is largest where
-/// it is farthest from 0, and the displacement there is more than where the force is least.
+/// Whether displacement and force have to be reversed for both to grow as the specimen is loaded. The force is largest where it is
+/// farthest from 0, and the displacement there is larger than where the force is smallest.
 fn signs(displacement: &[f64], force: &[f64]) -> (bool, bool) {
     let by_force = |a: &usize, b: &usize| force[*a].abs().total_cmp(&force[*b].abs());
     let largest = (0..force.len()).max_by(by_force).unwrap_or(0);
@@ -116,7 +116,7 @@ fn signs(displacement: &[f64], force: &[f64]) -> (bool, bool) {
     )
 }
 
-/// The samples at which `values` turn by more than `least`, the first and the last extreme among them.
+/// The samples at which `values` turn by more than `least`, including the first and the last extreme.
 fn turning_points(values: &[f64], least: f64) -> Vec<usize> {
     let (mut low, mut high) = (0, 0);
     let mut turns = Vec::new();
@@ -140,7 +140,7 @@ fn turning_points(values: &[f64], least: f64) -> Vec<usize> {
     turns
 }
 
-/// The mean of every sample with `half` of them on either side, fewer at the ends, as many on one side as on the other.
+/// The mean of every sample with `half` samples on each side; fewer near the ends, the same number on both sides.
 fn moving_mean(values: &[f64], half: usize) -> Vec<f64> {
     let last = values.len() - 1;
     (0..values.len())
@@ -152,7 +152,7 @@ fn moving_mean(values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The largest less the smallest of `values`.
+/// The largest minus the smallest of `values`.
 fn span(values: &[f64]) -> f64 {
     let (low, high) = least_and_largest(values);
     high - low

@@ -1,8 +1,8 @@
-//! Dynamic stiffness and loss factor of every cycle of a recording, and of its blocks' averaged cycles, eqs 3–7.
+//! Dynamic stiffness and loss factor for every cycle of a recording, and for the averaged cycle of each block, eqs 3–7.
 //!
-//! Eq 5 is for N samples that fill a cycle, which those of a recording rarely do: each cycle is interpolated from crossing to
-//! crossing of its mid level. Noise makes the extremes of eq 3 larger than they are; the average of a block's cycles, phase
-//! by phase, has less of it.
+//! Eq 5 applies to N samples that fill a cycle, which is rarely the case in a recording: so each cycle is interpolated from
+//! crossing to crossing of its mid level. Noise makes the extremes of eq 3 too large. The average of a block's cycles, phase by
+//! phase, has less noise.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
@@ -14,24 +14,24 @@ use serde::Serialize;
 
 use super::{Spread, spread};
 
-/// A cycle whose amplitude or frequency is by more than this part beside its block's is one of a ramp.
+/// A cycle belongs to a ramp if its amplitude or frequency differs from its block's by more than this fraction.
 const RAMP: f64 = 0.02;
 /// Fewest samples of a cycle.
 const FEWEST: usize = 16;
 /// Most samples of an averaged cycle.
 const MOST: usize = 1000;
-/// ∮F dx and eq 5 are the same for a sine; by this part beside each other they are said to differ.
+/// ∮F dx and eq 5 agree for a sine; a note reports a difference above this fraction.
 const NO_SINE: f64 = 0.02;
 
 /// One cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicCycle {
-    /// Where it begins, s.
+    /// Start of the cycle, s.
     pub time: f64,
     /// Hz
     pub frequency: f64,
-    /// Whether it counts: amplitude and frequency are its block's, and no channel had a fault in it.
+    /// Whether it counts: its amplitude and frequency are those of its block, and no channel had a fault in it.
     pub steady: bool,
     /// Eqs 3–6.
     #[serde(flatten)]
@@ -50,9 +50,9 @@ pub struct Figures {
     pub force_min: f64,
     /// Dynamic stiffness K, eq 3, kN/mm.
     pub stiffness: f64,
-    /// Energy dissipation ΔW, eq 5, J: of the motion's fundamental.
+    /// Energy dissipation ΔW, eq 5, J: for the fundamental of the motion.
     pub dissipated: f64,
-    /// ∮F dx, J: of the motion as it is.
+    /// ∮F dx, J: for the motion as measured.
     pub loop_area: f64,
     /// Elastic potential W, eq 6, J.
     pub elastic_potential: f64,
@@ -60,7 +60,7 @@ pub struct Figures {
     pub loss_factor: f64,
 }
 
-/// Consecutive cycles of like amplitude and frequency.
+/// Consecutive cycles of similar amplitude and frequency.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicBlock {
@@ -72,7 +72,7 @@ pub struct DynamicBlock {
     pub stiffness: Spread,
     /// η_d over the steady cycles.
     pub loss_factor: Spread,
-    /// Of the average of the steady cycles.
+    /// For the average of the steady cycles.
     pub averaged: Figures,
     /// Displacement and force of the averaged cycle, mm and kN.
     #[serde(skip)]
@@ -88,15 +88,15 @@ pub struct DynamicBlock {
 pub struct DynamicTest {
     /// In order.
     pub blocks: Vec<DynamicBlock>,
-    /// What is odd about the recording.
+    /// Peculiarities of the recording.
     pub notes: Vec<String>,
 }
 
-/// Eqs 3–7 for every whole cycle of a recording and for the average of every block's. The channels are examined for faults
-/// first, as before a trace; the force stays at the times at which it was recorded.
+/// Eqs 3–7 for every whole cycle of a recording and for the averaged cycle of every block. The channels are checked for faults
+/// first, as before a trace; the force stays at its recorded times.
 ///
 /// # Errors
-/// A recording that is mostly gaps or noise, has no whole cycle or too few samples in each.
+/// The recording is mostly gaps or noise, or it has no whole cycle or too few samples per cycle.
 pub fn dynamic_test(recording: &Recording) -> Result<DynamicTest, InputError> {
     let trajectory = Trajectory::as_recorded(recording)?;
     let refused = |problem: String, mend: &str| {
@@ -128,7 +128,7 @@ pub fn dynamic_test(recording: &Recording) -> Result<DynamicTest, InputError> {
         ));
     }
     let mut notes: Vec<String> = trajectory.faults.iter().map(ToString::to_string).collect();
-    // Beside blocks of several cycles a single one is the way from block to block.
+    // If there are blocks of several cycles, a single cycle is a transition between blocks.
     let single = |block: &DynamicBlock| block.stiffness.deviation.is_none();
     if !blocks.iter().all(single) {
         let all = blocks.len();
@@ -175,7 +175,7 @@ impl DynamicBlock {
             _ => index as f64,
         };
         let longest = block.cycles.iter().map(ExactSizeIterator::len).max()?;
-        // A multiple of 4, so that the middle, the extremes and the middle again of a sine are among the phases.
+        // A multiple of 4, so that the phases of a sine include its extremes and both crossings of the middle.
         let phases = 4 * longest.min(MOST).div_ceil(4);
         let mut cycles = Vec::new();
         let (mut sum_x, mut sum_f) = (vec![0.0; phases], vec![0.0; phases]);
@@ -260,7 +260,7 @@ impl Figures {
     }
 }
 
-/// `values` between its samples.
+/// Interpolates `values` between its samples.
 fn linear(values: &[f64], place: f64) -> f64 {
     let last = values.len() - 1;
     let before = (place.max(0.0) as usize).min(last);

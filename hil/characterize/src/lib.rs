@@ -1,5 +1,5 @@
-//! Stiffness and loss factor of a recording, as the paper characterizes specimens: eqs 1 and 2 of a load–unload curve, eqs
-//! 3–7 of cycles.
+//! Stiffness and loss factor of a recording, computed as the paper characterizes specimens: eqs 1 and 2 for a load–unload curve,
+//! eqs 3–7 for cycles.
 //!
 //! ```
 //! use mesh_damper_characterize::static_test;
@@ -26,13 +26,13 @@ pub use quasistatic::{StaticCycle, StaticTest, static_test};
 
 use serde::Serialize;
 
-/// The mean of a figure over cycles, and how far they scatter.
+/// Mean and scatter of a figure over cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// Over the cycles.
     pub mean: f64,
-    /// Standard deviation from cycle to cycle; `None` for a single one.
+    /// Standard deviation from cycle to cycle; `None` for a single cycle.
     pub deviation: Option<f64>,
 }
 

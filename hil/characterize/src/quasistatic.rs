@@ -1,9 +1,9 @@
 //! Equivalent stiffness and static loss factor of load–unload cycles, eqs 1 and 2.
 //!
-//! Each cycle is measured from where its own loading begins: the displacement there and the middle line's force, a preload
-//! or a sensor's zero, are taken off first. The middle line is the mean of the branches at equal displacement, so that
-//! neither branch's number of samples weighs in. An unloading that ends above that displacement has left a residual set,
-//! over which its force is that of the preload.
+//! Each cycle is measured from the start of its loading. The displacement there and the force of the middle line, a preload or a
+//! sensor's zero, are subtracted first. The middle line is the mean of the branches at equal displacement, so the number of samples
+//! in each branch does not matter. An unloading that ends above the starting displacement has left a residual set; over it, the
+//! force is that of the preload.
 
 use std::ops::Range;
 
@@ -15,10 +15,10 @@ use serde::Serialize;
 use super::branches::{Curve, Cycle};
 use super::{Spread, spread};
 
-/// Between these parts of x_max a straight line through a branch tells its force at the start. The turning sample itself
-/// may be anywhere in the jump that friction makes there.
+/// A straight line through a branch between these fractions of x_max gives its force at the start. The turning sample itself may be
+/// anywhere in the jump that friction makes there.
 const EDGE: (f64, f64) = (0.005, 0.035);
-/// Fewest samples for that.
+/// Fewest samples for that line.
 const EDGE_SAMPLES: usize = 3;
 /// Points of the middle line.
 const LINE_POINTS: usize = 101;
@@ -27,15 +27,15 @@ const LINE_POINTS: usize = 101;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticCycle {
-    /// When its loading begins, turns and its unloading ends, s.
+    /// Start of the loading, turning point and end of the unloading, s.
     pub times: [f64; 3],
-    /// Displacement where its loading begins, mm; compression is positive.
+    /// Displacement at the start of the loading, mm; compression is positive.
     pub start: f64,
-    /// Force of the middle line there, kN.
+    /// Force of the middle line at the start, kN.
     pub preload: f64,
-    /// Largest displacement x_max, from the start, mm.
+    /// Largest displacement x_max, relative to the start, mm.
     pub displacement_max: f64,
-    /// Largest force, beyond the preload, kN.
+    /// Largest force, relative to the preload, kN.
     pub force_max: f64,
     /// Elastic potential U, J.
     pub elastic_potential: f64,
@@ -45,10 +45,10 @@ pub struct StaticCycle {
     pub equivalent_stiffness: f64,
     /// Static loss factor η_s, eq 2.
     pub loss_factor: f64,
-    /// Force over displacement, both from the start, mm and kN: loading and then unloading.
+    /// Force over displacement, both relative to the start, mm and kN: loading, then unloading.
     #[serde(skip)]
     pub curve: Vec<(f64, f64)>,
-    /// The middle line, likewise.
+    /// The middle line, in the same form.
     #[serde(skip)]
     pub middle: Vec<(f64, f64)>,
 }
@@ -63,14 +63,14 @@ pub struct StaticTest {
     pub equivalent_stiffness: Spread,
     /// η_s over the cycles.
     pub loss_factor: Spread,
-    /// What was done with the recording, and what is odd about it.
+    /// Corrections of the recording, and its peculiarities.
     pub notes: Vec<String>,
 }
 
 /// Eqs 1 and 2 for every whole load–unload cycle of a recording.
 ///
 /// # Errors
-/// A recording without one.
+/// The recording has no such cycle.
 pub fn static_test(recording: &Recording) -> Result<StaticTest, InputError> {
     let curve = Curve::new(&recording.displacement, &recording.force);
     let found = curve.cycles();
@@ -137,7 +137,7 @@ pub fn static_test(recording: &Recording) -> Result<StaticTest, InputError> {
 }
 
 impl StaticCycle {
-    /// `None` when there is no elastic potential.
+    /// `None` if there is no elastic potential.
     fn of(curve: &Curve, cycle: &Cycle, time: &[f64]) -> Option<Self> {
         let (first, last) = (cycle.samples.start, cycle.samples.end - 1);
         let start = curve.displacement[first];
@@ -199,7 +199,7 @@ fn force_at_start(branch: impl Iterator<Item = (f64, f64)>, turn: f64) -> Option
     (square > 0.0).then(|| mean_f - mean_x * product / square)
 }
 
-/// The part of an unloading at displacements of 0 and more, its last point interpolated.
+/// The part of an unloading at displacements of 0 and more, with the last point interpolated.
 fn down_to_zero(unloading: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let Some(below) = unloading.iter().position(|&(x, _)| x < 0.0) else {
         return unloading.to_vec();
@@ -223,7 +223,7 @@ fn middle_line(loading: &[(f64, f64)], unloading: &[(f64, f64)]) -> Vec<(f64, f6
         .collect()
 }
 
-/// The force of a branch, given upwards, where it first reaches `x`; 0 below its beginning.
+/// The force of a branch, in order of rising displacement, where it first reaches `x`; 0 below its beginning.
 fn at(branch: impl Iterator<Item = (f64, f64)>, x: f64) -> f64 {
     let mut before: Option<(f64, f64)> = None;
     for (x1, f1) in branch {

@@ -1,4 +1,4 @@
-//! Characterization of recordings against loops whose stiffness and loss factor are known in closed form.
+//! Characterization of recordings of loops with stiffness and loss factor known in closed form.
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,12 +23,12 @@ struct Press {
     cycles: usize,
     /// Samples of a loading and of an unloading.
     samples: (usize, usize),
-    /// Samples of the hold at the top, in which the friction is given up.
+    /// Samples of the hold at the top, in which the friction relaxes.
     hold: usize,
-    /// Displacement and force where loading begins.
+    /// Displacement and force at the start of the loading.
     offset: (f64, f64),
     signs: (f64, f64),
-    /// As part of the largest displacement and force.
+    /// As a fraction of the largest displacement and force.
     noise: f64,
 }
 
@@ -91,8 +91,8 @@ impl Press {
 }
 
 proptest! {
-    /// Whatever the branches' numbers of samples, the hold, the preload, the zero and the signs. The loop's corners are
-    /// cut by up to one step: 1/(2·120) of ΔW at each.
+    /// The result does not depend on the branches' numbers of samples, the hold, the preload, the zero and the signs. The loop's
+    /// corners are cut by up to one step: 1/(2·120) of ΔW at each.
     #[test]
     fn a_friction_loop_is_the_same_however_it_is_recorded(
         cycles in 1..4_usize, up in 120..900_usize, down in 120..900_usize, hold in 0..50_usize,
@@ -114,7 +114,7 @@ proptest! {
             prop_assert!((cycle.loss_factor / loss_factor() - 1.0).abs() < 1e-2, "{cycle:?}");
             prop_assert!((cycle.displacement_max - TRAVEL).abs() < 1e-9);
             prop_assert!((cycle.start - x).abs() < 1e-9);
-            // The middle line begins at the offset: half of each jump is the friction's.
+            // The middle line begins at the offset: half of each jump is due to friction.
             prop_assert!((cycle.preload - f).abs() < 2e-3, "{cycle:?}");
         }
         prop_assert_eq!(test.notes.len(), usize::from(turned.0) + usize::from(turned.1));
@@ -124,7 +124,7 @@ proptest! {
 #[test]
 fn what_the_recording_cuts_off_is_left_out_and_said() {
     let press = Press { cycles: 3, ..PRESS };
-    // 800 samples a cycle: from the middle of the first loading to the middle of the last unloading.
+    // 800 samples per cycle: from the middle of the first loading to the middle of the last unloading.
     let test = static_test(&press.record(|_| 200..2200)).unwrap();
     assert_eq!(test.cycles.len(), 1);
     close(test.cycles[0].equivalent_stiffness, STIFFNESS, 0.01);
@@ -133,7 +133,7 @@ fn what_the_recording_cuts_off_is_left_out_and_said() {
         test.notes,
         ["cycles that the recording cuts off, left out: 2"]
     );
-    // From the middle of an unloading on.
+    // Starting in the middle of an unloading.
     let test = static_test(&press.record(|count| 600..count)).unwrap();
     assert_eq!(test.cycles.len(), 2);
 }
@@ -149,13 +149,13 @@ fn noise_of_a_hundredth_leaves_the_figures() {
     };
     let test = static_test(&press.whole()).unwrap();
     assert_eq!(test.cycles.len(), 4);
-    // A turning point is found to 1 % of the travel, which eq 1 takes by its square.
+    // A turning point is found to 1 % of the travel, which enters eq 1 squared.
     close(test.equivalent_stiffness.mean / STIFFNESS, 1.0, 0.02);
     close(test.loss_factor.mean / loss_factor(), 1.0, 0.03);
     assert!(test.equivalent_stiffness.deviation.unwrap() < 0.02 * STIFFNESS);
 }
 
-/// Branches k·x ± b·x·(x_max − x), from and to no force: U = k·x_max²/2 and ΔW = b·x_max³/3.
+/// Branches k·x ± b·x·(x_max − x), from zero force to zero force: U = k·x_max²/2 and ΔW = b·x_max³/3.
 #[test]
 fn a_closed_loop_has_its_closed_form() {
     let (k, b, x_max) = (2.0, 0.8, 0.5);
@@ -169,14 +169,14 @@ fn a_closed_loop_has_its_closed_form() {
     let time = (0..x.len()).map(|i| i as f64).collect();
     let test = static_test(&Recording::new("loop", time, x, f).unwrap()).unwrap();
     let cycle = &test.cycles[0];
-    // The straight line through a branch's beginning misses its curvature by b·(0.02·x_max)², 8e-5 kN.
+    // The straight line through the beginning of a branch ignores its curvature, b·(0.02·x_max)², 8e-5 kN.
     close(cycle.preload, 0.0, 1e-4);
     close(cycle.equivalent_stiffness, k, 1e-3);
     close(cycle.loss_factor, b * x_max / 3.0 / (PI * k / 2.0), 1e-4);
     close(cycle.middle[50].1, k * x_max / 2.0, 2e-4);
 }
 
-/// Straight lines through these displacements (mm) and forces (kN), 400 samples each, moved by a zero of each channel.
+/// Straight lines through these displacements (mm) and forces (kN), 400 samples each, shifted by a zero of each channel.
 fn lines(corners: &[(f64, f64)], offset: (f64, f64)) -> Recording {
     let between = |from: f64, to: f64, i: u32| from + (to - from) * f64::from(i) / 400.0;
     let mut points = vec![corners[0]];
@@ -192,8 +192,8 @@ fn lines(corners: &[(f64, f64)], offset: (f64, f64)) -> Recording {
     Recording::new("press", time, x, f).unwrap()
 }
 
-/// Loaded along 2 kN/mm to 0.5 mm, the specimen has lost its force at 0.1 mm already: U is the mean of ½·1·0.5 and ½·1·0.4, ΔW
-/// their difference. Loaded again from the residual set it is a spring of 2.5 kN/mm over 0.4 mm.
+/// Loaded along 2 kN/mm to 0.5 mm, the specimen loses its force at 0.1 mm: U is the mean of ½·1·0.5 and ½·1·0.4, and ΔW is their
+/// difference. Loaded again from the residual set it is a spring of 2.5 kN/mm over 0.4 mm.
 #[test]
 fn a_residual_set_has_its_closed_form_and_the_next_cycle_begins_from_it() {
     for offset in [(0.0, 0.0), (-0.3, 0.2)] {
@@ -216,7 +216,7 @@ fn a_residual_set_has_its_closed_form_and_the_next_cycle_begins_from_it() {
     }
 }
 
-/// What is pulled beyond where the loading began counts from there on only.
+/// A specimen pulled beyond the start of the loading counts from the start on only.
 #[test]
 fn an_unloading_below_its_start_counts_down_to_the_start() {
     let beyond = -0.02;
@@ -246,7 +246,8 @@ fn a_motion_that_does_not_come_back_is_no_cycle() {
     assert!(refused(0..600).contains("no load–unload cycle is whole"));
 }
 
-/// Blocks of cycles (amplitude mm, frequency Hz, cycles) at `rate` Hz, each after the other from the phase at which it ends.
+/// Blocks of cycles (amplitude mm, frequency Hz, cycles) at `rate` Hz, each continuing from the phase at the end of the previous
+/// one.
 fn cycles(law: Coefficients, blocks: &[(f64, f64, f64)], rate: f64, noise: f64) -> Recording {
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(2);
     let normal = Normal::new(0.0, 1.0).unwrap();
@@ -254,7 +255,7 @@ fn cycles(law: Coefficients, blocks: &[(f64, f64, f64)], rate: f64, noise: f64) 
     for &(amplitude, frequency, count) in blocks {
         let samples = (count * rate / frequency).round() as usize;
         for i in 0..samples {
-            // Beside the reversals, where rounding decides the sign of the velocity.
+            // Except at the reversals, where rounding decides the sign of the velocity.
             let (sin, cos) = (TAU * frequency * (i as f64 + 0.37) / rate).sin_cos();
             let (y, v) = (amplitude * sin, TAU * frequency * amplitude * cos);
             time.push(time.len() as f64 / rate);
@@ -266,7 +267,7 @@ fn cycles(law: Coefficients, blocks: &[(f64, f64, f64)], rate: f64, noise: f64) 
     Recording::new("cycles", time, x, f).unwrap()
 }
 
-/// F = k·y + c·v: K = √(k² + (cω)²), ΔW = π·c·ω·X², η = c·ω/K, at 333.3 samples a cycle.
+/// F = k·y + c·v: K = √(k² + (cω)²), ΔW = π·c·ω·X², η = c·ω/K, at 333.3 samples per cycle.
 #[test]
 fn an_ellipse_has_its_closed_form_in_every_cycle_and_on_average() {
     let law = Coefficients {
@@ -285,15 +286,15 @@ fn an_ellipse_has_its_closed_form_in_every_cycle_and_on_average() {
     let k = law.k1.hypot(c_omega);
     let measured = block.cycles.iter().map(|cycle| &cycle.result);
     for (index, figures) in measured.chain([&block.averaged]).enumerate() {
-        // An extreme between samples: (π/333)²/2 = 4.4e-5, of force and amplitude. The first cycle begins with the
-        // recording, which lacks 0.37 of its 333 samples.
+        // An extreme between samples: (π/333)²/2 = 4.4e-5, for force and amplitude. The first cycle begins with the recording,
+        // which lacks 0.37 of its 333 samples.
         let tolerance = if index == 0 { 1.2e-3 } else { 2e-4 };
         close(figures.stiffness / k, 1.0, tolerance);
         close(figures.dissipated / (PI * c_omega * 0.01), 1.0, tolerance);
         close(figures.loop_area / figures.dissipated, 1.0, tolerance);
         close(figures.loss_factor / (c_omega / k), 1.0, tolerance);
     }
-    // The first cycle's 1.1e-3, of eight or seven.
+    // The first cycle's 1.1e-3, averaged over eight or seven.
     close(block.frequency / 3.0, 1.0, 2e-4);
 }
 
@@ -320,7 +321,7 @@ fn every_block_has_the_energy_of_eq_13() {
     }
 }
 
-/// Noise widens the extremes of each cycle; the average of twenty has less of it.
+/// Noise widens the extremes of each cycle; the average of twenty cycles has less noise.
 #[test]
 fn the_averaged_cycle_is_nearer_than_the_cycles() {
     let law = Coefficients {
@@ -337,8 +338,8 @@ fn the_averaged_cycle_is_nearer_than_the_cycles() {
     assert!(block.stiffness.deviation.unwrap() > 0.0);
 }
 
-/// x = X·(sin θ + 0.2·sin 3θ) against c·v: ∮F dx is π·c·ω·X²·(1 + 0.04·9), while eq 5 counts π·X0·c·ω·X with the half
-/// range X0 = 0.8710·X, where cos²θ = 1/3.
+/// x = X·(sin θ + 0.2·sin 3θ) with c·v: ∮F dx is π·c·ω·X²·(1 + 0.04·9), while eq 5 gives π·X0·c·ω·X with half the range X0 =
+/// 0.8710·X, where cos²θ = 1/3.
 #[test]
 fn a_motion_that_is_no_sine_is_said_to_be_none() {
     let (amplitude, c, frequency) = (0.1, 0.3, 1.0);
@@ -357,7 +358,7 @@ fn a_motion_that_is_no_sine_is_said_to_be_none() {
     assert!(test.notes[0].contains("no sine"), "{:?}", test.notes);
 }
 
-/// A ramp of amplitude, a block, one cycle on the way to the next block: those of the blocks count.
+/// A ramp of amplitude, a block, and one cycle in transition to the next block: only cycles of the blocks count.
 #[test]
 fn ramps_and_ways_between_blocks_are_left_out() {
     let law = tables::cell(1, 2);

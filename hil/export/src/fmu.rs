@@ -1,6 +1,6 @@
 //! The archive of an FMU: the description, the model, and the library for each platform.
 //!
-//! The same model and libraries give the same bytes: all files of the archive are of 1980.
+//! The same model and libraries give the same bytes: all files in the archive are dated 1980.
 
 use std::fs;
 use std::io::{Cursor, Write as _};
@@ -16,13 +16,13 @@ use serde::Serialize;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// What an FMU is known by, and where it runs.
+/// The identity of an FMU, and its platforms.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
-    /// Of model, settings and library.
+    /// Hash of model, settings and library.
     pub guid: String,
-    /// The platforms whose library it carries, by the names of FMI.
+    /// The platforms of its libraries, by their FMI names.
     pub platforms: Vec<&'static str>,
 }
 
@@ -33,7 +33,7 @@ pub struct Library {
     bytes: Vec<u8>,
 }
 
-/// A platform by the name of its folder in an FMU.
+/// A platform, by the name of its folder in an FMU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Platform {
     name: &'static str,
@@ -45,17 +45,17 @@ const fn platform(name: &'static str, ending: &'static str) -> Platform {
 }
 
 impl Platform {
-    /// The one that a library is for, by the first bytes of its file.
+    /// The platform of a library, from the first bytes of its file.
     fn of(bytes: &[u8]) -> Option<Self> {
         let at = |place: usize| bytes.get(place..place + 4);
         match at(0)? {
-            // Whatever the processor: FMI 2.0 has names for the number of bits alone.
+            // Whatever the processor: FMI 2.0 names only distinguish the number of bits.
             b"\x7fELF" => match bytes.get(4)? {
                 1 => Some(platform("linux32", "so")),
                 2 => Some(platform("linux64", "so")),
                 _ => None,
             },
-            // 64 bits, or one for several processors.
+            // 64 bits, or one file for several processors.
             [0xcf, 0xfa, 0xed, 0xfe] | [0xca, 0xfe, 0xba, 0xbe] => {
                 Some(platform("darwin64", "dylib"))
             }
@@ -75,11 +75,11 @@ impl Platform {
     }
 }
 
-/// The libraries that are `named`, one for each platform, and the one in the first of `folders` that has it where none of them is for its
-/// platform.
+/// The libraries that are `named`, one for each platform, plus the library in the first of `folders` that has one if none of them
+/// is for this platform.
 ///
 /// # Errors
-/// A file that is no such library, two for one platform, or none at all.
+/// A file is not such a library, two are for the same platform, or there is none.
 pub fn libraries(named: &[PathBuf], folders: &[PathBuf]) -> Result<Vec<Library>, InputError> {
     let mut all: Vec<Library> = Vec::new();
     for path in named {
@@ -115,17 +115,17 @@ pub fn libraries(named: &[PathBuf], folders: &[PathBuf]) -> Result<Vec<Library>,
     Ok(all)
 }
 
-/// What the library for this platform is called.
+/// The name of the library for this platform.
 pub fn file_name() -> String {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
     format!("{DLL_PREFIX}{IDENTIFIER}{DLL_SUFFIX}")
 }
 
-/// The folders in which the library is that was built along with this program, or that was put beside an installed one.
+/// The folders that may contain the library: built together with this program, or installed next to it.
 pub fn beside_this_program() -> Vec<PathBuf> {
     let program = std::env::current_exe().ok();
     let folder = program.as_deref().and_then(Path::parent);
-    // The first is of the same build as this program; the second may be of an earlier one.
+    // The first is from the same build as this program; the second may be from an earlier build.
     folder.map_or_else(Vec::new, |folder| {
         vec![folder.join("deps"), folder.to_owned()]
     })
@@ -158,7 +158,7 @@ fn library(path: &Path) -> Result<Library, InputError> {
 /// The bytes of an FMU; `model` is the name of the model's file.
 ///
 /// # Errors
-/// A control input that has the name of another variable.
+/// A control input has the name of another variable.
 pub fn packed(
     file: &ModelFile,
     export: &Export,

@@ -1,8 +1,8 @@
-//! A model in files, as firmware or a simulation takes it: what `hil export` does beside its options.
+//! Exports a model as files for firmware or a simulation: the work of `hil export`, without its options.
 //!
 //! | module | for |
 //! |---|---|
-//! | the root | [`Request`]: which export is wanted, and where; [`Exported`]: its files, and what it says of itself |
+//! | the root | [`Request`]: the requested export and its place; [`Exported`]: its files and their description |
 //! | [`fmu`] | the archive of an FMU |
 //!
 //! ```
@@ -51,10 +51,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// Every format.
+    /// All formats.
     pub const ALL: [Self; 4] = [Self::Pack, Self::Rust, Self::C, Self::Fmu];
 
-    /// As the command's option has it.
+    /// Its word in the command's option.
     pub fn word(self) -> &'static str {
         match self {
             Self::Pack => "pack",
@@ -65,16 +65,16 @@ impl Format {
     }
 }
 
-/// Which export of a model is wanted, and where.
+/// The requested export of a model, and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// The model's file, or what errors call it.
+    /// The model's file, or its name in errors.
     pub model: PathBuf,
     /// What it becomes.
     pub format: Format,
     /// Ticks per second of the firmware, or evaluations of the law per second in an FMU, Hz.
     pub tick_rate: f64,
-    /// Where it goes; of C the name of header and source, with or without its ending; `-` for standard output.
+    /// Output path; for C the name of header and source, with or without its ending; `-` for standard output.
     pub out: PathBuf,
     /// What the model is called, at most 32 bytes; the name of the file that is written without it.
     pub name: Option<String>,
@@ -84,24 +84,24 @@ pub struct Request {
     pub amplitude: Option<f64>,
     /// Density of the specimen, g/cm³, to be said with the law.
     pub density: Option<f64>,
-    /// Whether a law is exported that gives more energy than it takes.
+    /// Whether to export a law that gives out more energy than it takes.
     pub allow_active: bool,
     /// Libraries for an FMU, one for each platform.
     pub libraries: Vec<PathBuf>,
-    /// Folders in which the library for an FMU is looked for beside these.
+    /// Folders to search for an FMU's library, in addition to these.
     pub folders: Vec<PathBuf>,
 }
 
-/// The files of an export, and what it says of itself.
+/// The files of an export, and their description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exported {
-    /// The files that are to be written, in the order of [`Request::paths`].
+    /// The files to write, in the order of [`Request::paths`].
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// What was written, for other programs.
     pub summary: Summary,
-    /// What was written, what it is of, and how it is used, for people.
+    /// The output, its contents and its use, in text for people.
     pub said: Vec<String>,
-    /// What the user should know though the model was exported.
+    /// Warnings for the user although the model was exported.
     pub warnings: Vec<String>,
 }
 
@@ -157,7 +157,7 @@ pub struct Range {
 }
 
 impl Request {
-    /// Of the model in a file, for `tick_rate` Hz, to `out`, with nothing else said.
+    /// For the model in a file, for `tick_rate` Hz, to `out`; everything else has its default.
     pub fn new(
         model: impl Into<PathBuf>,
         format: Format,
@@ -179,10 +179,10 @@ impl Request {
         }
     }
 
-    /// The files that will be written: of C the header and the source.
+    /// The files that will be written: for C the header and the source.
     ///
     /// # Errors
-    /// A name that no C header can have; a library beside another format than an FMU.
+    /// A name that no C header can have, or a library together with a format other than FMU.
     pub fn paths(&self) -> Result<Vec<PathBuf>, InputError> {
         if let (Some(library), false) = (self.libraries.first(), self.format == Format::Fmu) {
             return Err(InputError::new(
@@ -216,7 +216,7 @@ impl Request {
             .to_vec())
     }
 
-    /// The name of what is written, without the ending of its format.
+    /// The name of the output, without the ending of its format.
     pub(crate) fn stem(&self) -> String {
         let path = match self.out == Path::new("-") {
             true => &self.model,
@@ -253,11 +253,11 @@ impl Request {
         ))
     }
 
-    /// The export of the model of `file`.
+    /// Exports the model of `file`.
     ///
     /// # Errors
-    /// As [`Request::paths`]; a setting that is out of range, by the name of its option; a model that cannot run at the tick rate or
-    /// that the format cannot hold; a library for an FMU that is none, or that is missing.
+    /// As [`Request::paths`]; also a setting out of range, by the name of its option; a model that cannot run at the tick rate or
+    /// that the format cannot hold; a library for an FMU that is invalid or missing.
     pub fn export(&self, file: &ModelFile) -> Result<Exported, InputError> {
         let paths = self.paths()?;
         let settings = ExportSettings {
@@ -316,7 +316,7 @@ impl Request {
         })
     }
 
-    /// What each of the files holds, and what else an FMU says of itself.
+    /// The contents of each file, and the additional data of an FMU.
     fn texts(
         &self,
         file: &ModelFile,

@@ -1,4 +1,4 @@
-//! Why a model is not exported, with the option or the file that it is about.
+//! The reason why a model is not exported, with the option or the file concerned.
 
 use mesh_damper_model::ModelError;
 use mesh_damper_model::export::ExportError;
@@ -8,7 +8,7 @@ use mesh_damper_recording::error::{InputError, Place};
 use super::Request;
 
 impl Request {
-    /// `error` with the option or the file that it is about.
+    /// `error` with the option or the file concerned.
     pub(crate) fn refused(&self, error: &ExportError) -> InputError {
         let model = self.model.display().to_string();
         match error {

@@ -1,11 +1,11 @@
-//! What was written, in words.
+//! Describes the output in text.
 
 use mesh_damper_model::export::{c_identifier, rust_module};
 
 use super::{Format, Range, Request, Summary};
 
 impl Request {
-    /// What was written, what it is of, and how it is used.
+    /// The output, its contents and its use.
     pub(crate) fn in_words(&self, summary: &Summary) -> Vec<String> {
         let files: Vec<String> = summary
             .files

@@ -1,4 +1,4 @@
-//! What the law lacks of a simulated specimen: `cargo run --release -p mesh-damper-identify --example trace`.
+//! Finds the effect that the law lacks for a simulated specimen: `cargo run --release -p mesh-damper-identify --example trace`.
 
 use std::error::Error;
 

@@ -1,6 +1,6 @@
-//! The law that effects are sought beside.
+//! The base law: the law to which effects are added.
 
-/// The law that effects are sought beside. A damper that is no mesh may have a plainer one than eq 13.
+/// The base law, to which effects are added. A damper that is no mesh may have a simpler one than eq 13.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BaseLaw {
     /// Mixed damping: k1·y + k3·y³ + c·|v|^α·sgn v (eq 13).
@@ -8,7 +8,7 @@ pub enum BaseLaw {
     Mixed,
     /// A spring and a dashpot: k1·y + c·v.
     Linear,
-    /// None: effects are all of the force.
+    /// None: the effects give the whole force.
     None,
 }
 
@@ -34,7 +34,7 @@ impl BaseLaw {
         }
     }
 
-    /// What stands in it of y, y³ and |v|^α·sgn v.
+    /// Whether it has terms in y, y³ and |v|^α·sgn v.
     pub(crate) fn has(self) -> [bool; 3] {
         match self {
             Self::Mixed => [true; 3],
@@ -43,7 +43,7 @@ impl BaseLaw {
         }
     }
 
-    /// The exponent of its damping, where it is given.
+    /// The exponent of its damping, if it is fixed.
     pub(crate) fn exponent(self) -> Option<f64> {
         (self != Self::Mixed).then_some(1.0)
     }

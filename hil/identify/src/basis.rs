@@ -1,4 +1,4 @@
-//! The columns that a fit is linear in, for given exponents and shapes.
+//! The columns in which a fit is linear, for given exponents and shapes.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,23 +15,23 @@ use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
 use super::term::{Term, TermValue};
 
-/// Step of a difference that stands for a derivative.
+/// Step of a finite difference for a derivative.
 pub(super) const STEP: f64 = 1e-4;
-/// Samples of which eq 13 is worked out at once: of no matter to what comes of it.
+/// Samples for which eq 13 is computed at once. The number does not affect the result.
 const PART: usize = 4096;
 
 /// Eq 13 and added terms over the rows of a fit.
 ///
-/// The searched parameters are the exponents of the nodes, then each term's: the sizes of what scales eq 13, and
+/// The searched parameters are the exponents of the nodes, then those of each term: the sizes of terms that scale eq 13, and
 /// logarithms of shapes.
 #[derive(Clone)]
 pub(super) struct Basis<'r, 'a> {
     pub rows: &'r Rows<'a>,
     pub terms: Vec<Term>,
     shapes: Vec<Vec<Shape>>,
-    /// Where each term's searched parameters stand.
+    /// The place of each term's searched parameters.
     slots: Vec<Range<usize>>,
-    /// How a spring in series gives way, where there is one.
+    /// The deflections of a spring in series, if there is one.
     deflections: Option<Vec<Deflection>>,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Columns {
     added: Vec<Vec<Arc<Vec<f64>>>>,
 }
 
-/// Eq 13's at every row, scaled where a term does.
+/// The columns of eq 13 at every row, scaled if a term scales them.
 struct LawColumns {
     /// y, y³ and |v|^α·sgn v.
     unit: Vec<[f64; 3]>,
@@ -54,10 +54,10 @@ struct LawColumns {
 }
 
 struct Moved {
-    /// What moves the recorded motion, each with its shape. The motion is made of them where it is needed: kept at every sample,
-    /// those of all searches at once took as much memory as all else.
+    /// The terms that change the recorded motion, each with its shape. The changed motion is computed where it is needed: stored at
+    /// every sample, the motions of all searches took as much memory as everything else together.
     by: Vec<(Form, f64)>,
-    /// `None` where it stays as recorded, and only the force is shown otherwise.
+    /// `None` if the motion stays as recorded and only the readings of the force differ.
     rows: Option<RowMotion>,
 }
 
@@ -84,7 +84,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         }
     }
 
-    /// The same with a spring in series giving way as it does in `solution`, where there is one.
+    /// As [`Basis::new`], with a spring in series that deflects as in `solution`, if there is one.
     #[must_use]
     pub fn around(mut self, solution: &Solution) -> Self {
         if self.terms.iter().any(|term| term.form.gives_way) {
@@ -105,13 +105,13 @@ impl<'r, 'a> Basis<'r, 'a> {
             .unwrap_or(false)
     }
 
-    /// What the searched parameters `at` and the `linear` unknowns stand for; `squares` is what they leave, kN².
+    /// The solution for the searched parameters `at` and the `linear` unknowns; `squares` is the sum of its squared errors, kN².
     pub fn solution(&self, at: &[f64], linear: &[f64], squares: f64) -> Solution {
         let nodes = self.rows.nodes.len();
         let law = (0..nodes)
             .map(|node| LawNode {
                 amplitude: self.rows.nodes[node],
-                // What the crate takes: a force over a displacement that is next to nothing asks for more.
+                // Limited to the crate's range: a force over almost no displacement asks for more.
                 k1: linear[3 * node].clamp(-COEFFICIENT, COEFFICIENT),
                 k3: linear[3 * node + 1].clamp(-COEFFICIENT, COEFFICIENT),
                 c: linear[3 * node + 2].min(COEFFICIENT),
@@ -141,7 +141,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         }
     }
 
-    /// Where the searched parameters of a term stand.
+    /// The place of a term's searched parameters.
     pub fn slot(&self, term: usize) -> Range<usize> {
         self.slots[term].clone()
     }
@@ -162,7 +162,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
-    /// The sizes of a term that scales eq 13, as far as the crate takes them.
+    /// The sizes of a term that scales eq 13, limited to the crate's range.
     fn scales(&self, at: &[f64], term: usize) -> Vec<f64> {
         let form = self.terms[term].form;
         let [least, largest] = form.scale_range;
@@ -170,7 +170,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         sizes.map(|size| size.clamp(least, largest)).collect()
     }
 
-    /// The columns at `at`; what does not change is taken from `known`.
+    /// The columns at `at`; unchanged ones are taken from `known`.
     pub fn columns(&self, at: &[f64], known: Option<&Columns>) -> Columns {
         let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
         let stays = |is_of: fn(Entry) -> bool| {
@@ -216,7 +216,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         force
     }
 
-    /// Which of the terms that add to that force add less to each row than `part` of its largest.
+    /// Whether each term adds to every row less than `part` of the largest magnitude of that force.
     pub fn adds_nothing(&self, columns: &Columns, linear: &[f64], part: f64) -> Vec<bool> {
         let largest = |force: &[f64]| force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
         let least = part * largest(&self.force(columns, linear));
@@ -232,7 +232,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         .collect()
     }
 
-    /// Eq 13's part of that force.
+    /// The part of that force due to eq 13.
     pub fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
         let rows = columns.law.unit.iter();
         rows.zip(&self.motion(columns).node)
@@ -240,7 +240,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
-    /// The derivative of that force by one searched parameter, at every row.
+    /// The derivative of that force with respect to one searched parameter, at every row.
     pub fn slope(&self, columns: &Columns, linear: &[f64], slot: usize) -> Vec<f64> {
         if slot < self.rows.nodes.len() {
             return self.exponent_slope(columns, linear, slot);
@@ -280,8 +280,8 @@ impl<'r, 'a> Basis<'r, 'a> {
         slope
     }
 
-    /// Between which values of a term's searched parameter, now `at`, the difference is taken: from here away from the nearer
-    /// end of its range, where it is held.
+    /// The two values of a term's searched parameter between which the difference is taken, for the present value `at`: from here
+    /// away from the nearer end of its range, where it is held.
     fn ends(&self, at: f64, slot: usize) -> [f64; 2] {
         let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
         let form = term.map(|term| self.terms[term].form);
@@ -325,14 +325,14 @@ impl<'r, 'a> Basis<'r, 'a> {
             .collect()
     }
 
-    /// The forces of another term with each size 1 at every row; none where the crate refuses the shapes, which it may at
-    /// the end of their range at some tick.
+    /// The forces of another term with each size 1 at every row. Empty if the crate refuses the shapes, which can happen at the end
+    /// of their range at some tick.
     pub fn unit_forces(&self, form: Form, shapes: &[f64], columns: &Columns) -> Vec<Arc<Vec<f64>>> {
         self.forces(form, shapes, &columns.moved, true)
             .unwrap_or_default()
     }
 
-    /// What eq 13 sees at every row.
+    /// The inputs of eq 13 at every row.
     pub fn motion<'c>(&'c self, columns: &'c Columns) -> &'c RowMotion {
         self.motion_of(&columns.moved)
     }
@@ -362,7 +362,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         Some(Moved { by: moves, rows })
     }
 
-    /// What the channels show at the rows of a force known at every sample of every trajectory.
+    /// The readings of the channels at the rows, for a force known at every sample of every trajectory.
     fn shown(&self, moved: &Option<Arc<Moved>>, mut force: Vec<Vec<f64>>) -> Vec<f64> {
         let by = moved.iter().flat_map(|moved| &moved.by);
         let shows = by.filter_map(|&(form, shape)| Some((form.shows?, shape)));
@@ -373,7 +373,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         self.rows.shown(force)
     }
 
-    /// The motion of a trajectory as these make it, and by how many ticks the force is late.
+    /// The motion of a trajectory after these changes, and the delay of the force in ticks.
     fn motion_by(&self, moves: &[(Form, f64)], which: usize) -> (Trajectory, usize) {
         let deflection = self.deflections.as_ref().map(|each| &each[which]);
         moved(&self.rows.trajectories[which], moves, deflection)
@@ -384,9 +384,9 @@ impl<'r, 'a> Basis<'r, 'a> {
         if !self.rows.are_averaged() && by.all(|(form, _)| form.shows.is_none()) {
             return self.law_of(at, self.motion_of(moved));
         }
-        // The coefficients of a row's amplitude hold for all that its channel still shows: where one amplitude follows another, a force that
-        // ran there has some of both.
-        // Part by part: what eq 13 sees at every sample would take more memory than the recordings.
+        // The coefficients for a row's amplitude apply to everything that its channel still shows: where one amplitude follows
+        // another, a force that continued there would contain both. The rows are computed in parts: the inputs of eq 13 at every
+        // sample would take more memory than the recordings.
         let mut columns: [Vec<Vec<f64>>; 4] = Default::default();
         for (which, recorded) in self.rows.trajectories.iter().enumerate() {
             let through = moved.as_ref().filter(|moved| moved.rows.is_some());
@@ -453,7 +453,7 @@ impl<'r, 'a> Basis<'r, 'a> {
                     elastic * y * y * y,
                     damping * motion.direction[index] * speed,
                 ];
-                // What is not in the law has no column: its coefficient stays 0.
+                // A term that is not in the law has no column: its coefficient stays 0.
                 std::array::from_fn(|slot| if has[slot] { all[slot] } else { 0.0 })
             })
             .collect();
@@ -507,7 +507,7 @@ impl<'r, 'a> Basis<'r, 'a> {
                 };
                 let mut forces = (form.unit_forces)(shapes, motion).ok()?;
                 if form.follows_clock && late > 0 {
-                    // It follows the clock, and not the motion, which comes late already.
+                    // It follows the clock, not the motion, which is already delayed.
                     let on_time = forces.iter().map(|force| delayed(force, late));
                     forces = on_time.collect();
                 }
@@ -558,7 +558,7 @@ mod tests {
     use crate::base_law::BaseLaw;
     use crate::families::{offset, periodic, stop};
 
-    /// A preload, a tone, a wall that are hardly there.
+    /// A preload, a tone and a wall that contribute almost nothing.
     #[test]
     fn what_adds_nothing_is_known() {
         let moved = |index| 0.1 * (0.02 * f64::from(index)).sin();
@@ -574,7 +574,7 @@ mod tests {
         )];
         let rows = Rows::gather(&trajectories, BaseLaw::Mixed, vec![0.1], 1000, |_, _| true);
         let extent = Extent::of(&trajectories);
-        // The tone has two sizes, of its sine and its cosine.
+        // The tone has two sizes: of its sine and of its cosine.
         let forms = [offset::FORMS[0], periodic::FORMS[0], stop::FORMS[0]];
         let terms = forms.map(|form| Term {
             form,

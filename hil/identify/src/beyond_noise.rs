@@ -1,4 +1,4 @@
-//! What a law leaves beyond the noise, by which laws are compared where little but noise is left.
+//! The error of a law beyond the noise. Laws are compared by it where their errors are mostly noise.
 
 use crate::policy::policy;
 
@@ -11,7 +11,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The root of what the mean square of an error is beyond that of the noise, and of a little of the noise: nobody leaves less.
+/// Root of a sum: the mean square error beyond that of the noise, and a small part of the noise, below which no law can get.
 pub(crate) fn beyond_noise(error_squared: f64, noise_squared: f64) -> f64 {
     ((error_squared - noise_squared).max(0.0) + policy().beyond_noise.uncertain * noise_squared)
         .sqrt()

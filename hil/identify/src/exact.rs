@@ -1,9 +1,9 @@
-//! The fit of a law with a spring in series, all at once and by what the crate runs.
+//! The fit of a law with a spring in series, with all parameters at once and with the crate's computation.
 //!
-//! With the spring's deflection held, all else is fitted as if it did not change how the spring gives way: what that
-//! converges to is near, and its derivatives are not those of the force. Here every derivative is a central difference
-//! of the crate's own force. A change of one node's coefficients is felt at that node's rows but for the moments after a
-//! change of amplitude, so that one pair of runs serves all nodes.
+//! While the spring's deflection is held fixed, all other parameters are fitted as if they did not change it. The result of that
+//! fit is near the solution, but its derivatives are not those of the force. Here every derivative is a central difference of the
+//! crate's force. A change of one node's coefficients affects only the rows of that node, except for a short time after a change of
+//! amplitude, so one pair of runs serves all nodes.
 
 use mesh_damper_model::predict::{predict, predict_in_half_steps};
 use mesh_damper_model::{Model, ModelError};
@@ -38,8 +38,8 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// `solution` with all its parameters moved to where the crate's force errs least (Gauss and Newton); itself where the
-/// crate refuses it.
+/// `solution` with all its parameters moved to the smallest error of the crate's force (Gauss–Newton); unchanged if the crate
+/// refuses it.
 pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
     let Some(mut force) = force(basis, &solution) else {
         return solution;
@@ -70,13 +70,13 @@ pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
     best
 }
 
-/// The force in kN at every row as the crate has it, `None` where it refuses the law.
+/// The crate's force in kN at every row; `None` if the crate refuses the law.
 pub(super) fn force(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
     force_by(predict, basis, solution)
 }
 
-/// By how much that, the `force` in kN, errs for the length of the recording's steps: four thirds of what half of them
-/// change, as a spring's deflection errs in proportion to their square. `None` likewise.
+/// The error of that `force`, in kN, due to the length of the recording's steps: four thirds of the change with half the step,
+/// because the error of a spring's deflection is proportional to the square of the step. `None` as above.
 pub(super) fn error_of_steps(
     basis: &Basis,
     solution: &Solution,
@@ -100,7 +100,7 @@ fn force_by(
     Some(basis.rows.pick(&forces))
 }
 
-/// The derivatives of that force, `None` likewise.
+/// The derivatives of that force; `None` as above.
 pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
     let rows = basis.rows;
     let around = Basis::around(basis.clone(), solution);
@@ -139,7 +139,7 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
             Some((parameters(basis, &solution), force(basis, &solution)?))
         };
         let ((ahead, above), (behind, below)) = (beside(step)?, beside(-step)?);
-        // What is held at the end of its range has moved by less than a step.
+        // A parameter held at the end of its range has moved by less than a step.
         let slopes = (0..rows.len()).map(|index| {
             let place = places[node[index] % places.len()];
             let by = ahead[place] - behind[place];
@@ -171,7 +171,7 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
     })
 }
 
-/// The best of a Gauss–Newton step and its halves, with its force, if it helps.
+/// The best of a Gauss–Newton step and its halves, with its force, if it reduces the error.
 fn stepped(
     basis: &Basis,
     tangent: &Tangent,
@@ -201,7 +201,7 @@ fn squares(basis: &Basis, force: &[f64]) -> f64 {
         .sum()
 }
 
-/// How many sizes a term has among the linear unknowns.
+/// The number of sizes that a term has among the linear unknowns.
 fn added_by(basis: &Basis, term: usize) -> usize {
     match basis.terms[term].form.entry {
         Entry::Adds(count) => count,
@@ -209,8 +209,8 @@ fn added_by(basis: &Basis, term: usize) -> usize {
     }
 }
 
-/// All parameters in the order of a [`Tangent`]: k1, k3, c and α of every node, then each term's sizes and what is searched
-/// of it.
+/// All parameters in the order of a [`Tangent`]: k1, k3, c and α of every node, then the sizes and searched parameters of each
+/// term.
 fn parameters(basis: &Basis, solution: &Solution) -> Vec<f64> {
     let law = solution.law.iter();
     let law = law.flat_map(|node| [node.k1, node.k3, node.c, node.alpha]);
@@ -221,7 +221,7 @@ fn parameters(basis: &Basis, solution: &Solution) -> Vec<f64> {
     law.chain(terms.copied()).collect()
 }
 
-/// What `parameters` stand for, each within its range.
+/// The solution for `parameters`, each limited to its range.
 fn at_parameters(basis: &Basis, parameters: &[f64]) -> Solution {
     let nodes = basis.rows.nodes.len();
     let (law, terms) = parameters.split_at(LOCAL * nodes);

@@ -1,4 +1,4 @@
-//! The terms of a fit that the effects of a model stand for: what [`TermValue::elements`] gives, read the other way round.
+//! The terms of a fit for the effects of a model: the inverse of [`TermValue::elements`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,17 +7,17 @@ use mesh_damper_model::{AddedEffect, base_name};
 use crate::families::Form;
 use crate::term::{Term, TermValue};
 
-/// A term that stays in the law, and its shapes as they are known.
+/// A term that stays in the law, and its known shapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownTerm {
-    /// Which.
+    /// The term.
     pub term: Term,
-    /// Where a fit of it begins.
+    /// The start of its fit.
     pub shapes: Vec<f64>,
 }
 
-/// The terms of `effect`: one, or of several elements one each; the elements of an Iwan model are one.
-/// `None` where an element is fitted in no form.
+/// The terms of `effect`: one, or for several elements one each; the elements of an Iwan model are one term. `None` if no form fits
+/// an element.
 pub fn known_terms(effect: &AddedEffect) -> Option<Vec<KnownTerm>> {
     let mut elements: BTreeMap<usize, BTreeMap<&str, f64>> = BTreeMap::new();
     for (name, &value) in &effect.parameters {
@@ -30,7 +30,7 @@ pub fn known_terms(effect: &AddedEffect) -> Option<Vec<KnownTerm>> {
     let of_family: Vec<Form> = of_family.collect();
     let several = of_family.iter().find(|form| form.is_several());
     if let (2.., Some(&form)) = (elements.len(), several) {
-        // Of even parts of the largest shape.
+        // Equal fractions of the largest shape.
         let largest = elements.values().filter_map(|one| shapes_of(form, one));
         let largest = largest.max_by(|a, b| a[0].total_cmp(&b[0]))?;
         return Some(vec![known(form, 0.0, largest)]);
@@ -56,13 +56,13 @@ fn known(form: Form, reference: f64, shapes: Vec<f64>) -> KnownTerm {
     KnownTerm { term, shapes }
 }
 
-/// The shapes that an element has.
+/// The shapes of an element.
 fn shapes_of(form: Form, element: &BTreeMap<&str, f64>) -> Option<Vec<f64>> {
     let names = form.shape_names.iter();
     names.map(|name| (form.shape_of)(element, name)).collect()
 }
 
-/// Whether an element has all parameters of a term, and no others, and those that do not change with its sizes are the term's.
+/// Whether an element has exactly the parameters of a term, and those that do not depend on its sizes have the term's values.
 fn stands_for(known: &KnownTerm, element: &BTreeMap<&str, f64>) -> bool {
     let with_size = |size: f64| {
         let value = TermValue {
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::term::added_effects;
 
-    /// Every form that an element can be, with each size 0.2.
+    /// Every form that can describe an element, with each size 0.2.
     #[test]
     fn a_model_gives_back_the_terms_that_it_was_made_of() {
         for form in Form::all() {

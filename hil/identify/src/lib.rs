@@ -1,18 +1,18 @@
 //! Identification: coefficients of eq 13 and of added effects from recorded motion and force.
 //!
-//! A fit gives coefficients with their uncertainty. A trace goes on from there: it finds which effect the law lacks, and by how
-//! much the law is better with it.
+//! A fit gives coefficients with their uncertainty. A trace goes further: it finds the effect that the law lacks, and how much
+//! better the law is with it.
 //!
 //! | module | for |
 //! |---|---|
 //! | [`mod@trace`] | from recordings to a verdict and a model |
 //! | [`families`] | how each family of effects enters a fit |
-//! | [`term`], [`shape`] | an effect in a fit, and the parameters of it that are not linear |
-//! | [`rows`], [`problem`], [`solution`] | the samples that are fitted, the least squares, and what came of them |
-//! | [`staged`], [`screen`] | where a fit begins, and which terms are worth one |
-//! | [`uncertainty`] | intervals of what was fitted |
-//! | [`correction`] | the table of what has no name |
-//! | [`policy`] | the numbers that decide all this, each with where it comes from |
+//! | [`term`], [`shape`] | an effect in a fit, and its parameters that are not linear |
+//! | [`rows`], [`problem`], [`solution`] | the samples of the fit, the least squares, and their result |
+//! | [`staged`], [`screen`] | the start of a fit, and the terms worth a fit |
+//! | [`uncertainty`] | intervals of the fitted parameters |
+//! | [`correction`] | the residual table |
+//! | [`policy`] | the numbers behind all decisions, each with its source |
 //!
 //! ```
 //! use mesh_damper_identify::trace::trace;

@@ -1,4 +1,4 @@
-//! The motion that reaches the law when something stands between it and the recorded displacement.
+//! The motion that reaches the law when an element stands between the law and the recorded displacement.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::families::Form;
 use super::solution::Deflection;
 
-/// `trajectory` as the specimen sees it through `moves`, each a form with its shape, and how many ticks late the force is. A
-/// spring in series gives way as in `deflection`, in proportion to how soft it is.
+/// `trajectory` as the specimen sees it through `moves`, each a form with its shape; and the delay of the force in ticks. A spring
+/// in series deflects as in `deflection`, in proportion to its compliance.
 ///
-/// Identification takes that for given while it solves for the coefficients; the crate solves for both at once.
+/// Identification holds that deflection fixed while it solves for the coefficients; the crate solves for both at once.
 pub(super) fn moved(
     trajectory: &Trajectory,
     moves: &[(Form, f64)],
@@ -20,7 +20,7 @@ pub(super) fn moved(
 ) -> (Trajectory, usize) {
     let mut moved = trajectory.motion_alone();
     let mut ticks = 0;
-    // From what is measured to the specimen.
+    // From the measurement to the specimen.
     let mut moves = moves.to_vec();
     moves.sort_by_key(|(form, _)| form.place());
     for (form, shape) in moves {
@@ -30,7 +30,7 @@ pub(super) fn moved(
     (moved, ticks)
 }
 
-/// The motion that `change` makes of it, sample by sample.
+/// Applies `change` to the motion, sample by sample.
 pub(super) fn through(trajectory: &mut Trajectory, change: impl Fn(&Motion<f64>) -> Motion<f64>) {
     for index in 0..trajectory.len() {
         let inner = change(&motion_at(trajectory, index));
@@ -40,7 +40,7 @@ pub(super) fn through(trajectory: &mut Trajectory, change: impl Fn(&Motion<f64>)
     }
 }
 
-/// The values of so many ticks ago; the first sample's before there was one.
+/// The values of that many ticks ago; before the start, those of the first sample.
 pub(super) fn delayed(values: &[f64], ticks: usize) -> Vec<f64> {
     let samples = 0..values.len();
     samples
@@ -48,7 +48,7 @@ pub(super) fn delayed(values: &[f64], ticks: usize) -> Vec<f64> {
         .collect()
 }
 
-/// All that the law and the effects see, likewise.
+/// Delays all inputs of the law and of the effects in the same way.
 fn delay_all(trajectory: &mut Trajectory, ticks: usize) {
     if ticks == 0 {
         return;

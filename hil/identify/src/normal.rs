@@ -1,13 +1,13 @@
-//! Weighted normal equations of columns of which some belong to one of the law's nodes each and the others to all.
+//! Weighted normal equations for columns of two kinds: some belong to one of the law's nodes each, the others to all.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::rows::Rows;
 
-/// Added to the diagonal of the scaled equations, so that a direction that the data do not show stays small.
+/// Added to the diagonal of the scaled equations, so that a direction that the data do not determine stays small.
 const RIDGE: f64 = 1e-11;
 
-/// Normal equations. The unknowns are `LOCAL` of each node in turn, then those of the shared columns.
+/// Normal equations. The unknowns are `LOCAL` for each node in turn, then those of the shared columns.
 pub(super) struct Normal {
     /// The lower triangle.
     gram: DMatrix<f64>,
@@ -36,7 +36,7 @@ impl Normal {
         let (mut row, mut right) = (vec![0.0; count], vec![0.0; count]);
         let mut gram = vec![0.0; count * count];
         let mut index = 0;
-        // Rows of one node follow each other: their sums are looked up once.
+        // Rows of one node follow each other, so their sums are looked up once.
         for same in node.chunk_by(|a, b| a == b) {
             right.fill(0.0);
             gram.fill(0.0);
@@ -76,8 +76,8 @@ impl Normal {
         normal
     }
 
-    /// The solution with the unknowns that `not_negative` picks at 0 where they would be negative, and the equations of the
-    /// others, factored. `None` where the equations are singular.
+    /// The solution, with the unknowns that `not_negative` picks set to 0 where they would be negative, and the factored equations
+    /// of the others. `None` if the equations are singular.
     pub fn solve(&self, not_negative: impl Fn(usize) -> bool) -> Option<(DVector<f64>, Factor)> {
         let mut active: Vec<usize> = (0..self.right.len()).collect();
         loop {
@@ -96,7 +96,7 @@ impl Normal {
     }
 }
 
-/// Factored normal equations: what other columns have beside these is read off.
+/// Factored normal equations: they give the components of other columns that these columns do not span.
 pub(super) struct Factor {
     cholesky: Cholesky<f64, Dyn>,
     scale: Vec<f64>,
@@ -104,7 +104,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Of the unknowns `among`, those that a column stands for.
+    /// Of the unknowns `among`, those with a nonzero column.
     fn of(normal: &Normal, among: Vec<usize>) -> Option<Self> {
         let active: Vec<usize> = among
             .into_iter()
@@ -141,7 +141,7 @@ impl Factor {
         self.cholesky.solve(&scaled)
     }
 
-    /// The coefficients with which these columns come nearest to one that has the `products` with them.
+    /// The coefficients with which these columns come closest to a column that has the `products` with them.
     pub fn nearest(&self, products: &[f64]) -> Vec<f64> {
         let mut coefficients = vec![0.0; products.len()];
         let scaled = self.solve_scaled(products);
@@ -151,8 +151,8 @@ impl Factor {
         coefficients
     }
 
-    /// The part of a·b that these columns do not have, where `a` and `b` are the products of two other columns with these
-    /// and `product` is a·b.
+    /// The component of a·b outside these columns. `a` and `b` are the products of two other columns with these, and `product` is
+    /// a·b.
     pub fn beside(&self, a: &[f64], b: &[f64], product: f64) -> f64 {
         let b = self.solve_scaled(b);
         let taken: f64 = self
@@ -165,13 +165,13 @@ impl Factor {
         product - taken
     }
 
-    /// What is left of the squared force, kN² weighted.
+    /// The remaining squared force, kN² weighted.
     pub fn left(&self, normal: &Normal) -> f64 {
         let right = normal.right.as_slice();
         self.beside(right, right, normal.power)
     }
 
-    /// The part of a column's product with the force that these columns do not have.
+    /// The component of a column's product with the force that lies outside these columns.
     pub fn force_beside(&self, normal: &Normal, products: &[f64], with_force: f64) -> f64 {
         self.beside(products, normal.right.as_slice(), with_force)
     }

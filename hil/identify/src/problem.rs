@@ -1,8 +1,8 @@
 //! The fit of eq 13 and added effects by variable projection.
 //!
-//! For given exponents and shapes the force is linear in everything else: k1, k3 and c at each amplitude, and the
-//! effects' sizes. So only exponents and shapes are searched (Levenberg–Marquardt), and every step of the search solves
-//! the linear rest exactly (Golub and Pereyra 1973).
+//! For given exponents and shapes the force is linear in all other parameters: k1, k3 and c at each amplitude, and the sizes of the
+//! effects. So the search (Levenberg–Marquardt) covers only exponents and shapes, and each of its steps solves the linear part
+//! exactly (Golub and Pereyra 1973).
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use mesh_damper_model::LawNode;
@@ -44,7 +44,7 @@ pub struct Problem<'r, 'a> {
 }
 
 impl<'r, 'a> Problem<'r, 'a> {
-    /// Eq 13 and `terms` on `rows`, whose shapes are searched within `extent`.
+    /// Eq 13 and `terms` on `rows`; their shapes are searched within `extent`.
     pub fn new(rows: &'r Rows<'a>, extent: &'r Extent, terms: &[Term]) -> Self {
         Self {
             rows,
@@ -53,7 +53,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         }
     }
 
-    /// The fit with nothing to start from.
+    /// The fit without a start.
     pub fn solve(&self) -> Solution {
         let ends: Vec<f64> = self
             .terms
@@ -92,7 +92,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         solution
     }
 
-    /// The fit from `known`, a solution with these terms, perhaps with nodes at other amplitudes.
+    /// The fit from `known`, a solution with these terms, possibly with nodes at other amplitudes.
     pub fn solve_near(&self, known: &Solution) -> Solution {
         let distance = |node: &LawNode, amplitude: f64| (node.amplitude - amplitude).abs();
         let alphas = self.rows.nodes.iter().map(|&amplitude| {
@@ -121,7 +121,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         Basis::new(self.rows, self.extent, &self.terms)
     }
 
-    /// The searched parameters of `start`, and of the last term where `start` lacks it.
+    /// The searched parameters of `start`, and those of the last term if `start` lacks it.
     fn start(&self, start: &Solution, shapes: &[f64]) -> Vec<f64> {
         let fresh = self.terms.len() > start.terms.len();
         let last = self.terms.last().filter(|_| fresh);
@@ -144,7 +144,7 @@ impl<'r, 'a> Problem<'r, 'a> {
     }
 }
 
-/// What is searched of a form with these shapes: its sizes that scale eq 13, from nothing, and the shapes.
+/// The searched parameters of a form with these shapes: the sizes that scale eq 13, starting from 0, and the shapes.
 fn searched(form: Form, shapes: impl Iterator<Item = f64>) -> Vec<f64> {
     let sizes = std::iter::repeat_n(0.0, form.scales());
     sizes.chain(shapes.map(f64::ln)).collect()
@@ -162,9 +162,9 @@ struct Search<'b, 'r, 'a> {
 struct Projected {
     /// k1, k3 and c of every node, then the sizes.
     linear: DVector<f64>,
-    /// What they leave of the force at every row, weighted.
+    /// The weighted residual at every row.
     residuals: DVector<f64>,
-    /// `None` where the columns say nothing.
+    /// `None` if the columns are zero.
     factor: Option<Factor>,
 }
 
@@ -233,7 +233,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
         Some(self.projected.residuals.clone())
     }
 
-    /// The force's derivatives with the linear part held, less what the linear part would take up of them (Kaufman 1975).
+    /// The derivatives of the force with the linear part held, minus the components that the linear part would absorb (Kaufman
+    /// 1975).
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let rows = self.basis.rows;
         let linear = self.projected.linear.as_slice();

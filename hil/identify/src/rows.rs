@@ -1,4 +1,4 @@
-//! The samples that a fit is made to.
+//! The samples of a fit.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The samples of a fit, gathered from several trajectories.
+/// The samples of a fit, from several trajectories.
 pub struct Rows<'a> {
     pub(super) trajectories: &'a [Trajectory],
     /// Trajectory and sample of each row.
@@ -30,18 +30,18 @@ pub struct Rows<'a> {
     /// As recorded.
     pub(super) motion: RowMotion,
     pub(super) force: Vec<f64>,
-    /// Square root of a row's weight: every recording counts the same, however long or strong it is, and a sample of it by its
+    /// Square root of a row's weight. Every recording counts equally, whatever its length and strength, and each sample by its
     /// [`certainty`].
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
-    /// What the law is made of.
+    /// The base law.
     pub(super) law: BaseLaw,
-    /// Of effects that see the motion as recorded.
+    /// Forces of effects that see the motion as recorded.
     pub(super) known_forces: Arc<KnownForces>,
 }
 
-/// What eq 13 sees at each row.
+/// The inputs of eq 13 at each row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowMotion {
     /// mm
@@ -54,7 +54,7 @@ pub(super) struct RowMotion {
     pub cycles: Vec<f64>,
     /// °C
     pub temperature: Vec<f64>,
-    /// Which of the law's nodes holds.
+    /// The law's node at the row.
     pub node: Vec<usize>,
 }
 
@@ -66,7 +66,7 @@ impl RowMotion {
             let velocity = trajectory.motion.velocity[sample];
             rows.displacement
                 .push(trajectory.motion.displacement[sample]);
-            // The law is given no force at rest: what moves less than the smallest float stands still.
+            // The law has no force at rest: a motion below the smallest float counts as rest.
             rows.log_speed
                 .push(velocity.abs().max(f64::MIN_POSITIVE).ln());
             rows.direction.push(if velocity == 0.0 {
@@ -83,16 +83,15 @@ impl RowMotion {
 }
 
 impl<'a> Rows<'a> {
-    /// Amplitudes in mm at which eq 13 has coefficients of its own.
+    /// Amplitudes in mm at which eq 13 has separate coefficients.
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
     }
 
-    /// Gathers the samples that `included(trajectory, sample)` picks, of which every n-th is taken so that there are at most
-    /// about `most`. `nodes` are the amplitudes in mm at which the `law` has coefficients of its own; each sample is of the
-    /// nearest.
+    /// Gathers the samples that `included(trajectory, sample)` picks, and keeps every n-th so that there are at most about `most`.
+    /// `nodes` are the amplitudes in mm at which `law` has separate coefficients; each sample belongs to the nearest.
     ///
-    /// Samples that are not [telling](Trajectory::is_telling) are left out: they would bend the fit.
+    /// Samples that are not [telling](Trajectory::is_telling) are left out: they would distort the fit.
     pub fn gather(
         trajectories: &'a [Trajectory],
         law: BaseLaw,
@@ -144,7 +143,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The same without the coefficients of amplitudes that no row is near: they would be none, and not those of the nearest.
+    /// The same without the nodes that no row belongs to: they would get no coefficients instead of those of the nearest node.
     #[must_use]
     pub fn with_nodes_seen(self) -> Self {
         let seen = |number: &usize| self.motion.node.contains(number);
@@ -178,7 +177,7 @@ impl<'a> Rows<'a> {
         self.force.len()
     }
 
-    /// No sample at all.
+    /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.force.is_empty()
     }
@@ -193,7 +192,7 @@ impl<'a> Rows<'a> {
         rows.collect()
     }
 
-    /// What eq 13 sees at the rows when the motion is that of `moved` and not the recorded one.
+    /// The inputs of eq 13 at the rows when the motion is that of `moved` instead of the recorded one.
     pub(super) fn motion_in(&self, moved: &[Trajectory]) -> RowMotion {
         RowMotion::gather(moved, &self.origin, &self.nodes)
     }
@@ -210,7 +209,7 @@ impl<'a> Rows<'a> {
         each.any(|trajectory| trajectory.average.is_some())
     }
 
-    /// What the channels show at the rows of a force known at every sample of every trajectory.
+    /// The readings of the channels at the rows, for a force known at every sample of every trajectory.
     pub(super) fn shown(&self, per_trajectory: Vec<Vec<f64>>) -> Vec<f64> {
         let shown = self.trajectories.iter().zip(per_trajectory);
         let shown: Vec<Vec<f64>> = shown
@@ -219,7 +218,7 @@ impl<'a> Rows<'a> {
         self.pick(&shown)
     }
 
-    /// The rows of what is known at every sample of every trajectory.
+    /// The values at the rows, from values at every sample of every trajectory.
     pub(super) fn pick(&self, per_trajectory: &[Vec<f64>]) -> Vec<f64> {
         self.origin
             .iter()

@@ -1,8 +1,8 @@
-//! What every effect could gain beside a fitted law, before any of them is fitted.
+//! Screens effects: the possible gain of each when added to a fitted law, before any of them is fitted.
 //!
-//! The force is linearised at the fitted law; a candidate's gain is what its force has beside all the derivatives there
-//! of what is left (the score test of Rao 1948). It costs a few passes over the rows for each start, so that a grid of
-//! starts can be gone through and only the best be fitted.
+//! The force is linearised at the fitted law. The gain of a candidate comes from the component of its force, outside all
+//! derivatives of the law, along the residual (the score test of Rao 1948). It costs a few passes over the rows for each start. So
+//! a grid of starts can be screened, and only the best are fitted.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -23,11 +23,11 @@ pub struct Screen<'s, 'r, 'a> {
     columns: Columns,
     tangent: Tangent,
     normal: Normal,
-    /// `None` where the equations are singular: nothing can then be said.
+    /// `None` if the equations are singular: no statement is possible then.
     factor: Option<Factor>,
 }
 
-/// Where a fit of a candidate may start.
+/// A start for the fit of a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// The candidate's shapes.
@@ -54,7 +54,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         }
     }
 
-    /// The starts of `term`, the best first; one without shapes has one.
+    /// The starts of `term`, the best first; a term without shapes has one.
     pub fn starts(&self, term: Term) -> Vec<Start> {
         let mut starts: Vec<Start> = grid(self.extent, term.form)
             .into_iter()
@@ -94,7 +94,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         (saved / left).max(0.0)
     }
 
-    /// What a term that scales the law adds to its force at every row, kN.
+    /// The force that a term which scales the law adds at every row, kN.
     fn scaled_by(&self, term: Term, sizes: &[f64], shapes: &[f64]) -> Vec<f64> {
         let motion = &self.basis.rows.motion;
         let scaled = |index: usize| {
@@ -113,7 +113,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         (0..self.basis.rows.len()).map(scaled).collect()
     }
 
-    /// The squared error that columns save beside the law's own.
+    /// The squared error that columns save in addition to the law's.
     fn saved_by(&self, factor: &Factor, columns: &[&[f64]], positive: bool) -> f64 {
         let products: Vec<Vec<f64>> = columns
             .iter()
@@ -133,7 +133,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         });
         let gram = DMatrix::from_fn(count, count, |i, j| {
             let product = inner(columns[i], columns[j]);
-            // A column that the law nearly has already can save nothing that could be told from rounding.
+            // A column that the law nearly contains can save nothing above rounding.
             let least = if i == j { 1e-9 * product } else { 0.0 };
             factor.beside(&products[i], &products[j], product) + least
         });
@@ -161,7 +161,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         products
     }
 
-    /// The squared error that the law leaves when the motion is changed.
+    /// The squared error of the law when the motion is changed.
     fn left_when_moved(&self, term: Term, shapes: &[f64]) -> Option<f64> {
         let terms: Vec<Term> = self.solution.terms().into_iter().chain([term]).collect();
         let basis = Basis::new(self.basis.rows, self.extent, &terms).around(self.solution);

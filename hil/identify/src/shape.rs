@@ -1,4 +1,4 @@
-//! The ranges within which shapes are searched, and where a search starts: spread over what the data can show.
+//! The ranges within which shapes are searched, and the starts of a search, spread over the range that the data can show.
 
 use crate::policy::policy;
 use mesh_damper::effects::CONTROLS;
@@ -149,16 +149,16 @@ pub struct Shape {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Where a search starts.
+    /// Starts of a search.
     pub starts: Vec<f64>,
-    /// Below this the effect is a simpler one as far as the data can show.
+    /// Below this, the data cannot distinguish the effect from a simpler one.
     pub simple_below: f64,
-    /// Above this likewise.
+    /// Above this, the same.
     pub simple_above: f64,
 }
 
 impl Shape {
-    /// `count` starts spread evenly over the logarithm of the range, the outermost one step inside.
+    /// `count` starts spread evenly over the logarithm of the range; the outermost ones lie one step inside.
     pub(crate) fn spread(low: f64, high: f64, count: usize) -> Self {
         let step = (high / low).powf(1.0 / (count + 1) as f64);
         Self {
@@ -170,13 +170,13 @@ impl Shape {
         }
     }
 
-    /// Whether the effect with this value can't be told from a simpler one.
+    /// Whether the effect with this value cannot be distinguished from a simpler one.
     pub fn is_limit(&self, value: f64) -> bool {
         value < self.simple_below || value > self.simple_above
     }
 }
 
-/// What the recordings of a fit reach: it bounds what can be found in them.
+/// The ranges of the recordings of a fit: they limit the effects that can be found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
     /// Largest displacement either way, mm.
@@ -199,7 +199,7 @@ pub struct Extent {
     pub(crate) stiffness: f64,
     /// Largest control input either way, by places, in its own unit.
     pub(crate) inputs: [f64; CONTROLS],
-    /// Tones that stand out of what eq 13 leaves, Hz.
+    /// Tones that stand out in the residual of eq 13, Hz.
     pub(crate) tones: Vec<f64>,
 }
 
@@ -249,7 +249,7 @@ impl Extent {
         }
     }
 
-    /// The same with the tones that a search for one starts from, Hz.
+    /// The same extent with the starting tones of a search, Hz.
     #[must_use]
     pub fn with_tones(&self, tones: Vec<f64>) -> Self {
         Self {
@@ -258,8 +258,8 @@ impl Extent {
         }
     }
 
-    /// The shortest length that can be searched, mm. A smaller one than the noise shows cannot be told from an error of the
-    /// velocity at a reversal.
+    /// The shortest length of the search, mm. A length below the noise cannot be distinguished from an error of the velocity at a
+    /// reversal.
     pub(crate) fn shortest(&self) -> f64 {
         let policy = &policy().shape;
         (policy.noises * self.noise)

@@ -1,4 +1,4 @@
-//! What a fit found.
+//! The result of a fit.
 
 use mesh_damper_model::predict::{predict, run};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
@@ -6,14 +6,15 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::term::{Term, TermValue, added_effects};
 
-/// What a fit found.
+/// The result of a fit.
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// Eq 13 at each node.
     pub law: Vec<LawNode>,
     /// The added terms.
     pub terms: Vec<TermValue>,
-    /// Exponents of the nodes, then the terms' searched parameters: the sizes of what scales eq 13, and logarithms of shapes.
+    /// Exponents of the nodes, then the searched parameters of the terms: the sizes of terms that scale eq 13, and logarithms of
+    /// shapes.
     pub(super) search: Vec<f64>,
     /// Sum of the squared weighted errors, kN².
     pub squares: f64,
@@ -30,7 +31,7 @@ impl Solution {
         }
     }
 
-    /// Its force on every one of `trajectories`, kN. It is worked out each time: that of all laws that were tried would take more
+    /// Its force on each of `trajectories`, kN. It is computed each time: the forces of all laws that were tried would take more
     /// memory than the recordings.
     ///
     /// # Errors
@@ -46,7 +47,7 @@ impl Solution {
         self.terms.iter().map(|value| value.term).collect()
     }
 
-    /// The same without one of its terms, whose place the others have not taken.
+    /// The solution without one of its terms, while the other parameters stay unchanged.
     #[must_use]
     pub fn without(&self, index: usize) -> Self {
         let mut rest = self.clone();
@@ -61,7 +62,7 @@ impl Solution {
         rest
     }
 
-    /// The same without the terms of one family, as far as they were not known before.
+    /// The solution without the terms of one family that were not known before.
     #[must_use]
     pub fn without_family(&self, family: Family) -> Self {
         let mut rest = self.clone();
@@ -95,7 +96,7 @@ impl Solution {
         families
     }
 
-    /// k1, k3 and c of every node, then the sizes of the terms that have a force of their own.
+    /// k1, k3 and c of every node, then the sizes of the terms that add a force.
     pub(super) fn linear(&self) -> Vec<f64> {
         let law = self.law.iter().flat_map(|node| [node.k1, node.k3, node.c]);
         let added = self
@@ -106,8 +107,8 @@ impl Solution {
             .collect()
     }
 
-    /// How the spring in series gives way, trajectory by trajectory. Where there is none yet, as one of 1 kN/mm would under
-    /// this law's force.
+    /// The deflection of the spring in series, trajectory by trajectory. If there is no such spring yet, the deflection of one with
+    /// 1 kN/mm under this law's force.
     pub(super) fn deflections(&self, trajectories: &[Trajectory]) -> Vec<Deflection> {
         let spring = self.terms.iter().find(|value| value.term.form.gives_way);
         let stiffness = spring.map_or(1.0, |value| value.shapes[0]);
@@ -140,12 +141,12 @@ impl Solution {
     }
 }
 
-/// How a spring in series gives way.
+/// The deflection of a spring in series.
 #[derive(Clone, Debug)]
 pub(super) struct Deflection {
-    /// The spring's, kN/mm.
+    /// Stiffness of the spring, kN/mm.
     pub stiffness: f64,
-    /// Deflection in mm and its rate in mm/s at every sample; none where the crate refuses the law.
+    /// Deflection in mm and its rate in mm/s at every sample; empty if the crate refuses the law.
     pub deflection: Vec<(f64, f64)>,
 }
 

@@ -1,8 +1,8 @@
-//! Identification in two stages, as the paper does it: a cubic for the elastic force (eq 14), then c and α on what it
-//! leaves (eq 15), amplitude by amplitude.
+//! Identification in two stages, as in the paper: a cubic for the elastic force (eq 14), then c and α from the residual (eq 15),
+//! amplitude by amplitude.
 //!
-//! The joint fit of [`super::problem`] is the default. This one is what published coefficients come from, and shows what
-//! the joint fit gains.
+//! The joint fit of [`super::problem`] is the default. Published coefficients come from this one, and it shows the gain of the
+//! joint fit.
 
 use mesh_damper_model::LawNode;
 use mesh_damper_reference::cubic_fit::identify;
@@ -11,7 +11,7 @@ use super::rows::Rows;
 
 /// Eq 13 at every node of `rows`, identified in two stages.
 ///
-/// `None` when a stage fails, or ends in a coefficient that no damper has: c below 0, α outside 0…1.
+/// `None` if a stage fails, or gives a coefficient that no damper has: c below 0, α outside 0…1.
 pub fn staged(rows: &Rows) -> Option<Vec<LawNode>> {
     rows.nodes
         .iter()

@@ -1,4 +1,4 @@
-//! The derivatives of a fitted force by everything that was fitted: what a small change can do.
+//! The derivatives of a fitted force with respect to all fitted parameters: the effect of a small change.
 
 use super::basis::{Basis, Columns};
 use super::families::Entry;
@@ -6,17 +6,17 @@ use super::solution::Solution;
 
 /// Derivatives of the force at every row.
 pub(super) struct Tangent {
-    /// Which node holds at each row.
+    /// The node at each row.
     pub node: Vec<usize>,
-    /// By k1, k3, c and α of that node.
+    /// With respect to k1, k3, c and α of that node.
     pub local: Vec<[f64; 4]>,
-    /// By the sizes, then by the searched parameters, term by term.
+    /// With respect to the sizes, then the searched parameters, term by term.
     pub shared: Vec<Vec<f64>>,
 }
 
 impl Tangent {
-    /// At `columns` of `basis` with the coefficients of `solution`; by the parameters of a term that `solution` lacks there
-    /// is no derivative.
+    /// At `columns` of `basis` with the coefficients of `solution`. There are no derivatives with respect to the parameters of a
+    /// term that `solution` lacks.
     pub fn of(basis: &Basis, columns: &Columns, solution: &Solution) -> Self {
         let motion = basis.motion(columns);
         let linear = solution.linear();

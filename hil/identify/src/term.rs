@@ -10,11 +10,11 @@ use crate::shape::Extent;
 /// One added effect in a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
-    /// Which effect, in which form.
+    /// The form of the effect.
     pub form: Form,
     /// The temperature at which the law holds, °C; used by temperature only.
     pub reference: f64,
-    /// Whether it was known before: it stays.
+    /// Whether it was known before, so that it stays.
     pub is_known: bool,
 }
 
@@ -23,25 +23,25 @@ pub struct Term {
 pub struct TermValue {
     /// The term.
     pub term: Term,
-    /// What its forces are proportional to; for temperature β, and β_damping where it is another; of a drift of each force
-    /// their changes.
+    /// The factors of its forces. For temperature they are β, and β_damping if it differs; for a drift of each force they are the
+    /// changes.
     pub sizes: Vec<f64>,
     /// Its shapes.
     pub shapes: Vec<f64>,
 }
 
 impl TermValue {
-    /// Its size at `index`; 0 where it has none there.
+    /// Its size at `index`; 0 if it has none there.
     pub fn size(&self, index: usize) -> f64 {
         self.sizes.get(index).copied().unwrap_or_default()
     }
 
-    /// Its shape at `index`; 0 where it has none there.
+    /// Its shape at `index`; 0 if it has none there.
     pub fn shape(&self, index: usize) -> f64 {
         self.shapes.get(index).copied().unwrap_or_default()
     }
 
-    /// Whether no size would be a source of energy, or a mass or a wall that pulls. Of several elements some may be missing.
+    /// Whether no size would be a source of energy, a negative mass or a wall that pulls. Some of several elements may be missing.
     pub fn is_admissible(&self) -> bool {
         let mut sizes = self.sizes.iter();
         let positive = |size: &f64| *size > 0.0;
@@ -53,23 +53,22 @@ impl TermValue {
             }
     }
 
-    /// Whether a shape stands where the effect can no longer be told from a simpler one.
+    /// Whether a shape has a value at which the effect can no longer be distinguished from a simpler one.
     pub fn is_degenerate(&self, extent: &Extent) -> bool {
         let shapes = (self.term.form.shapes)(extent);
         let mut pairs = self.shapes.iter().zip(shapes);
         pairs.any(|(&value, shape)| shape.is_limit(value))
     }
 
-    /// The elements that it stands for: one, or of an Iwan model those that are there. Which of its sizes each has is given
-    /// with it.
+    /// Its elements: one, or for an Iwan model those that are present. Each comes with the index of its size.
     pub fn elements(&self) -> Vec<Element> {
         (self.term.form.elements)(self)
     }
 }
 
-/// The effects that fitted terms stand for.
+/// The effects of fitted terms.
 pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
-    // What a fit held at 0, because it would have been a source of energy, is not there.
+    // A term that a fit held at 0, because it would have been a source of energy, is absent.
     let there = values.iter().filter(|value| value.is_admissible());
     let parts = there.flat_map(|value| {
         let elements = value.elements().into_iter();
@@ -81,8 +80,8 @@ pub fn added_effects(values: &[TermValue]) -> Vec<AddedEffect> {
         .collect()
 }
 
-/// Effects of elements whose parameters are given as anything: Jenkins elements become the elements of one effect, and so do
-/// Maxwell branches, tones and the two contacts.
+/// Effects of elements with parameters of any type. Jenkins elements become the elements of one effect, and so do Maxwell branches,
+/// tones and the two contacts.
 pub(crate) fn effects_of<T>(
     terms: Vec<(Form, Vec<(&'static str, T)>)>,
 ) -> Vec<(Family, BTreeMap<String, T>)> {

@@ -27,26 +27,26 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Half widths of the 90 % intervals, in the units of what they belong to.
+/// Half widths of the 90 % intervals, in the units of the parameters.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
     /// k1, k3, c and α of each node.
     pub law: Vec<[f64; 4]>,
-    /// Of each term.
+    /// For each term.
     pub terms: Vec<TermUncertainty>,
 }
 
 /// Half widths of the 90 % intervals of one term.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TermUncertainty {
-    /// Of each size.
+    /// For each size.
     pub sizes: Vec<f64>,
-    /// The factor (≥ 1) by which each shape is uncertain either way.
+    /// The factor (≥ 1) of each shape's uncertainty in either direction.
     pub shapes: Vec<f64>,
 }
 
 impl TermUncertainty {
-    /// Whether every size is finite and every shape known to a factor of [`UncertaintyPolicy::bounded`].
+    /// Whether every size is finite and every shape is known to a factor of [`UncertaintyPolicy::bounded`].
     pub fn is_bounded(&self) -> bool {
         let shapes = self.shapes.iter();
         self.sizes.iter().all(|half| half.is_finite())
@@ -55,7 +55,7 @@ impl TermUncertainty {
                 .all(|&factor| factor <= policy().uncertainty.bounded)
     }
 
-    /// The elements of `value` as [`TermValue::elements`] gives them, each parameter with its least and its largest value.
+    /// The elements of `value` as [`TermValue::elements`] gives them, each parameter with its smallest and its largest value.
     pub fn elements(&self, value: &TermValue) -> Vec<Vec<(&'static str, Interval)>> {
         let elements = value.elements();
         let [low, high] = [-1.0, 1.0].map(|end| self.shifted(value, end));
@@ -90,7 +90,7 @@ impl TermUncertainty {
             &value.sizes[..],
             &self.sizes[..],
         ) {
-            // Of √(a² + b²) and of its angle, from the independent errors of a and b.
+            // For √(a² + b²) and its angle, from the independent errors of a and b.
             let size = a.hypot(*b).max(f64::MIN_POSITIVE);
             let amplitude = size + end * (a * of_a).hypot(b * of_b) / size;
             let phase = b.atan2(*a) + end * (b * of_a).hypot(a * of_b) / (size * size);
@@ -117,8 +117,8 @@ impl TermUncertainty {
 }
 
 impl Uncertainty {
-    /// Widens the intervals of `solution` by what it differs from `moved`, the same terms fitted along a motion off by one draw of its
-    /// error: the residuals tell of its chance, and not of the bias that it brings.
+    /// Widens the intervals of `solution` by its difference from `moved`: the same terms fitted along a motion that is off by one
+    /// draw of its error. The residuals show the random part of that error, not its bias.
     pub fn widen(&mut self, solution: &Solution, moved: &Solution) {
         for ((halves, node), other) in self.law.iter_mut().zip(&solution.law).zip(&moved.law) {
             let differs = [
@@ -148,9 +148,9 @@ impl Uncertainty {
 /// A parameter and its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// What was fitted.
+    /// The fitted value.
     pub value: f64,
-    /// Least.
+    /// Smallest.
     pub low: f64,
     /// Largest.
     pub high: f64,
@@ -159,11 +159,11 @@ pub struct Interval {
 impl Uncertainty {
     /// The intervals of `solution`, which was fitted to `rows`.
     ///
-    /// With H = (JᵀJ)⁻¹ their variances are on the diagonal of H·(Σ jᵢjᵢᵀ·(rᵢ/(1 − hᵢ))²)·H, hᵢ = jᵢᵀHjᵢ (HC3, MacKinnon
-    /// and White 1985): where the force is steepest, at reversals, an error of the motion makes the residuals large, and
-    /// there the data say less than a common residual variance would have it. They are raised by the residuals'
-    /// integrated autocorrelation, because neighbouring samples do not err independently. Where the force errs by e for the
-    /// length of the recording's steps, |H·Σ jᵢeᵢ| comes on top of 1.645 deviations.
+    /// With H = (JᵀJ)⁻¹ their variances are on the diagonal of H·(Σ jᵢjᵢᵀ·(rᵢ/(1 − hᵢ))²)·H, hᵢ = jᵢᵀHjᵢ (HC3, MacKinnon and White
+    /// 1985). Where the force is steepest, at reversals, an error of the motion makes the residuals large. There the data are less
+    /// precise than a common residual variance would suggest. The variances are raised by the residuals' integrated
+    /// autocorrelation, because errors of neighbouring samples are not independent. If the force has an error e from the length of
+    /// the recording's steps, |H·Σ jᵢeᵢ| is added to 1.645 deviations.
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
@@ -243,8 +243,8 @@ impl Uncertainty {
     }
 }
 
-/// The derivatives and the force behind a spring in series, whose deflection they change, and by how much it errs for the
-/// length of the steps; `None` where there is none.
+/// The derivatives and the force behind a spring in series, whose deflection they change, and the error from the length of the
+/// steps; `None` without such a spring.
 fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec<f64>)> {
     let in_series = |term: &Term| term.form.gives_way;
     let exact = basis.terms.iter().any(in_series);
@@ -254,7 +254,7 @@ fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec
     Some((tangent, force, of_steps))
 }
 
-/// Adds `factor`·jjᵀ of a row j given as its (place, value).
+/// Adds `factor`·jjᵀ for a row j given as its (place, value) pairs.
 fn add_square(matrix: &mut DMatrix<f64>, row: &[(usize, f64)], factor: f64) {
     for &(i, a) in row {
         for &(j, b) in row {
@@ -263,7 +263,7 @@ fn add_square(matrix: &mut DMatrix<f64>, row: &[(usize, f64)], factor: f64) {
     }
 }
 
-/// `gram`⁻¹, with zeros where the data say nothing.
+/// `gram`⁻¹, with zeros where the data determine nothing.
 fn inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
     let mut whole = DMatrix::zeros(gram.nrows(), gram.ncols());
     let seen: Vec<usize> = (0..gram.nrows()).filter(|&i| gram[(i, i)] > 0.0).collect();

@@ -9,7 +9,7 @@ use super::parameters::{Parameter, of_model};
 use super::run::Run;
 use super::{ComparePolicy, Moment};
 
-/// A sum of squares of independent normal variables: the sum of their variances, and that of the squares of these.
+/// A sum of squares of independent normal variables: the sum of their variances, and the sum of the squares of these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chance {
     pub sum: f64,
@@ -17,7 +17,7 @@ pub(super) struct Chance {
 }
 
 impl Chance {
-    /// Of one variable, by its variance.
+    /// One variable with this variance.
     pub fn of(variance: f64) -> Self {
         Self {
             sum: variance,
@@ -32,7 +32,8 @@ impl Chance {
         }
     }
 
-    /// The chance of a sum as large as `square`: that of a scaled χ² with the same mean and variance (Satterthwaite 1946).
+    /// The chance of a sum as large as `square`, from a scaled χ² distribution with the same mean and variance (Satterthwaite
+    /// 1946).
     pub fn exceeds(self, square: f64) -> Option<f64> {
         let freedom = self.sum * self.sum / self.squares;
         Some(
@@ -55,15 +56,15 @@ pub(super) fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// A model's force, and how far it may be off.
+/// A model's force, and its possible error.
 pub(super) struct Spread {
     pub force: Vec<f64>,
-    /// The mean square of what it is off by, kN²; `None` where an interval is not known.
+    /// The mean square of its error, kN²; `None` if an interval is not known.
     pub chance: Option<Chance>,
 }
 
 impl Spread {
-    /// Of a model whose zero lies by `shift` mm above the first model's.
+    /// For a model whose zero lies `shift` mm above the first model's.
     pub fn of(
         moment: &Moment,
         run: &Run,
@@ -77,10 +78,11 @@ impl Spread {
     }
 }
 
-/// Of the parameters, which were fitted together, and of what the model leaves beyond the noise.
+/// From the parameters, which were fitted together, and from the remainder of the model beyond the noise.
 ///
-/// A trace gives the deviation of each parameter, and not how they err together. A fit to the motion that the model was fitted on would have
-/// its parameters err as (HᵀH)⁻¹ says of the columns H, what each changes the force by; from that the correlations are taken.
+/// A trace gives the deviation of each parameter, but not their correlations. In a fit to the motion on which the model was fitted,
+/// the covariance of the parameters would be (HᵀH)⁻¹; each column of H is the change of the force by one parameter. The
+/// correlations are taken from that.
 fn chance(
     moment: &Moment,
     model: &Model,
@@ -96,7 +98,7 @@ fn chance(
     let (mut columns, mut fitted) = (Vec::new(), Vec::new());
     for parameter in of_model(moment) {
         let Some(deviation) = parameter.bounds.deviation(numbers) else {
-            // What has no width errs by nothing; what has no bound by anything.
+            // A parameter without width has no error; one without a bound may have any error.
             if is_exact(&parameter) {
                 continue;
             }
@@ -108,19 +110,19 @@ fn chance(
         let Some((here, there)) = here.zip(there) else {
             return Ok(None);
         };
-        // One that its own motion does not excite was fitted to nothing.
+        // A parameter that its own motion does not excite has no basis.
         if mean_square(&there) > 0.0 {
             columns.push(here);
             fitted.push(there);
         }
     }
-    // What the trace takes for noise, that of the motion included, is in the intervals already.
+    // The intervals already include the noise as the trace estimates it, with that of the motion.
     let left = trace.remainder.as_ref().map_or(0.0, |left| left.nrmse);
     let left = Chance::of(left * left * mean_square(force));
     Ok(of_parameters(&columns, &fitted).map(|chance| chance.and(left)))
 }
 
-/// What the force changes by where a parameter is off by a deviation, kN. `None` where the crate refuses it both above and below.
+/// The change of the force when a parameter is off by one deviation, kN. `None` if the crate refuses it both above and below.
 fn changed_by(
     model: &Model,
     (parameter, deviation): (&Parameter, f64),
@@ -145,8 +147,8 @@ fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(count, count, |i, j| mean_product(&columns[i], &columns[j]))
 }
 
-/// The mean square of the sum of `columns`, each times a normal variable of deviation 1, which are correlated as in a fit to a motion
-/// where the columns are those `fitted`. `None` where these are no independent ones.
+/// The mean square of the sum of `columns`, each times a normal variable of deviation 1. The variables are correlated as in a fit
+/// to a motion with the columns `fitted`. `None` if these are linearly dependent.
 fn of_parameters(columns: &[Vec<f64>], fitted: &[Vec<f64>]) -> Option<Chance> {
     let of_fit = products(fitted);
     let count = columns.len();
@@ -166,13 +168,13 @@ fn of_parameters(columns: &[Vec<f64>], fitted: &[Vec<f64>]) -> Option<Chance> {
     (chance.sum.is_finite() && squares.is_finite()).then_some(chance)
 }
 
-/// Whether an interval has two ends that are one.
+/// Whether both ends of an interval are equal.
 fn is_exact(parameter: &Parameter) -> bool {
     let bounds = &parameter.bounds;
     bounds.low.is_some() && bounds.low == bounds.high
 }
 
-/// Where a model has the value of a parameter.
+/// Where a model stores the value of a parameter.
 fn value_in<'a>(model: &'a mut Model, parameter: &Parameter) -> Option<&'a mut f64> {
     let Some(amplitude) = parameter.amplitude else {
         let mut effects = model.effects.iter_mut();
@@ -197,7 +199,8 @@ mod tests {
 
     #[test]
     fn what_is_fitted_together_errs_together() {
-        // Two columns that are alike but for a tenth: fitted, one errs against the other, and their sum by much less than either.
+        // Two columns that differ by a tenth: in a fit their errors oppose each other, and the error of their sum is much smaller
+        // than either.
         let time: Vec<f64> = (0..1000).map(|i| TAU * f64::from(i) / 1000.0).collect();
         let one: Vec<f64> = time.iter().map(|t| t.sin()).collect();
         let other: Vec<f64> = time.iter().map(|t| t.sin() + 0.1 * t.cos()).collect();
@@ -211,7 +214,7 @@ mod tests {
         assert!((both.sum - expected).abs() < 1e-9, "{both:?}");
         let dependent = [vec![1.0, 2.0], vec![2.0, 4.0]];
         assert!(of_parameters(&dependent, &dependent).is_none());
-        // Where they were fitted they are independent: each errs alone, and their squares add.
+        // In the fit the columns are independent, so the errors are too, and their squares add.
         let apart = [vec![1.0, 0.0], vec![0.0, 1.0]];
         let alike = [vec![1.0, 1.0], vec![1.0, 1.0]];
         assert!((of_parameters(&alike, &apart).unwrap().sum - 2.0).abs() < 1e-12);
@@ -219,7 +222,7 @@ mod tests {
 
     #[test]
     fn a_sum_of_two_equal_variables_is_exceeded_as_a_chi_square_of_two() {
-        // e^(−x/2) of χ² = 6, which is a sum of 3.
+        // e^(−x/2) for χ² = 6, which is a sum of 3.
         let one = Chance::of(0.5);
         let p = one.and(one).exceeds(3.0).unwrap();
         assert!((p - (-3.0_f64).exp()).abs() < 1e-9, "{p}");

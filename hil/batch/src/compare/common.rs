@@ -1,4 +1,4 @@
-//! What all models were fitted under: the motion, the temperature, the cycles, the control inputs.
+//! The common conditions of all models: the motion, the temperature, the cycles, the control inputs.
 
 use mesh_damper_model::Control;
 use mesh_damper_recording::error::InputError;
@@ -6,25 +6,26 @@ use serde::Serialize;
 
 use super::{ComparePolicy, Moment};
 
-/// What all models are compared under: the range that all were fitted in, at both ends of temperature, cycles and control inputs.
+/// The conditions of the comparison: the range in which all models were fitted, at both ends of temperature, cycles and control
+/// inputs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonMotion {
-    /// Least and largest displacement, mm, as the recordings of the first model have it.
+    /// Smallest and largest displacement, mm, in the coordinates of the first model's recordings.
     pub displacement_mm: [f64; 2],
-    /// Largest velocity either way, mm/s.
+    /// Largest velocity in either direction, mm/s.
     pub velocity_mm_s: f64,
-    /// Least and largest temperature, °C; null where it is not known of all.
+    /// Smallest and largest temperature, °C; null if it is not known for all.
     #[serde(rename = "temperature_degC")]
     pub temperature: Option<[f64; 2]>,
-    /// Least and largest number of cycles since a recording began; null where it is not known of all.
+    /// Smallest and largest number of cycles since a recording began; null if it is not known for all.
     pub cycles: Option<[f64; 2]>,
-    /// Control inputs with the least and the largest value.
+    /// Control inputs with the smallest and the largest value.
     pub controls: Vec<Control>,
 }
 
 impl CommonMotion {
-    /// What one model was fitted under, from its own zero.
+    /// The conditions in which one model was fitted, relative to its own zero.
     pub(super) fn own(moment: &Moment) -> Self {
         let range = moment.model.fitted_range();
         let [slow, fast] = range.velocity;
@@ -38,8 +39,8 @@ impl CommonMotion {
         }
     }
 
-    /// What every model was fitted under. Each displacement is within the range of every model whether its zero is a place of the specimen
-    /// or one of the sensor.
+    /// The conditions in which every model was fitted. Each displacement is within the range of every model, whether its zero is a
+    /// place on the specimen or one of the sensor.
     pub(super) fn of(
         moments: &[Moment],
         numbers: &ComparePolicy,
@@ -70,21 +71,21 @@ pub(super) fn cannot(why: String, mend: impl Into<String>) -> InputError {
     InputError::new("the models", format!("cannot be compared: {why}"), mend)
 }
 
-/// The shared part of ranges.
+/// The common part of ranges.
 fn shared(ranges: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     ranges.fold([f64::NEG_INFINITY, f64::INFINITY], |all, [low, high]| {
         [all[0].max(low), all[1].min(high)]
     })
 }
 
-/// The model whose range begins last and the one whose ends first: where these share nothing, all share nothing.
+/// The model whose range begins last, and the one whose range ends first: if these have no common part, all have none.
 fn apart<'a>(ranges: &[(&'a Moment, [f64; 2])]) -> Option<[(&'a Moment, [f64; 2]); 2]> {
     let last = ranges.iter().max_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
     let first = ranges.iter().min_by(|a, b| a.1[1].total_cmp(&b.1[1]))?;
     Some([*first, *last])
 }
 
-/// Says of two models that they share nothing of a quantity.
+/// The message that two models have no common part of a quantity.
 fn nothing_shared(
     ranges: &[(&Moment, [f64; 2])],
     what: &str,
@@ -139,7 +140,7 @@ fn velocity(moments: &[Moment]) -> Result<f64, InputError> {
     ))
 }
 
-/// Of those that have intervals: of others nothing is claimed.
+/// Those that have intervals: nothing is claimed about the others.
 fn claimed(moments: &[Moment]) -> impl Iterator<Item = &Moment> {
     moments.iter().filter(|moment| moment.trace.is_some())
 }

@@ -1,4 +1,4 @@
-//! The force of models on one motion: what they say of the specimen, whatever parameters say it.
+//! The force of models on one motion: it describes the specimen independently of the parameters.
 
 use mesh_damper_model::ModelError;
 use mesh_damper_model::file::model_error;
@@ -11,25 +11,26 @@ use super::run::Run;
 use super::unexcited::{self, Undecided};
 use super::{ComparePolicy, EffectChange, Moment, hidden};
 
-/// The force of a model beside that of the first.
+/// The force of a model compared to that of the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceChange {
     /// The model, counted from 0.
     pub model: usize,
-    /// RMS of the difference of the forces over the RMS of the first one's. Where the zeros of the two differ it is the least that a zero
-    /// between them gives.
+    /// RMS of the difference of the forces over the RMS of the first one's. If the zeros of the two differ, the smallest ratio for
+    /// any zero between them.
     pub difference: f64,
-    /// The ratio that is expected of a specimen that did not change: by the intervals of the parameters, by what the models leave beyond the
-    /// noise, and by what a law may have taken in of the temperature or the cycles. Null where intervals are not known.
+    /// The ratio expected for an unchanged specimen. It follows from the intervals of the parameters, from the remainder of the
+    /// models beyond the noise, and from the effect of temperature or cycles that a law may have absorbed. Null if intervals are
+    /// not known.
     pub expected: Option<f64>,
-    /// The chance, 0…1, of a difference as large as this of a specimen that did not change; null where intervals are not known.
+    /// The chance, 0…1, of a difference this large for an unchanged specimen; null if intervals are not known.
     pub p: Option<f64>,
     /// Whether a change is claimed.
     pub changed: bool,
-    /// By how much the model's zero was taken to lie above the first one's, mm.
+    /// How far the model's zero lies above the first one's, by assumption, mm.
     pub shift_mm: f64,
-    /// Where the difference is largest.
+    /// The place of the largest difference.
     pub largest: Place,
 }
 
@@ -37,7 +38,7 @@ pub struct ForceChange {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
-    /// Displacement, mm, as the recordings of the first model have it.
+    /// Displacement, mm, in the coordinates of the first model's recordings.
     pub displacement_mm: f64,
     /// Velocity, mm/s.
     pub velocity_mm_s: f64,
@@ -46,24 +47,25 @@ pub struct Place {
     pub temperature: f64,
     /// Cycles since a recording began.
     pub cycles: f64,
-    /// The model's force less the first one's, kN.
+    /// The model's force minus the first one's, kN.
     #[serde(rename = "difference_kN")]
     pub difference: f64,
-    /// The same over the RMS of the first one's force.
+    /// The same, over the RMS of the first one's force.
     pub part: f64,
 }
 
-/// What the forces of all models say.
+/// The results from the forces of all models.
 pub(super) struct Found {
-    /// Of every model but the first.
+    /// For every model except the first.
     pub changes: Vec<ForceChange>,
     /// Effects that the motion does not show.
     pub undecided: Vec<Undecided>,
-    /// Of each model, whether its law may hide more of the temperature or of the cycles than its intervals say: its coefficients are off by that.
+    /// For each model, whether its law may hide a larger effect of temperature or cycles than its intervals say: its coefficients
+    /// are off by that.
     pub hides: Vec<bool>,
 }
 
-/// The force of every model but the first beside the first's, and which effects the motion does not show.
+/// Compares the force of every model with that of the first, and finds effects that the motion does not show.
 pub(super) fn changes(
     moments: &[Moment],
     common: &CommonMotion,
@@ -126,8 +128,8 @@ pub(super) fn changes(
     })
 }
 
-/// From where to where the zero of `other` may lie above that of `first`, mm: at the same place of the specimen, where the sensor's zero
-/// moved; or by what the sensor says. Each zero that was taken off has an error of its own.
+/// The range of possible positions of the zero of `other` above that of `first`, mm: either the same place on the specimen, if the
+/// sensor's zero moved, or the value of the sensor. Each zero that was subtracted has its own error.
 fn shifts(first: &Moment, other: &Moment, numbers: &ComparePolicy) -> [f64; 2] {
     let apart = other.zero() - first.zero();
     let error = |moment: &Moment| {
@@ -151,7 +153,7 @@ struct Forces<'a> {
 }
 
 impl Forces<'_> {
-    /// With whether what it may hide is more than its intervals say.
+    /// Also returns whether it may hide more than its intervals say.
     fn spread(&self, model: usize, shift: f64) -> Result<(Spread, bool), ModelError> {
         let moment = &self.moments[model];
         let mut spread = Spread::of(moment, self.run, shift, self.numbers)?;
@@ -162,7 +164,7 @@ impl Forces<'_> {
         Ok((spread, hides))
     }
 
-    /// A model beside the `first`, its own chance, and whether it hides more than its intervals say.
+    /// A model compared to the `first`, its own chance, and whether it hides more than its intervals say.
     fn beside(
         &self,
         first: &Spread,
@@ -196,7 +198,7 @@ impl Forces<'_> {
         Ok((change, spread.chance, hides))
     }
 
-    /// That of the shifts that may be with which the two forces differ least, by Gauss and Newton from the end that is better.
+    /// The possible shift for which the two forces differ least, by Gauss–Newton from the better end.
     fn likely_shift(&self, first: &Spread, model: usize) -> Result<f64, ModelError> {
         let moment = &self.moments[model];
         let [least, largest] = shifts(&self.moments[0], moment, self.numbers);
@@ -216,7 +218,7 @@ impl Forces<'_> {
         }
         let mut shift = best.1;
         for _ in 0..SHIFT_STEPS {
-            // Away from the end that is nearer.
+            // Away from the nearer end.
             let step = match shift < 0.5 * (least + largest) {
                 true => SHIFT_STEP * (largest - least),
                 false => -SHIFT_STEP * (largest - least),
@@ -238,7 +240,9 @@ impl Forces<'_> {
     }
 }
 
-/// Steps towards the likeliest shift. It ends a loop: the forces are cubic in it, and the third moves nothing that is seen.
+/// Steps towards the likeliest shift. They bound a loop: the forces are cubic in the shift, and the third step changes nothing
+/// visible.
 const SHIFT_STEPS: usize = 4;
-/// The part of the range of shifts over which a slope is taken. Any that is small beside it and large beside a rounding will do.
+/// The fraction of the range of shifts over which a slope is taken. Any value works that is small compared to the range and large
+/// compared to rounding.
 const SHIFT_STEP: f64 = 1e-3;

@@ -1,7 +1,7 @@
-//! What the law of a model may have taken in of the temperature or of the cycles, where it has no effect for them.
+//! The effect of temperature or cycles that the law of a model may have absorbed, if it has no effect for them.
 //!
-//! A trace finds no effect that changes the force by less than the noise, or than what it leaves, within the recording. The law has then what the force was in the
-//! middle of the recording's temperatures, and is off at both ends of them.
+//! A trace does not find an effect that changes the force within the recording by less than the noise or the remainder. The law
+//! then has the force at the middle of the recording's temperatures, and is off at both ends.
 
 use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper_identify::policy::policy;
@@ -12,13 +12,13 @@ use super::chance::{Chance, differences, mean_square};
 use super::common::CommonMotion;
 use super::run::{Held, Run};
 
-/// A quantity beside the motion.
+/// A quantity other than the motion.
 struct Axis {
     common: Option<[f64; 2]>,
     own: fn(&Moment) -> Option<[f64; 2]>,
     depends: fn(&Model) -> bool,
     set: fn(Held, f64) -> Held,
-    /// The part of the force that one of its unit changes, where no model says.
+    /// The relative change of the force per unit of the quantity, if no model gives it.
     typical: f64,
 }
 
@@ -42,14 +42,14 @@ fn axes(common: &CommonMotion) -> [Axis; 2] {
     ]
 }
 
-/// The part of its force that a specimen loses with each degree, by the description of the effect.
+/// The part of its force that a specimen loses per degree, from the description of the effect.
 fn typical_loss() -> f64 {
     let mut all = DESCRIPTIONS.iter();
     let effect = all.find(|each| each.family == "temperature");
     effect.map_or(0.0, |effect| effect.typical[0].abs())
 }
 
-/// The mean square of what the force of `moment` may be off by, kN², on a run where it is `force`.
+/// The mean square of the possible error of the force of `moment`, kN², on a run with the force `force`.
 pub(super) fn chance(
     moment: &Moment,
     force: &[f64],
@@ -83,19 +83,19 @@ fn off(
     run: &Run,
 ) -> Result<f64, ModelError> {
     let middle = 0.5 * (own[0] + own[1]);
-    // Of values that are as frequent throughout.
+    // For a uniform distribution of values.
     let deviation = (own[1] - own[0]) / 12.0_f64.sqrt();
     let unseen = moment.trace.as_ref().map_or(f64::INFINITY, |trace| {
         let noise = trace.noise_floor_nrmse;
-        // A trace takes a remainder of this many times the noise for noise; what it leaves beyond that is seen.
+        // A trace attributes a remainder up to this multiple of the noise to noise; a larger remainder is seen.
         let limited = policy().verdict.noise_limited * noise;
         let errors = trace.augmented;
         let error = errors.nrmse_fitted.max(errors.nrmse_held_out).max(limited);
         (error * error - noise * noise).sqrt()
     });
     let size = mean_square(force);
-    // Warmth that grows with the cycles is found as an effect of either, and one that differs from amplitude to amplitude as coefficients
-    // over amplitude or as a residual table: then what is left bounds nothing.
+    // A temperature that rises with the cycles is found as an effect of either. One that differs between amplitudes is found as
+    // coefficients over amplitude or as a residual table. In these cases the remainder gives no limit.
     let own_model = moment.model.model();
     let takes_in = own_model.depends_on_temperature()
         || own_model.depends_on_cycles()

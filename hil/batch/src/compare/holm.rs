@@ -1,7 +1,7 @@
-//! Many comparisons at one level.
+//! Many comparisons at one level of significance.
 
-/// Marks the chances that are too small: the least of n below `level`/n, the next below `level`/(n − 1), and so on until one is not
-/// (Holm 1979). So the chance that any is marked, where nothing is there, is at most `level`.
+/// Marks the chances that are too small: the smallest of n if it is below `level`/n, the next if it is below `level`/(n − 1), and
+/// so on until one is not (Holm 1979). If nothing changed, the chance of any mark is at most `level`.
 pub(super) fn mark(chances: &mut [(Option<f64>, &mut bool)], level: f64) {
     let mut order: Vec<(f64, usize)> = chances
         .iter()
@@ -33,10 +33,10 @@ mod tests {
 
     #[test]
     fn each_is_held_to_what_those_before_it_left() {
-        // The example of Holm's steps: 0.01 < 0.05/4, 0.015 < 0.05/3, 0.02 < 0.05/2, 0.06 is not below 0.05.
+        // Holm's example: 0.01 < 0.05/4, 0.015 < 0.05/3, 0.02 < 0.05/2, and 0.06 is not below 0.05.
         let all = [Some(0.02), Some(0.06), Some(0.01), Some(0.015)];
         assert_eq!(marked(&all), [true, false, true, true]);
-        // One that fails stops all behind it, though 0.026 is below 0.05.
+        // A failure ends the sequence, although 0.026 is below 0.05.
         assert_eq!(marked(&[Some(0.026), Some(0.0251)]), [false, false]);
         assert_eq!(marked(&[None, Some(0.04), None]), [false, true, false]);
         assert_eq!(marked(&[]), [] as [bool; 0]);

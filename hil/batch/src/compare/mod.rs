@@ -1,10 +1,11 @@
-//! Models of one specimen over time: what changed, beyond its interval.
+//! Compares models of one specimen over time and finds changes beyond their intervals.
 //!
-//! Two comparisons stand beside each other. A parameter of the law or of an effect is compared where all models have the same effects:
-//! effects that differ take forces from each other, and then parameters differ though the specimen does not. The force of the models on one
-//! motion is compared always, and decides: parameters that differ where the force does not took it from each other. The motion is within what
-//! all models were fitted under. Where an effect appeared that it does not show, nothing is decided. The more is compared, the more would seem
-//! to have changed by chance: what is claimed is corrected for that after Holm (1979).
+//! There are two comparisons. Parameters of the law or of an effect are compared if all models have the same effects: different
+//! effects share the force differently, and then parameters differ although the specimen does not. The force of the models on one
+//! motion is always compared, and decides: parameters that differ while the force does not have only shared it differently. The
+//! motion is within the conditions in which all models were fitted. If an effect appeared that the motion does not show, the
+//! comparison decides nothing. With more comparisons, more changes would appear by chance: the claims are corrected for that after
+//! Holm (1979).
 
 mod chance;
 mod common;
@@ -55,9 +56,9 @@ mesh_damper_recording::numbers! {
 pub struct EffectChange {
     /// The family's name.
     pub family: String,
-    /// The model, counted from 0, that differs in it from the one before.
+    /// The model, counted from 0, that differs from the one before.
     pub model: usize,
-    /// Whether that has it; else the one before had.
+    /// Whether that model has it; otherwise the one before had it.
     pub appeared: bool,
 }
 
@@ -65,51 +66,51 @@ pub struct EffectChange {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
-    /// The path that was given.
+    /// The path as given.
     pub name: String,
-    /// When it was, in the unit of the times that were given; its place, from 0, where none were.
+    /// Its time, in the unit of the given times; its index, from 0, if none were given.
     pub time: f64,
     /// Families of its effects.
     pub effects: Vec<String>,
-    /// Its error on what was held out, where its trace says so.
+    /// Its error on held-out samples, if its trace gives it.
     pub nrmse_held_out: Option<f64>,
     /// Whether its trace gives the intervals of its parameters.
     pub has_intervals: bool,
 }
 
-/// What changed from model to model.
+/// The changes from model to model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
-    /// The word by which the file is known.
+    /// The word that marks the file.
     pub format: &'static str,
     /// Its version.
     pub version: u64,
-    /// The chance, 0…1, that anything is claimed of a specimen that did not change.
+    /// The chance, 0…1, of any claim about an unchanged specimen.
     pub level: f64,
     /// The models in the order of time.
     pub models: Vec<Compared>,
-    /// Whether a change is claimed: of the force, and so of the specimen.
+    /// Whether a change is claimed: of the force, and therefore of the specimen.
     pub changed: bool,
-    /// Effects that not all models have and that the common motion does not show: of these nothing is said where no change is claimed.
+    /// Effects that not all models have and that the common motion does not show: they are undecided if no change is claimed.
     pub undecided: Vec<Undecided>,
-    /// The motion that all were put through.
+    /// The common motion of the comparison.
     pub common_motion: CommonMotion,
-    /// The force of every model but the first, beside the first's.
+    /// The force of every model except the first, compared to the first's.
     pub forces: Vec<ForceChange>,
-    /// The parameters that any model has.
+    /// The parameters of all models.
     pub parameters: Vec<ParameterChange>,
     /// Effects that appeared or vanished.
     pub effects: Vec<EffectChange>,
-    /// What could not be compared, and why.
+    /// Comparisons that were not possible, with the reason.
     pub notes: Vec<String>,
 }
 
 /// Compares models of one specimen.
 ///
 /// # Errors
-/// Fewer than two models; a model that the crate refuses; models that share no displacement, velocity, temperature, number of cycles or
-/// value of a control input, or of which that is not known though a force depends on it.
+/// Fewer than two models; a model that the crate refuses; models with no common displacement, velocity, temperature, number of
+/// cycles or value of a control input, or for which that range is unknown although a force depends on it.
 pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     if moments.len() < 2 {
         return Err(InputError::new(
@@ -140,7 +141,7 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     holm::mark(&mut chances, numbers.level);
     let changed = forces.iter().any(|one| one.changed);
     if !changed {
-        // Parameters that differ where the force does not took it from each other.
+        // Parameters that differ while the force does not have only shared it differently.
         parameters.iter_mut().for_each(|one| one.changed = false);
     }
     Ok(Comparison {

@@ -1,4 +1,4 @@
-//! A model of a specimen at a time, with what its trace says of it.
+//! A model of a specimen at a time, with the data of its trace.
 
 use std::path::{Path, PathBuf};
 
@@ -13,21 +13,21 @@ use crate::one::{MODEL, TRACE};
 /// A model of a specimen at a time.
 #[derive(Clone, Debug)]
 pub struct Moment {
-    /// What messages call it.
+    /// Its name in messages.
     pub name: String,
-    /// When; in any unit, as long as all have it.
+    /// The time, in any unit that is the same for all.
     pub time: f64,
     /// The model.
     pub model: ModelFile,
-    /// What its trace found, with the intervals of its parameters; `None` where that is not known.
+    /// The result of its trace, with the intervals of its parameters; `None` if not known.
     pub trace: Option<TraceResult>,
 }
 
 impl Moment {
-    /// Reads `path`: the folder that `hil trace` wrote, or the model in it, beside which its trace is looked for.
+    /// Reads `path`: the folder that `hil trace` wrote, or the model in it. The trace is expected next to the model.
     ///
     /// # Errors
-    /// A model that cannot be read; a trace that is there and cannot be read.
+    /// A model that cannot be read, or an existing trace that cannot be read.
     pub fn read(path: &Path, time: f64, limit: ReadLimit) -> Result<Self, InputError> {
         let [model, trace] = Self::files(path);
         Ok(Self {
@@ -41,7 +41,7 @@ impl Moment {
         })
     }
 
-    /// The files that [`Self::read`] reads: the model, and the trace, which may be missing.
+    /// The files that [`Self::read`] reads: the model and the trace, which may be missing.
     pub fn files(path: &Path) -> [PathBuf; 2] {
         let model = match path.is_dir() {
             true => path.join(MODEL),
@@ -51,18 +51,18 @@ impl Moment {
         [model, trace]
     }
 
-    /// What its recordings were made under; `None` where that is not known.
+    /// The conditions of its recordings; `None` if not known.
     pub(super) fn conditions(&self) -> Option<&OperatingConditions> {
         self.trace.as_ref()?.operating_conditions.as_ref()
     }
 
-    /// Where the displacement of its law has its zero, mm of the recorded displacement: in the middle, where the recordings differ.
+    /// The zero of its law's displacement in mm of the recorded displacement: the middle if the recordings differ.
     pub(super) fn zero(&self) -> f64 {
         let [low, high] = self.model.displacement_zero();
         0.5 * (low + high)
     }
 
-    /// Whether a zero that was taken off is kept. Traces of before it was kept say it in a warning alone.
+    /// Whether the trace stores a subtracted zero. Older traces mention it only in a warning.
     pub(super) fn knows_zero(&self) -> bool {
         let warnings = self.trace.iter().flat_map(|trace| &trace.warnings);
         let mut of_zero =

@@ -14,29 +14,30 @@ use super::{ComparePolicy, Moment};
 pub struct ParameterChange {
     /// `law`, or the family of the effect.
     pub of: String,
-    /// Of a law: the amplitude in mm at which the coefficient holds; 0 where it holds for all. Null of an effect.
+    /// For a law: the amplitude in mm of the coefficient; 0 if it holds for all. Null for an effect.
     pub amplitude_mm: Option<f64>,
     /// The parameter's name.
     pub parameter: String,
     /// The unit of its values.
     pub unit: String,
-    /// Its value in each model; null where a model has no such parameter.
+    /// Its value in each model; null if a model has no such parameter.
     pub values: Vec<Option<Bounds>>,
-    /// The model, counted from 0, whose value differs most from that of the first in its interval; null where there is none to compare.
+    /// The model, counted from 0, whose value differs most from the first one's relative to its interval; null if none can be
+    /// compared.
     pub most_in: Option<usize>,
-    /// Its value less the first one's, over the first one's size.
+    /// Its value minus the first one's, relative to the first one's magnitude.
     pub change: Option<f64>,
-    /// The chance, 0…1, of values that differ as much as these where the parameter is the same in all; null where it is not known.
+    /// The chance, 0…1, of values this different if the parameter is the same in all; null if not known.
     pub p: Option<f64>,
-    /// Whether a change is claimed, which it is only where one of the force is.
+    /// Whether a change is claimed, which requires a claimed change of the force.
     pub changed: bool,
 }
 
-/// A value and its 90 % interval; the ends are null where they are not known, or the data set no bound.
+/// A value and its 90 % interval; the ends are null if not known, or if the data set no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
-    /// The model's, in the unit of the parameter.
+    /// The value in the model, in the unit of the parameter.
     pub value: f64,
     /// Lower end, in the same unit.
     pub low: Option<f64>,
@@ -47,7 +48,7 @@ pub struct Bounds {
 impl Bounds {
     /// A value of a model, with the interval that its trace gives for the same value.
     fn of(value: f64, estimate: Option<&Estimate>) -> Self {
-        // A law that was not adopted has other values: their intervals say nothing of these.
+        // A law that was not adopted has other values: their intervals do not apply here.
         let of_this =
             estimate.filter(|estimate| (estimate.value - value).abs() <= 1e-9 * value.abs());
         let finite = |end: f64| end.is_finite().then_some(end);
@@ -58,14 +59,14 @@ impl Bounds {
         }
     }
 
-    /// Its standard deviation, where it is known.
+    /// Its standard deviation, if known.
     pub(super) fn deviation(&self, numbers: &ComparePolicy) -> Option<f64> {
         let half = 0.5 * (self.high? - self.low?);
         (half > 0.0).then(|| numbers.widened * half / NINETY_PERCENT)
     }
 }
 
-/// One parameter of a model: what it is of, at which amplitude, its name, its value.
+/// One parameter of a model: its owner, amplitude, name and value.
 pub(super) struct Parameter {
     pub of: String,
     pub amplitude: Option<f64>,
@@ -111,8 +112,8 @@ pub(super) fn of_model(moment: &Moment) -> Vec<Parameter> {
     all
 }
 
-/// The parameters of all models. They are compared where the models have the same effects, and laws at the same amplitudes, about one zero,
-/// that do not hide what the temperature or the cycles did.
+/// The parameters of all models. They are compared if the models have the same effects, and laws at the same amplitudes about one
+/// zero, that do not hide an effect of temperature or cycles.
 pub(super) fn changes(
     moments: &[Moment],
     hides: &[bool],
@@ -160,7 +161,7 @@ pub(super) fn changes(
             moment.name
         ));
     }
-    // Others are compared with the first.
+    // The others are compared with the first.
     for (alike, own) in alike.iter_mut().zip(hides) {
         *alike = *alike && !own && !hides[0];
     }
@@ -206,7 +207,7 @@ pub(super) fn changes(
         .collect()
 }
 
-/// Which model's value is farthest from the first one's, in deviations where all have one, and by which part of that.
+/// The model whose value is farthest from the first one's, in deviations if all have one; and the relative difference.
 fn most_off(values: &[(usize, Bounds)], numbers: &ComparePolicy) -> Option<(usize, Option<f64>)> {
     let ((_, first), others) = values.split_first()?;
     let is_known = |bounds: &Bounds| bounds.deviation(numbers).is_some();
@@ -227,7 +228,7 @@ fn most_off(values: &[(usize, Bounds)], numbers: &ComparePolicy) -> Option<(usiz
     Some((*model, (first.value != 0.0).then_some(change)))
 }
 
-/// Whether its effect has several elements: these take forces from each other, so that only the force of all says what changed.
+/// Whether its effect has several elements: these share the force, so only their total force shows a change.
 fn has_several(all: &[Parameter], parameter: &Parameter) -> bool {
     let mut own = all.iter().filter(|other| other.of == parameter.of);
     parameter.amplitude.is_none() && own.any(|other| base_name(&other.name) != other.name)
@@ -244,8 +245,8 @@ fn law_unit(name: &str) -> String {
     .to_owned()
 }
 
-/// The chance that values of one parameter scatter as much as these: χ² of their distances from their weighted mean. `None` where
-/// fewer than two have an interval.
+/// The chance that values of one parameter scatter this much: χ² of their distances from their weighted mean. `None` if fewer than
+/// two have an interval.
 fn chance(values: &[Bounds], numbers: &ComparePolicy) -> Option<f64> {
     let known: Vec<(f64, f64)> = values
         .iter()
@@ -309,7 +310,7 @@ mod tests {
         ])
         .unwrap();
         assert!((p - 0.1).abs() < 1e-3, "{p}");
-        // The one of whom nothing is known is no matter.
+        // A value without a known interval makes no difference.
         let unknown = Bounds {
             high: None,
             ..bounds(99.0, 1.0)

@@ -1,4 +1,4 @@
-//! The motion that all models are put through, and the force of a model on it.
+//! The common motion for all models, and the force of a model on it.
 
 use std::f64::consts::TAU;
 
@@ -9,10 +9,10 @@ use mesh_damper_reference::protocol::{MotionSample, TestBlock, motion};
 use super::common::CommonMotion;
 use super::{ComparePolicy, Moment};
 
-/// Temperature where none is known, °C: that of a recording without one. No force depends on it then.
+/// Temperature if none is known, °C: that of a recording without temperature. No force depends on it then.
 const ROOM: f64 = 20.0;
 
-/// What is held throughout the motion.
+/// The conditions that stay constant during the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Held {
     /// °C.
@@ -23,13 +23,13 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// The same at another temperature, °C.
+    /// The same conditions at another temperature, °C.
     pub fn at_temperature(mut self, temperature: f64) -> Self {
         self.temperature = temperature;
         self
     }
 
-    /// The same after other cycles.
+    /// The same conditions after another number of cycles.
     pub fn after_cycles(mut self, cycles: f64) -> Self {
         self.cycles = cycles;
         self
@@ -39,26 +39,27 @@ impl Held {
 /// A sample that counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
-    /// From the first model's zero, mm.
+    /// Relative to the first model's zero, mm.
     pub displacement: f64,
     /// mm/s.
     pub velocity: f64,
     pub held: Held,
 }
 
-/// The motion, and the samples of it that count.
+/// The motion, and its samples that count.
 pub(super) struct Run {
     rate: f64,
-    /// With the number of the first sample that counts.
+    /// Each with the index of the first sample that counts.
     blocks: Vec<(TestBlock, Vec<MotionSample>, usize)>,
-    /// All ends of what is held.
+    /// All ends of the constant conditions.
     ends: Vec<Held>,
     /// End by end.
     pub kept: Vec<Kept>,
 }
 
 impl Run {
-    /// Displacements are from the first model's `zero`. What no force of `moments` depends on is held in the middle.
+    /// Displacements are relative to the first model's `zero`. Conditions on which no force of `moments` depends stay at the
+    /// middle.
     pub fn new(
         common: &CommonMotion,
         zero: f64,
@@ -87,13 +88,13 @@ impl Run {
         }
     }
 
-    /// The model's force at the samples that count, kN, where its zero lies by `shift` mm above the first model's.
+    /// The model's force at the samples that count, kN, with its zero `shift` mm above the first model's.
     pub fn force(&self, model: &Model, shift: f64) -> Result<Vec<f64>, ModelError> {
         let each = self.ends.iter().map(|held| self.held(model, shift, held));
         Ok(each.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// The middle of temperatures and cycles, under the first of the control inputs' ends.
+    /// The middle of temperatures and cycles, at the first end of the control inputs.
     pub fn middle(&self) -> Held {
         let (first, last) = (self.ends[0], self.ends[self.ends.len() - 1]);
         first
@@ -101,7 +102,7 @@ impl Run {
             .after_cycles(0.5 * (first.cycles + last.cycles))
     }
 
-    /// The same under what is `held`.
+    /// The same under the conditions `held`.
     pub fn held(&self, model: &Model, shift: f64, held: &Held) -> Result<Vec<f64>, ModelError> {
         let first = self.blocks[0].0.amplitude;
         let mut law = model.augmented::<f64>(first, 1.0 / self.rate)?;
@@ -115,7 +116,7 @@ impl Run {
                     displacement: at.displacement - shift,
                     velocity: at.velocity,
                     acceleration: at.acceleration,
-                    // A table over the frequency counts them by their fractions.
+                    // A table over the frequency counts cycles by their fractions.
                     cycles: held.cycles.floor() + ((at.time - begin) * block.frequency).fract(),
                     temperature: held.temperature,
                     controls: held.controls,
@@ -130,8 +131,8 @@ impl Run {
     }
 }
 
-/// Sines about `middle` at parts of the `largest` amplitude in mm, and at parts of the velocity in mm/s. The first cycle of each does not
-/// count, and a cycle before them all takes friction off where it began.
+/// Sines about `middle` at fractions of the `largest` amplitude in mm, and at fractions of the velocity in mm/s. The first cycle of
+/// each does not count. An additional cycle before all of them brings friction away from its start.
 fn blocks(
     largest: f64,
     middle: f64,
@@ -177,7 +178,7 @@ fn blocks(
     (rate, of_blocks.collect())
 }
 
-/// Both ends of what a force depends on, each with each.
+/// Both ends of all conditions that a force depends on, in all combinations.
 fn ends(common: &CommonMotion, moments: &[&Moment]) -> Vec<Held> {
     let of = |range: [f64; 2], is_felt: bool| match range {
         [low, high] if is_felt && low < high => vec![low, high],

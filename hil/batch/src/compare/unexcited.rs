@@ -8,7 +8,7 @@ use super::chance::{Chance, differences, mean_square};
 use super::run::{Held, Run};
 use super::{ComparePolicy, EffectChange, Moment};
 
-/// An effect that appeared or vanished, of which what all models were fitted under says nothing.
+/// An effect that appeared or vanished, about which the common conditions of the models say nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Undecided {
@@ -16,7 +16,7 @@ pub struct Undecided {
     pub family: String,
     /// The model, counted from 0, with which it appeared or vanished.
     pub model: usize,
-    /// The test that would show whether the specimen changed, in words.
+    /// The test that would show whether the specimen changed, as text.
     pub would_show: String,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn of(
     }))
 }
 
-/// The ends of what the model that has the effect was fitted under, where its force depends on that.
+/// The ends of the conditions of the model that has the effect, as far as its force depends on them.
 fn own_ends(moment: &Moment, family: &Family, run: &Run) -> Vec<Held> {
     let Some(conditions) = moment.conditions() else {
         return Vec::new();

@@ -7,10 +7,10 @@ use mesh_damper_recording::files::FORMATS;
 
 use super::{List, Task, refused};
 
-/// What the commands write beside recordings.
+/// Files that the commands write next to recordings.
 const WRITTEN: [&str; 2] = ["model.json", "trace.json"];
 
-/// Whether a file's name, in small letters, has an ending of a format that is read.
+/// Whether a file's name, in lower case, has an ending of a readable format.
 fn is_recording(name: &str) -> bool {
     if WRITTEN.contains(&name) {
         return false;
@@ -20,10 +20,10 @@ fn is_recording(name: &str) -> bool {
     ending.is_some_and(|ending| endings.any(|known| *known == ending))
 }
 
-/// Every recording in `folder`, by name. Hidden files and folders in it are left alone.
+/// Every recording in `folder`, by name. Hidden files and subfolders are ignored.
 ///
 /// # Errors
-/// A folder that cannot be read, or that holds no recording.
+/// The folder cannot be read, or contains no recording.
 pub(super) fn list(folder: &Path) -> Result<List, InputError> {
     let failed = |error| InputError::io(folder, "read", &error);
     let mut list = List::default();

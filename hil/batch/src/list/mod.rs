@@ -1,4 +1,4 @@
-//! What is to be traced: a folder, a list of paths, a table of paths with their groups.
+//! The list of traces to make: a folder, a list of paths, or a table of paths with their groups.
 
 mod folder;
 mod table;
@@ -12,15 +12,15 @@ use mesh_damper_recording::read_limit::ReadLimit;
 /// One trace of a batch: the recordings that it fits, and those that it holds out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Task {
-    /// What rows, folders and messages call it: the group, or the recording's path as it was listed.
+    /// Its name in rows, folders and messages: the group, or the recording's path as listed.
     pub name: String,
-    /// The group that the table names; none of a recording alone.
+    /// The group from the table; none for a single recording.
     pub group: Option<String>,
-    /// The specimen that the table names.
+    /// The specimen from the table.
     pub specimen: Option<String>,
     /// Recordings to fit, at least one.
     pub recordings: Vec<PathBuf>,
-    /// Recordings that are only predicted. Where there is none, a part of the others is held out.
+    /// Recordings that are only predicted. If there are none, a part of the others is held out.
     pub held_out: Vec<PathBuf>,
 }
 
@@ -35,7 +35,7 @@ impl Task {
         }
     }
 
-    /// All its recordings, those held out last.
+    /// All its recordings, the held-out ones last.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.recordings
             .iter()
@@ -44,27 +44,27 @@ impl Task {
     }
 }
 
-/// The traces that a batch is to make, in order.
+/// The traces of a batch, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct List {
     /// One trace each.
     pub tasks: Vec<Task>,
-    /// Files of the folder that are no recordings by the endings of their names.
+    /// Files of the folder whose endings are not those of recordings.
     pub ignored: Vec<PathBuf>,
-    /// The list or the table itself, where there is one.
+    /// The list or the table itself, if there is one.
     pub file: Option<PathBuf>,
 }
 
 impl List {
-    /// Reads `path`: a folder, of which every file with an ending of a format that is read is a recording; a text with a path on every line; or a
-    /// table as CSV or Parquet with a column `path`, and `group`, `specimen`, and `role` or `held_out` where they are wanted. The rows of
-    /// one group are one trace.
+    /// Reads `path`: a folder, in which every file with an ending of a readable format is a recording; a text with one path per
+    /// line; or a table as CSV or Parquet with a column `path` and optional columns `group`, `specimen`, and `role` or `held_out`.
+    /// The rows of one group are one trace.
     ///
-    /// A path that is relative begins at the list's folder; where there is no such file there, at the working directory.
+    /// A relative path starts at the list's folder or, if there is no such file, at the working directory.
     ///
     /// # Errors
-    /// What cannot be read; a folder or a list without recordings; a list of which no file exists; a column that is not understood; a
-    /// group that fits nothing, or with two specimens.
+    /// A file cannot be read; a folder or a list has no recordings; none of a list's files exists; a column is not understood; a
+    /// group fits nothing, or has two specimens.
     pub fn read(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         if path.is_dir() {
             return folder::list(path);
@@ -86,10 +86,10 @@ impl List {
         })
     }
 
-    /// A path on every line of `text`, relative to the working directory; `name` is what errors call it.
+    /// One path per line of `text`, relative to the working directory; errors call it `name`.
     ///
     /// # Errors
-    /// No path; no file at any of them.
+    /// No path, or no file at any of them.
     pub fn of_lines(name: &str, text: &str) -> Result<Self, InputError> {
         Ok(Self {
             tasks: text::paths(Path::new(name), text)?,
@@ -97,7 +97,7 @@ impl List {
         })
     }
 
-    /// The table `text`, as CSV; its paths are relative to the working directory. `name` is what errors call it.
+    /// The table `text`, as CSV; its paths are relative to the working directory. Errors call it `name`.
     ///
     /// # Errors
     /// As [`List::read`] of a table.
@@ -117,7 +117,7 @@ impl List {
         })
     }
 
-    /// One trace of each recording.
+    /// One trace for each recording.
     pub fn of_recordings<P: Into<PathBuf>>(paths: impl IntoIterator<Item = P>) -> Self {
         Self {
             tasks: paths.into_iter().map(Task::of).collect(),
@@ -126,7 +126,7 @@ impl List {
     }
 }
 
-/// Where a path that `list` holds leads to.
+/// The file that a path in `list` refers to.
 fn resolved(list: &Path, path: &str) -> PathBuf {
     let beside = list.parent().unwrap_or(Path::new("")).join(path);
     let here = PathBuf::from(path);

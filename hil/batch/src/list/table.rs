@@ -12,18 +12,18 @@ use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderB
 
 use super::{Task, refused, resolved};
 
-/// How a Parquet file begins.
+/// First bytes of a Parquet file.
 pub(super) const PARQUET: &[u8] = b"PAR1";
 
-/// The columns that are understood; others are of no concern.
+/// The columns that are understood; others are ignored.
 const COLUMNS: [&str; 5] = ["path", "group", "specimen", "role", "held_out"];
-/// What may stand between the cells of a CSV.
+/// Possible separators between the cells of a CSV.
 const DELIMITERS: [u8; 3] = [b',', b';', b'\t'];
 
-/// One row: a cell for each of [`COLUMNS`], empty where there is none.
+/// One row: a cell for each of [`COLUMNS`], empty if the column is missing.
 type Cells = [String; COLUMNS.len()];
 
-/// The traces of a CSV; `None` where its header has no `path`.
+/// The traces of a CSV; `None` if its header has no `path`.
 pub(super) fn csv(list: &Path, text: &str) -> Result<Option<Vec<Task>>, InputError> {
     let reader = |delimiter| {
         csv::ReaderBuilder::new()
@@ -67,7 +67,7 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
             "write it again, or give the table as CSV",
         )
     };
-    // Texts as they are stored, and not as dictionaries or views, whatever the program that wrote them calls them.
+    // Texts in their stored form, not as dictionaries or views, whatever type the program that wrote them declared.
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
     let reader =
         ParquetRecordBatchReaderBuilder::try_new_with_options(bytes::Bytes::from(bytes), options)
@@ -102,7 +102,7 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
     tasks(list, rows)
 }
 
-/// Where each of [`COLUMNS`] stands; `None` where there is no `path`.
+/// The index of each of [`COLUMNS`]; `None` if there is no `path`.
 fn places(
     list: &Path,
     names: &[&str],
@@ -130,7 +130,7 @@ fn places(
     Ok(Some(places))
 }
 
-/// A cell as text; empty where it is null.
+/// A cell as text; empty if it is null.
 fn text_at(
     list: &Path,
     batch: &RecordBatch,
@@ -160,7 +160,7 @@ fn text_at(
     })
 }
 
-/// One trace of each group, and of each row without a group, in the order of their first rows.
+/// One trace for each group and for each row without a group, in the order of their first rows.
 fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError> {
     let mut tasks: Vec<Task> = Vec::new();
     let mut groups: HashMap<String, usize> = HashMap::new();

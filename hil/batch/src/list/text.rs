@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path, limit: ReadLimit) -> Result<Vec<u8>, InputError>
     Ok(bytes)
 }
 
-/// The text of a list, without the mark that some programs write before it.
+/// The text of a list, without the byte order mark that some programs write.
 pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
     match String::from_utf8(bytes) {
         Ok(text) => Ok(text.trim_start_matches('\u{feff}').to_owned()),
@@ -40,7 +40,7 @@ pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> 
     }
 }
 
-/// One trace of each path: blank lines and those that begin with `#` are none.
+/// One trace for each path: blank lines and lines that begin with `#` do not count.
 pub(super) fn paths(list: &Path, text: &str) -> Result<Vec<Task>, InputError> {
     let lines = text.lines().map(str::trim_end);
     let named = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
@@ -57,7 +57,7 @@ pub(super) fn paths(list: &Path, text: &str) -> Result<Vec<Task>, InputError> {
             "write a path on every line",
         ));
     }
-    // A recording by itself would be a list of thousands of files that are not there.
+    // A recording given as a list would be thousands of missing files.
     if !tasks.iter().flat_map(Task::paths).any(Path::exists) {
         return Err(refused(
             list,

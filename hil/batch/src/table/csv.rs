@@ -2,11 +2,11 @@
 
 use super::{Table, Values};
 
-/// What stands between the texts of a list.
+/// Separator between the texts of a list.
 const BETWEEN: &str = ";";
 
 impl Table {
-    /// The table as CSV with a header. A value that is not there is an empty cell; the texts of a list stand between semicolons.
+    /// The table as CSV with a header. A missing value is an empty cell; semicolons separate the texts of a list.
     pub fn to_csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         // Writing to memory does not fail, and every row has as many cells as the header.

@@ -1,4 +1,4 @@
-//! The tables of a batch: a row a trace, and a row a parameter.
+//! The tables of a batch: one row per trace, and one row per parameter.
 
 mod csv;
 mod outcomes;
@@ -8,22 +8,22 @@ mod parquet;
 pub use outcomes::outcomes;
 pub use parameters::parameters;
 
-/// A table: its columns, all of one length.
+/// A table: its columns, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table(pub Vec<Column>);
 
 /// One column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name, with the unit at its end where it has one.
+    /// Its name, ending with the unit if it has one.
     pub name: &'static str,
-    /// What it holds, in a sentence.
+    /// Its contents, in a sentence.
     pub about: &'static str,
     /// A value for every row.
     pub values: Values,
 }
 
-/// The values of a column; `None` where a row has none.
+/// The values of a column; `None` if a row has none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// Texts.
@@ -39,7 +39,7 @@ pub enum Values {
 }
 
 impl Values {
-    /// What the pages call its type.
+    /// The name of its type on the pages.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Text(_) => "text",

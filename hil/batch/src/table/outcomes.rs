@@ -1,4 +1,4 @@
-//! `outcomes`: a row a trace.
+//! `outcomes`: one row per trace.
 
 use mesh_damper_identify::trace::result::Verdict;
 
@@ -232,7 +232,7 @@ fn families(effects: &[Effect]) -> Vec<String> {
     effects.iter().map(|effect| effect.family.clone()).collect()
 }
 
-/// The word that `trace.json` has for a verdict.
+/// The word for a verdict in `trace.json`.
 fn word(verdict: Verdict) -> String {
     match verdict {
         Verdict::None => "none",

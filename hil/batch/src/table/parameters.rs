@@ -1,4 +1,4 @@
-//! `effects`: a row a parameter, of the law and of the effects of every trace.
+//! `effects`: one row per parameter, of the law and of the effects of every trace.
 
 use mesh_damper_identify::trace::result::Estimate;
 

@@ -15,7 +15,7 @@ impl Table {
     /// The table as Parquet, compressed with Snappy.
     ///
     /// # Errors
-    /// A table that Parquet cannot hold, which none of a batch is.
+    /// Parquet cannot hold the table; this never happens for tables of a batch.
     pub fn to_parquet(&self) -> Result<Vec<u8>, InputError> {
         let failed = |error: &dyn std::fmt::Display| {
             let problem = format!("not to be written as Parquet: {error}");

@@ -1,4 +1,4 @@
-//! Models of one specimen over time: a change is found, and none where there is none.
+//! Models of one specimen over time: a change is found, and none is found if nothing changed.
 
 use mesh_damper_batch::compare::{Comparison, Moment, compare};
 use mesh_damper_identify::trace::trace;
@@ -13,7 +13,7 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use crate::simulated::{drawn_again, plain};
 use crate::varied::Varied;
 
-/// Specimens of which nothing changes, in the gate.
+/// Number of unchanged specimens in the gate.
 const UNCHANGED: u64 = 20;
 
 fn moment(time: f64, recording: &Recording) -> Moment {
@@ -30,7 +30,7 @@ fn at_first(seed: u64) -> Coefficients {
     tables::interpolate([2.0, 2.5, 3.0, 3.5][(seed % 4) as usize], 0.1)
 }
 
-/// The specimen of a seed at three times: its k1 grows by a part from time to time.
+/// The specimen of a seed at three times: its k1 grows by a fraction from time to time.
 fn drifting(seed: u64, part: f64) -> Comparison {
     let at_first = at_first(seed);
     let moments = (0..3).map(|time| {
@@ -50,7 +50,7 @@ fn a_stiffness_that_drifts_is_found_with_its_size() {
         assert!(found.changed && found.effects.is_empty(), "{found:?}");
         let last = &found.forces[1];
         assert!(last.changed && last.p.unwrap() < 1e-4, "{last:?}");
-        // Where the forces differ most they do by what k1 grew by.
+        // The largest difference of the forces corresponds to the growth of k1.
         let grown = 0.06 * at_first(seed).k1 * last.largest.displacement_mm;
         assert!(
             (last.largest.difference / grown - 1.0).abs() < 0.25,
@@ -80,7 +80,7 @@ fn compared<const COUNT: usize>(tests: [Varied; COUNT]) -> Result<Comparison, In
     compare(moments.collect())
 }
 
-/// Held off its rest at two places, as a test without a preload's adjustment has it.
+/// The specimen is held away from its rest position at two places, as in a test without adjustment of the preload.
 fn held_elsewhere(seed: u64, later: Coefficients) -> Comparison {
     let test = |coefficients, preload, largest, seed| Varied {
         preload,
@@ -100,7 +100,7 @@ fn a_specimen_that_is_held_elsewhere_did_not_change() {
         let found = held_elsewhere(seed, at_first(seed));
         assert!(!found.changed, "{found:?}");
         assert!(found.forces[0].difference < 0.01, "{found:?}");
-        // In the recording's displacement, within what both were moved in.
+        // In the recording's displacement, within the motion of both.
         let [low, high] = found.common_motion.displacement_mm;
         assert!(
             (0.0..0.05).contains(&low) && (0.18..0.25).contains(&high),
@@ -190,8 +190,8 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
             let tests = [[20.0, narrow], [20.0, 60.0]].map(|range| warm(seed, 0.005, range));
             let found = compared(tests).unwrap();
             assert!(!found.changed, "{narrow} °C: {found:?}");
-            // Of a law over more amplitudes than the motion has the chance is not known, and nothing is claimed. Some traces find the
-            // effect within the narrow range: then both have it, and no law hides it.
+            // For a law over more amplitudes than the motion has, the chance is not known, and nothing is claimed. Some traces find
+            // the effect within the narrow range: then both have it, and no law hides it.
             let is_found = found.models[0].effects.contains(&"temperature".to_owned());
             if found.forces[0].p.is_none() || is_found {
                 continue;
@@ -204,14 +204,14 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
             let undecided = found.undecided.first().unwrap();
             assert_eq!(undecided.family, "temperature");
         }
-        // No model knows of the temperature, and the one is warmer.
+        // No model includes the temperature, and one was recorded warmer.
         let tests = [[20.0, 22.0], [21.0, 23.0]].map(|range| warm(seed, 0.005, range));
         let found = compared(tests).unwrap();
         assert!(!found.changed, "{found:?}");
     }
 }
 
-/// A law over amplitude has taken the warmth in, and leaves more than the noise.
+/// A law over amplitude has absorbed the warming, and its remainder is above the noise.
 #[test]
 fn a_trace_that_found_no_effect_of_much_warmth_bounds_nothing() {
     for seed in [465, 513] {
@@ -274,7 +274,7 @@ fn the_model_that_is_off_is_named_though_the_last_is_as_the_first() {
     assert!((k1.change.unwrap() - 0.05).abs() < 0.01, "{k1:?}");
 }
 
-/// Of a specimen with a hidden effect that does not change, recorded three times.
+/// A specimen with a hidden effect that does not change, recorded three times.
 fn unchanged(seed: u64) -> Comparison {
     let moments =
         (0..3).map(|time| moment(time as f64, &drawn_again(seed, 1000 + 100 * seed + time)));
@@ -288,8 +288,8 @@ fn about_rest(seed: u64) -> Comparison {
     }
 }
 
-/// A specimen that stays as it is, and whose three tests differ: in where it is held and how far it is moved, in the temperature, in the
-/// number of cycles, in the sensor's zero.
+/// An unchanged specimen with three different tests. They differ in the position and the range of the motion, in the temperature,
+/// in the number of cycles, and in the sensor's zero.
 fn under_others(seed: u64) -> Comparison {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let coefficients = at_first(seed);
@@ -357,24 +357,24 @@ fn claims(seeds: std::ops::Range<u64>, of: fn(u64) -> Comparison) -> Vec<(u64, C
 #[test]
 fn of_a_specimen_that_stays_as_it_is_nothing_is_claimed() {
     let claimed = claims(0..UNCHANGED, about_rest);
-    // With 5 % each, more than four of 20 would be claimed once in 390.
+    // With 5 % each, more than four claims of 20 would occur once in 390.
     assert!(claimed.len() <= 4, "{} of {UNCHANGED}", claimed.len());
 }
 
 #[test]
 #[ignore = "minutes: 400 specimens, each traced three times"]
 fn claims_are_made_of_unchanged_specimens_about_as_often_as_they_say() {
-    // Others than those that the widening was tuned on.
+    // Seeds other than those on which the widening was tuned.
     let claimed = claims(400..800, about_rest);
     println!("{} of 400", claimed.len());
-    // 5 % of 400 are 20; more than 32 once in 200.
+    // 5 % of 400 are 20; more than 32 occur once in 200.
     assert!(claimed.len() <= 32, "{} of 400", claimed.len());
 }
 
 #[test]
 fn of_a_specimen_that_is_tested_otherwise_nothing_is_claimed() {
     let claimed = claims(0..UNCHANGED, under_others);
-    // With 5 % each, more than four of 20 would be claimed once in 390.
+    // With 5 % each, more than four claims of 20 would occur once in 390.
     assert!(claimed.len() <= 4, "{} of {UNCHANGED}", claimed.len());
 }
 
@@ -391,6 +391,6 @@ fn claims_are_as_rare_where_the_tests_differ() {
         of(2),
         of(3)
     );
-    // 5 % of 120 are 6; more than 12 once in 160.
+    // 5 % of 120 are 6; more than 12 occur once in 160.
     assert!(claimed.len() <= 12, "{} of 120", claimed.len());
 }

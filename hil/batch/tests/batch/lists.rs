@@ -1,4 +1,4 @@
-//! What lists, tables and folders name.
+//! The contents of lists, tables and folders.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ fn read(path: &Path) -> Result<List, String> {
     List::read(path, ReadLimit::default()).map_err(|error| error.to_string())
 }
 
-/// A folder with files of these names, which hold them.
+/// A folder with files of these names; each contains its name.
 fn folder(names: &[&str]) -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     for name in names {
@@ -51,7 +51,7 @@ fn a_folder_gives_its_recordings_by_name() {
         names(&list, root.path()),
         [alone("a.csv.gz"), alone("b.CSV")]
     );
-    // What a trace has written there is no recording.
+    // Files that a trace wrote there are not recordings.
     let ignored = ["model.json", "notes.pdf"].map(|name| root.path().join(name));
     assert_eq!(list.ignored, ignored);
     let empty = folder(&["notes.pdf", "deeper/c.csv"]);

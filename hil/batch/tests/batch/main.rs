@@ -1,4 +1,4 @@
-//! Batches of recordings from outside: what is made, what is kept, what is refused.
+//! Batches of recordings from outside: their results, their stored data and their errors.
 
 mod compared;
 mod lists;

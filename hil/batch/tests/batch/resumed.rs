@@ -1,4 +1,4 @@
-//! What a batch keeps from run to run.
+//! The data that a batch keeps from run to run.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -37,7 +37,7 @@ fn nothing_is_made_twice_and_what_has_changed_is_made() {
     assert_eq!((again.computed, &again.traces), (0, &first.traces));
     assert_eq!(tables.iter().map(read).collect::<Vec<_>>(), before);
 
-    // A file of another name is the same recording.
+    // A file with another name is the same recording.
     fs::rename(folder.join("1.csv"), folder.join("moved.csv")).unwrap();
     let moved = run(&batch(&folder, &out));
     assert_eq!((moved.computed, moved.traced), (0, 3));
@@ -47,13 +47,13 @@ fn nothing_is_made_twice_and_what_has_changed_is_made() {
             .iter()
             .any(|row| row.trace.ends_with("moved.csv"))
     );
-    // One that is mended is another.
+    // A repaired file is a different recording.
     fs::copy(folder.join("0.csv"), folder.join("broken.csv")).unwrap();
     let text = fs::read_to_string(folder.join("0.csv")).unwrap();
     fs::write(folder.join("0.csv"), text.replacen('\n', "\n\n", 1)).unwrap();
     let mended = run(&batch(&folder, &out));
     assert_eq!((mended.computed, mended.traced, mended.failed), (1, 4, 0));
-    // A model that was removed is made again, and a report that is asked for.
+    // A model that was removed is made again, and so is a report that is requested.
     let Outcome::Traced(found) = &mended.traces[0].outcome else {
         panic!("{:?}", mended.traces[0]);
     };
@@ -90,8 +90,8 @@ fn other_settings_are_other_traces_and_the_limit_matters_to_what_it_refused() {
     assert_eq!(run(&batch).computed, 0);
 }
 
-/// Every state in which a batch can be killed is a journal that ends anywhere, files of traces that the journal does not know, and
-/// files half written.
+/// A batch can be killed in any state: the journal may end anywhere, files of traces may be missing from the journal, and files may
+/// be half written.
 #[test]
 fn a_batch_that_was_killed_anywhere_makes_only_what_it_had_not_kept() {
     let root = tempfile::tempdir().unwrap();

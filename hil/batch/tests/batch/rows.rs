@@ -1,4 +1,4 @@
-//! What a batch makes of its recordings.
+//! The results of a batch for its recordings.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -31,7 +31,7 @@ pub fn run(batch: &Batch) -> Summary {
     batch.run(&|_| ()).unwrap()
 }
 
-/// `count` recordings in a folder of the name.
+/// `count` recordings in a folder of this name.
 pub fn record(folder: &Path, count: u64) {
     fs::create_dir_all(folder).unwrap();
     for seed in 0..count {
@@ -118,7 +118,7 @@ fn what_cannot_be_traced_is_a_row_and_what_is_there_twice_is_none() {
     let [first, broken, still, gone, twice, both] = &summary.traces[..] else {
         panic!("{:?}", summary.traces);
     };
-    // The first of the list stands for all.
+    // The first of the list represents all copies.
     assert_eq!(first.trace, "recordings/again.csv");
     assert_eq!(first.copies, [shown("0.csv"), shown("packed.csv.gz")]);
     assert!(failed(first).is_none() && failed(both).is_none());
@@ -137,7 +137,7 @@ fn what_cannot_be_traced_is_a_row_and_what_is_there_twice_is_none() {
     }
     assert_eq!((summary.traced, summary.failed), (2, 4));
     assert_eq!(summary.shared.len(), 1, "{:?}", summary.shared);
-    // The copies hold the recording as well: the row that stands for them is named.
+    // The copies contain the recording as well: the row that represents them is named.
     assert!(
         summary.shared[0].contains("\"recordings/again.csv\" and in \"twice\""),
         "{:?}",
@@ -145,7 +145,7 @@ fn what_cannot_be_traced_is_a_row_and_what_is_there_twice_is_none() {
     );
 }
 
-/// Every value of a Parquet file as CSV cells would be, row by row.
+/// Every value of a Parquet file in the form of CSV cells, row by row.
 fn cells(path: &Path) -> Vec<Vec<String>> {
     let file = fs::File::open(path).unwrap();
     let reader = ParquetRecordBatchReaderBuilder::try_new(file)
@@ -223,7 +223,7 @@ fn the_tables_hold_the_rows_in_both_formats() {
     assert_eq!(rows[3][column("outcome")], "failed");
     assert!(rows[3][column("error")].contains("broken.csv"));
     assert_eq!(rows[1][column("verdict")], "found");
-    // A row for each parameter, in the units of the model file.
+    // One row for each parameter, in the units of the model file.
     let effects = cells(&out.join("effects.parquet"));
     let parameters = parameters(&summary.traces);
     assert_eq!(effects.len(), 1 + rows_of(&parameters.0[0].values));

@@ -1,4 +1,4 @@
-//! Recordings of simulated specimens, each another one.
+//! Recordings of simulated specimens, each different.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_reference::law::Coefficients;
@@ -15,22 +15,22 @@ const DISPLACEMENT_NOISE: f64 = 1e-4;
 /// RMS of the force's noise over that of the force.
 const FORCE_NOISE: f64 = 0.005;
 
-/// A recording of a few seconds of the specimen that `seed` draws, with an effect that it hides.
+/// A recording of a few seconds of the specimen drawn by `seed`, with a hidden effect.
 pub fn drawn(seed: u64) -> Recording {
     recording(draw(seed).0, seed)
 }
 
-/// Another recording of the specimen that `specimen` draws.
+/// Another recording of the specimen drawn by `specimen`.
 pub fn drawn_again(specimen: u64, seed: u64) -> Recording {
     recording(draw(specimen).0, seed)
 }
 
-/// A recording of a few seconds of a specimen of these coefficients alone.
+/// A recording of a few seconds of a specimen with these coefficients and no other effect.
 pub fn plain(coefficients: Coefficients, seed: u64) -> Recording {
     recording(Specimen::new(coefficients), seed)
 }
 
-/// Six blocks whose amplitudes and frequencies are drawn about those of the protocol, with noise; `seed` draws both.
+/// Six blocks with amplitudes and frequencies drawn around those of the protocol, with noise; `seed` draws both.
 fn recording(mut specimen: Specimen, seed: u64) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let blocks = [

@@ -1,4 +1,4 @@
-//! Recordings of one specimen that is held off its rest, that warms up, or whose force settles with the cycles.
+//! Recordings of one specimen that is held away from its rest position, warms up, or has a force that settles over the cycles.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_reference::law::Coefficients;
@@ -13,27 +13,27 @@ const RATE: f64 = 500.0;
 const DISPLACEMENT_NOISE: f64 = 1e-4;
 /// RMS of the force's noise over that of the force.
 const FORCE_NOISE: f64 = 0.005;
-/// Cycles after which 63 % of what settles has.
+/// Number of cycles after which 63 % of the change has occurred.
 const SETTLES: f64 = 15.0;
 
 /// A test of a specimen.
 #[derive(Clone, Copy, Debug)]
 pub struct Varied {
-    /// Of the specimen at 20 °C and at the first cycle.
+    /// Of the specimen at 20 °C and in the first cycle.
     pub coefficients: Coefficients,
-    /// The part of its force that it loses with each °C.
+    /// The fraction of its force that it loses per °C.
     pub loss: f64,
-    /// The part of its force that it has gained in the end.
+    /// The fraction of its force that it finally gains.
     pub gain: f64,
-    /// Where it is held, mm.
+    /// Position at which it is held, mm.
     pub preload: f64,
-    /// Where the sensor has its zero, mm.
+    /// Position of the sensor's zero, mm.
     pub sensor: f64,
     /// Largest amplitude, mm.
     pub largest: f64,
     /// At the beginning and at the end, °C.
     pub temperature: [f64; 2],
-    /// How often the blocks follow each other.
+    /// Number of repetitions of the blocks.
     pub rounds: usize,
     /// Draws amplitudes, frequencies and noise.
     pub seed: u64,

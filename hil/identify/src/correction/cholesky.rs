@@ -1,15 +1,16 @@
-//! Cholesky's factor of a dense matrix, in blocks: most of the work is products of matrices, which nalgebra's own leaves to columns.
+//! Cholesky factorisation of a dense matrix in blocks. Most of the work is products of matrices, which nalgebra's version computes
+//! column by column.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Columns of a block. Convention: as many as stay in the second cache with a few hundred rows, some 75 KB.
+/// Columns of a block. Convention: as many as fit into the second-level cache with a few hundred rows, some 75 KB.
 const BLOCK: usize = 32;
 
 /// L of A = L·Lᵀ, below the diagonal and on it.
 pub(super) struct Cholesky(DMatrix<f64>);
 
 impl Cholesky {
-    /// Of a symmetric matrix, of which the lower triangle is read; `None` where it is not positive definite.
+    /// Factors a symmetric matrix, reading its lower triangle; `None` if it is not positive definite.
     pub fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
         let size = matrix.nrows();
         for first in (0..size).step_by(BLOCK) {
@@ -23,7 +24,7 @@ impl Cholesky {
                         *entry -= part * factor;
                     }
                 }
-                // Not a number is no pivot either.
+                // NaN is no pivot either.
                 if !(below[0] > 0.0 && below[0].is_finite()) {
                     return None;
                 }
@@ -49,9 +50,9 @@ impl Cholesky {
         Some(Self(matrix))
     }
 
-    /// x of A·x = `right`, in its place.
+    /// Solves A·x = `right` for x, in place.
     pub fn solve(&self, right: &mut DVector<f64>) {
-        // The pivots are above 0, so that neither fails.
+        // The pivots are above 0, so neither call fails.
         self.0.solve_lower_triangular_mut(right);
         self.0.tr_solve_lower_triangular_mut(right);
     }

@@ -1,4 +1,4 @@
-//! The samples of a fit, as the table and eq 13 see them.
+//! The samples of a fit, as inputs of the table and of eq 13.
 
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::description::EffectKind;
@@ -27,7 +27,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// How far the motion goes.
+/// The range of the motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     /// mm
@@ -67,9 +67,9 @@ pub(crate) struct Row {
     /// The node of eq 13 below the amplitude, and the weight of the one above.
     node: usize,
     above: f64,
-    /// The instants of which it is the mean.
+    /// The instants that the sample averages.
     instants: Vec<Instant>,
-    /// Measured force without that of the effects, kN.
+    /// Measured force minus the force of the effects, kN.
     pub force: f64,
 }
 
@@ -80,11 +80,11 @@ struct Instant {
     displacement: f64,
     log_speed: f64,
     direction: f64,
-    /// Of a table over speed.
+    /// Cells of a table over speed.
     cells: Cells,
 }
 
-/// Cells of a table that are at work at an instant, each with its weight.
+/// The active cells of a table at an instant, each with its weight.
 type Cells = [(usize, f64); 8];
 
 /// All samples of a fit.
@@ -94,15 +94,15 @@ pub(crate) struct Design<'a> {
     pub rows: Vec<Row>,
     /// Amplitudes of eq 13's nodes, mm.
     pub nodes: Vec<f64>,
-    /// Eq 13 is fitted anew: no effect stands between it and the motion.
+    /// Whether eq 13 is fitted again: no effect changes its force or its motion.
     pub fits_law: bool,
     /// Blocks that are left out one at a time, in order.
     pub left_out: Vec<usize>,
 }
 
-/// What was remembered at each row.
+/// The memory at each row.
 pub(crate) struct Recalled {
-    /// What stands in the place of speed.
+    /// The quantity in place of speed.
     pub of: Remembered,
     /// Its values at the first and at the last node.
     pub range: [f64; 2],
@@ -111,8 +111,8 @@ pub(crate) struct Recalled {
 }
 
 impl<'a> Design<'a> {
-    /// The samples that `included` picks, for a table of `reach`, or of their own; `None` where there are none, or where they
-    /// do not move.
+    /// The samples that `included` picks, for a table of `reach`, or of the range of the samples. `None` if there are no samples,
+    /// or if they do not move.
     pub fn new(
         trajectories: &'a [Trajectory],
         model: &Model,
@@ -142,7 +142,7 @@ impl<'a> Design<'a> {
             return Ok(None);
         };
 
-        // What scales eq 13, or changes the motion that it is given, would scale or change its new coefficients.
+        // An effect that scales eq 13, or changes its motion, would also change the new coefficients.
         let fits_law = model
             .effects
             .iter()
@@ -174,7 +174,7 @@ impl<'a> Design<'a> {
                         origin: (which, sample),
                         displacement: motion.displacement,
                         log_speed: motion.velocity.abs().max(f64::MIN_POSITIVE).ln(),
-                        // At rest there is none.
+                        // There is none at rest.
                         direction: if motion.velocity == 0.0 {
                             0.0
                         } else {
@@ -213,13 +213,13 @@ impl<'a> Design<'a> {
         self.trajectories[which].tolerance(sample)
     }
 
-    /// The mean of that.
+    /// The mean of that variance.
     pub fn noise(&self) -> f64 {
         let noise = self.rows.iter().map(|row| self.noise_of(row));
         noise.sum::<f64>() / self.rows.len() as f64
     }
 
-    /// What is remembered at each row; `None` where it never changes.
+    /// The memory at each row; `None` if it never changes.
     pub fn recall(&self, of: Remembered) -> Option<Recalled> {
         let longest = self
             .trajectories
@@ -253,14 +253,14 @@ impl<'a> Design<'a> {
         self.recall_within(of, range)
     }
 
-    /// The same in a table over `range`.
+    /// As [`Design::recall`], in a table over `range`.
     pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
         let cells = self.through(of, range, |_, cells| cells)?;
         Some(Recalled { of, range, cells })
     }
 
-    /// Cells as so many zones of displacement with a friction each, kN, and then as many with a dashpot, kN·s/mm; and how much
-    /// the rows say of each, of either.
+    /// Cells as zones of displacement with a friction each, kN, followed by as many zones with a dashpot each, kN·s/mm; and how
+    /// much the rows say about each of them.
     pub fn zones(&self, count: usize) -> (Recalled, [Vec<f64>; 2]) {
         let mut power = [vec![0.0; count], vec![0.0; count]];
         let mut cells_at = |instant: &Instant| {
@@ -283,21 +283,21 @@ impl<'a> Design<'a> {
         (zones, power)
     }
 
-    /// The lowest and the highest of the blocks, Hz.
+    /// The lowest and the highest frequency of the blocks, Hz.
     pub fn frequencies(&self) -> (f64, f64) {
         let blocks = self.trajectories.iter().flat_map(|t| &t.blocks);
         least_and_largest(blocks.map(|block| block.frequency))
     }
 
-    /// The lowest and the highest of the rows, °C, or as far apart as the crate tells temperatures; `None` where they are the
-    /// same.
+    /// The lowest and the highest temperature of the rows, °C, at least as far apart as the crate can distinguish; `None` if all
+    /// are equal.
     fn temperatures(&self) -> Option<[f64; 2]> {
         let (low, high) = self.least_and_largest(Trajectory::temperature_at);
         let least = low.abs().max(high.abs()).max(1.0) / 32.0;
         (low < high).then_some([low, high.max(low + least)])
     }
 
-    /// Of a channel at the rows.
+    /// The range of a channel at the rows.
     fn least_and_largest(&self, channel: fn(&Trajectory, usize) -> f64) -> (f64, f64) {
         let instants = self.rows.iter().flat_map(|row| &row.instants);
         least_and_largest(instants.map(|instant| {
@@ -306,7 +306,7 @@ impl<'a> Design<'a> {
         }))
     }
 
-    /// What `take` takes of where that stands in its range and of the cells, at every instant of every row.
+    /// Calls `take` with the place within the range and the cells, at every instant of every row, and collects its results.
     fn through<T>(
         &self,
         of: Remembered,
@@ -336,7 +336,7 @@ impl<'a> Design<'a> {
 }
 
 impl Recalled {
-    /// The cells in the force at a row.
+    /// The cells that act on the force at a row.
     pub fn cells_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let cells = &self.cells[row];
         let part = 1.0 / cells.len() as f64;
@@ -355,7 +355,7 @@ impl Row {
         k1 * y + k3 * y3 + c * damping
     }
 
-    /// The derivatives of that by the coefficients of every node.
+    /// The derivatives of that force with respect to the coefficients of every node.
     pub fn law_derivatives(&self, law: &Coefficients, entries: &mut Vec<(usize, f64)>) {
         let [_, _, c, alpha] = self.at_amplitude(law);
         let [y, y3, damping, by_exponent] = self.shown(alpha);
@@ -368,14 +368,14 @@ impl Row {
         }
     }
 
-    /// The cells in the force of a table over speed.
+    /// The cells that act on the force, for a table over speed.
     pub fn cells(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let part = 1.0 / self.instants.len() as f64;
         let cells = self.instants.iter().flat_map(|instant| instant.cells);
         cells.map(move |(cell, weight)| (cell, part * weight))
     }
 
-    /// The means of y, y³, |v|^α·sgn v and of the derivative of the last by α.
+    /// The means of y, y³, |v|^α·sgn v and of the derivative of the last with respect to α.
     fn shown(&self, alpha: f64) -> [f64; 4] {
         let mut sums = [0.0; 4];
         for instant in &self.instants {
@@ -395,7 +395,7 @@ impl Row {
     }
 }
 
-/// The samples of the motion that the force at a sample shows: itself, or some that a moving average is over.
+/// The samples of the motion that the force at a sample depends on: that sample, or those within a moving average.
 fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize> {
     let window = trajectory.average.map_or(1.0, |average| average.window);
     let count = (window as usize).clamp(1, policy().design.most_instants);
@@ -407,7 +407,7 @@ fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize
     })
 }
 
-/// The node below `amplitude` and the weight of the one above, as [`Model::law_at`] interpolates.
+/// The node below `amplitude` and the weight of the node above, with the interpolation of [`Model::law_at`].
 fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
     let above = nodes.partition_point(|&node| node < amplitude);
     let low = above.saturating_sub(1);
@@ -421,7 +421,7 @@ fn between(nodes: &[f64], amplitude: f64) -> (usize, f64) {
     (low, weight.clamp(0.0, 1.0))
 }
 
-/// A table with nothing in it.
+/// A table of zeros.
 fn empty(
     reach: &Reach,
     memory: Option<(Remembered, [f64; 2])>,
@@ -438,14 +438,14 @@ fn empty(
     ResidualTable::new(&parts, tick).ok()
 }
 
-/// Whether an effect only adds a force to the law's.
+/// Whether an effect only adds a force to the law.
 fn adds_a_force(family: Family) -> bool {
     family.first().kind == EffectKind::Force
 }
 
-/// Blocks to leave out one at a time: those whose amplitude another block has, so that eq 13 is known there, and that are
-/// not the only ones at so high a speed, where the table would be asked for what it cannot know. All of them where there is
-/// none such; of many, some that are evenly spread over the recordings.
+/// Blocks to leave out one at a time. Each has an amplitude that another block has too, so eq 13 is known there, and none is the
+/// only block at its high speed, where the table cannot know the force. If there are no such blocks, all of them; if there are
+/// many, a selection spread evenly over the recordings.
 fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
     let blocks: Vec<(f64, f64)> = trajectories
         .iter()

@@ -1,4 +1,4 @@
-//! Where something may touch: the edges of zones of displacement over which friction and damping change.
+//! Possible contacts: the edges of zones of displacement at which friction and damping change.
 
 use mesh_damper_model::correction::Remembered;
 
@@ -15,8 +15,8 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// What touches on one side, and what on both, where the friction and the damping of the zones beside eq 13 are most alike
-/// within each part.
+/// Contacts on one side, and on both, placed so that friction and damping of the zones beyond eq 13 are most alike within each
+/// part.
 pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Remembered>; 2]> {
     let (zones, power) = design.zones(policy().edges.zones);
     let of_zones = (0..2 * policy().edges.zones).map(|cell| Trend::of(vec![(cell, 1.0)]));

@@ -12,7 +12,7 @@ use super::trend::Trend;
 use crate::beyond_noise::beyond_noise;
 use crate::policy::policy;
 
-/// What a trend has beyond others is nothing where it is less than this part of it, in squares. Derived: above rounding.
+/// A trend counts as a combination of others if the rest is less than this fraction of it, in squares. Derived: above rounding.
 const ALIKE: f64 = 1e-9;
 mesh_damper_recording::numbers! {
     /// The least squares of a residual table.
@@ -22,41 +22,41 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// What is fitted beside eq 13: trends, and a table around them.
+/// The terms fitted together with eq 13: trends, and a table around them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TableForm<'t> {
     pub trends: &'t [Trend],
-    /// What a bend of the table costs, over what the data say of a cell; `None` without it.
+    /// The penalty for a bend of the table, relative to the data's weight on a cell; `None` without a table.
     pub table: Option<f64>,
 }
 
 impl TableForm<'_> {
-    /// Eq 13 and nothing else.
+    /// Only eq 13.
     pub const NONE: Self = TableForm {
         trends: &[],
         table: None,
     };
 }
 
-/// What was solved for.
+/// The solution.
 #[derive(Clone)]
 pub(super) struct Solved {
     pub coefficients: Coefficients,
     /// kN
     pub cells: Vec<f64>,
-    /// In the fit, beyond the noise, kN.
+    /// Error in the fit beyond the noise, kN.
     pub inside: f64,
-    /// The same, or [judged](Sums::judged).
+    /// The same error, or the error as [judged](Sums::judged).
     pub error: f64,
 }
 
-/// Where each unknown stands: eq 13's, the trends' factors, the hats'.
+/// The place of each unknown: those of eq 13, the factors of the trends, the hats.
 #[derive(Clone, Copy)]
 pub(super) struct Layout {
     pub law: usize,
     pub trends: usize,
     pub hats: usize,
-    /// What the table is over in the place of speed.
+    /// The axis of the table in place of speed.
     pub of: Option<Remembered>,
 }
 
@@ -71,7 +71,7 @@ pub(super) struct BlockSums {
     pub gram: DMatrix<f64>,
     right: DVector<f64>,
     energy: f64,
-    /// Variance of the force's noise, summed.
+    /// Sum of the variance of the force's noise.
     noise: f64,
     pub count: f64,
 }
@@ -84,7 +84,7 @@ pub(super) struct GramRows<'d> {
 }
 
 impl<'d> GramRows<'d> {
-    /// Of what eq 13 with `at` leaves. The unknowns of eq 13 are changes from `at`.
+    /// Residuals of eq 13 with `at`. The unknowns of eq 13 are changes from `at`.
     pub fn over(
         design: &'d Design<'d>,
         at: &'d Coefficients,
@@ -97,12 +97,12 @@ impl<'d> GramRows<'d> {
         }
     }
 
-    /// The sums over eq 13 and what `form` has beside it, however smooth; `None` without samples.
+    /// The sums over eq 13 and the terms of `form`, for any smoothness; `None` without samples.
     pub fn sums<'t>(&self, form: TableForm<'t>) -> Option<Sums<'_, 't>> {
         let (layout, hats) = self.layout(form);
         let parts = Parts::new(&layout, form.trends, &hats);
         let is_left_out = |block: usize| self.design.left_out.binary_search(&block).is_ok();
-        // Those that are never left out are summed together: there may be thousands, and the sums of each take a megabyte.
+        // Blocks that are never left out share one sum: there may be thousands, and each sum takes a megabyte.
         let together = |a: &Row, b: &Row| {
             a.block == b.block || !(is_left_out(a.block) || is_left_out(b.block))
         };
@@ -132,7 +132,7 @@ impl<'d> GramRows<'d> {
         )
     }
 
-    /// One step from the coefficients, with the error in the fit alone; `None` without samples, or where the equations cannot be
+    /// One step from the coefficients, with only the error in the fit; `None` without samples, or if the equations cannot be
     /// solved.
     pub fn solved(&self, form: TableForm) -> Option<Solved> {
         let (layout, hats) = self.layout(form);
@@ -143,7 +143,7 @@ impl<'d> GramRows<'d> {
         Some(sums.solution(&sums.unknowns(&sums.system(form))?))
     }
 
-    /// Where each unknown stands, and the hats.
+    /// The place of each unknown, and the hats.
     fn layout(&self, form: TableForm) -> (Layout, Vec<Trend>) {
         let of = self.recalled.map(|recalled| recalled.of);
         let hats = form.table.map_or(Vec::new(), |_| hats(of));
@@ -164,12 +164,12 @@ impl<'d> GramRows<'d> {
         }
     }
 
-    /// The sums over `rows`, of which the first is that of this index.
+    /// The sums over `rows`; `first` is the index of the first row.
     fn block(&self, first: usize, rows: &[Row], layout: &Layout, parts: &Parts) -> BlockSums {
         let (law, width) = (layout.law, layout.law + layout.trends);
         let mut block = BlockSums::new(layout.width());
         let mut of_law: Vec<(usize, f64)> = Vec::new();
-        // Nearly all of eq 13's unknowns and of the trends' are at work at once, and few of the hats'.
+        // Nearly all unknowns of eq 13 and of the trends are active at once, but few of the hats.
         let mut dense = DMatrix::zeros(width, rows.len());
         let mut hats: Vec<(usize, f64)> = Vec::new();
         let mut left = DVector::zeros(rows.len());
@@ -192,7 +192,7 @@ impl<'d> GramRows<'d> {
             block.add_hats(known, &hats, left[place]);
             block.noise += self.design.noise_of(row);
         }
-        // Several times as fast as `tr_mul`.
+        // Several times faster than `tr_mul`.
         let squares = &dense * dense.transpose();
         let own = (width, width);
         block.gram.view_mut((0, 0), own).copy_from(&squares);
@@ -204,7 +204,7 @@ impl<'d> GramRows<'d> {
     }
 }
 
-/// What the cells are made of.
+/// The components of the cells.
 struct Parts {
     trends: usize,
     /// The value of each trend in each cell, trends running fastest.
@@ -234,7 +234,7 @@ impl Parts {
         }
     }
 
-    /// Adds what a cell of this weight is made of.
+    /// Adds the components of a cell with this weight.
     fn add(&self, cell: usize, weight: f64, trends: &mut [f64], hats: &mut Vec<(usize, f64)>) {
         if weight == 0.0 {
             return;
@@ -246,7 +246,7 @@ impl Parts {
     }
 }
 
-/// Leaves one entry for each place.
+/// Merges entries, so that one remains for each place.
 fn add_up(entries: &mut Vec<(usize, f64)>) {
     entries.sort_unstable_by_key(|(place, _)| *place);
     entries.dedup_by(|next, kept| {
@@ -258,15 +258,15 @@ fn add_up(entries: &mut Vec<(usize, f64)>) {
     });
 }
 
-/// The normal equations but for the penalties, which a [`TableForm`] adds.
+/// The normal equations without the penalties, which a [`TableForm`] adds.
 pub(super) struct Sums<'d, 't> {
     design: &'d Design<'d>,
     at: &'d Coefficients,
     layout: Layout,
     trends: &'t [Trend],
-    /// What the table is made of.
+    /// The hats of the table.
     hats: Vec<Trend>,
-    /// Of those that are left out, one at a time.
+    /// Sums of the blocks that are left out one at a time.
     blocks: Vec<BlockSums>,
     total: BlockSums,
 }
@@ -305,7 +305,7 @@ impl<'d, 't> Sums<'d, 't> {
         sums.judged_error(&system, &sums.unknowns(&system)?)
     }
 
-    /// What each trend would save of the squared error in the fit beside some of them, without the table.
+    /// The reduction of the squared error in the fit by each trend, when added to some of the others, without the table.
     pub fn savings_beside(&self, trends: &[usize]) -> Option<Vec<f64>> {
         let known = self.unknowns_of(trends);
         let own = self.total.only(&known);
@@ -341,8 +341,8 @@ impl<'d, 't> Sums<'d, 't> {
         }
     }
 
-    /// One step from the coefficients, with the geometric mean of the error in the fit and of the errors in the blocks left out,
-    /// one at a time, each beyond the noise; `None` where the equations cannot be solved.
+    /// One step from the coefficients, with the geometric mean of the error in the fit and the errors in the blocks left out one at
+    /// a time, each beyond the noise; `None` if the equations cannot be solved.
     pub fn judged(&self, form: TableForm) -> Option<Solved> {
         let system = self.system(form);
         let unknowns = self.unknowns(&system)?;
@@ -375,7 +375,7 @@ impl<'d, 't> Sums<'d, 't> {
             |system: &System| system.solve(self.total.gram.clone(), self.total.right.clone());
         let (law, at) = (self.layout.law, &self.at.0);
         let mut x = solve(system)?;
-        // Damping that feeds energy in is none.
+        // Negative damping, which feeds energy in, is not allowed.
         let negative = |x: &DVector<f64>| {
             let mut nodes = 0..law / 4;
             nodes.find(|&node| at[node][2] + x[4 * node + 2] < -1e-12 * at[node][2])
@@ -443,8 +443,7 @@ impl BlockSums {
         })
     }
 
-    /// Adds what the hats at a row have in common with the unknowns before them, `known`, and with each other, in the upper
-    /// triangle.
+    /// Adds the products of the hats at a row with the preceding unknowns, `known`, and with each other, in the upper triangle.
     fn add_hats(&mut self, known: &[f64], hats: &[(usize, f64)], left: f64) {
         let height = self.gram.nrows();
         for (place, &(i, a)) in hats.iter().enumerate() {

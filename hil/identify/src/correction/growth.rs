@@ -1,4 +1,4 @@
-//! Which trends are taken: those that make the error smaller where data were left out, one at a time.
+//! The choice of trends: those that reduce the error in data that were left out, one at a time.
 
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Those of `candidates` that make the judged error clearly smaller, one at a time; and that error, kN.
+/// Those of `candidates` that clearly reduce the judged error, one at a time; and that error, kN.
 pub(super) fn grown(rows: &GramRows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
     let sums = rows.sums(TableForm {
         trends: candidates,
@@ -57,7 +57,7 @@ pub(super) fn grown(rows: &GramRows, candidates: &[Trend]) -> Option<(f64, Vec<T
     Some(polished(rows, error, taken.collect()))
 }
 
-/// These with the widths that judge best.
+/// These trends, with the widths that have the smallest judged error.
 fn polished(rows: &GramRows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
     for factor in policy().growth.wider {
         for _ in 0..policy().growth.changes {

@@ -1,4 +1,4 @@
-//! What a table is made of around its trends: cells, or several that stand between two knots.
+//! The building blocks of a table around its trends: single cells, or groups of cells between two knots.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,11 @@ use mesh_damper_model::correction::Remembered;
 
 use super::trend::{SIDES, Trend, Variable};
 
-/// Nodes over speed at which a table or a side bends around its trends: every other one.
+/// Nodes over speed at which a table or a side can bend around its trends: every other one.
 pub(super) const KNOTS: usize = NODES.div_ceil(2);
 
-/// Displacement runs fastest, then the knots over speed or the nodes over what stands in its place, then direction; of sides the
-/// knots, then direction, then which side.
+/// Displacement runs fastest, then the knots over speed or the nodes over the quantity in its place, then direction. For sides it
+/// is the knots, then direction, then the side.
 pub(super) fn hats(of: Option<Remembered>) -> Vec<Trend> {
     let each_way = |used: usize| {
         let cells = [0, CELLS / 2].into_iter();
@@ -43,7 +43,7 @@ fn over_speed() -> Vec<Trend> {
     hats
 }
 
-/// What is 1 at a knot over speed, in the cells that its nodes have.
+/// A hat over speed, 1 at its knot, in the cells of its nodes.
 fn hat(knot: usize, cell: impl Fn(usize) -> usize) -> Trend {
     let middle = 2 * knot;
     let mut cells = vec![(cell(middle), 1.0)];
@@ -56,8 +56,8 @@ fn hat(knot: usize, cell: impl Fn(usize) -> usize) -> Trend {
     Trend::of(cells)
 }
 
-/// What a table is made of that is not over displacement, or not over speed and direction: hats that differ in nothing else
-/// are one.
+/// The parts of a table that are not over displacement, or not over speed and direction. Hats that differ in nothing else count as
+/// one.
 pub(super) fn hats_without(variable: Variable, of: Option<Remembered>) -> Vec<Trend> {
     let hats = hats(of);
     let way = hats.len() / 2;
@@ -68,7 +68,7 @@ pub(super) fn hats_without(variable: Variable, of: Option<Remembered>) -> Vec<Tr
         (_, Variable::Velocity) => number % way,
         (_, Variable::Displacement) => number / DISPLACEMENTS,
     };
-    // Which side it is is the displacement.
+    // The displacement decides the side.
     if let (Some(Remembered::Sides { .. }), Variable::Displacement) = (of, variable) {
         return Vec::new();
     }

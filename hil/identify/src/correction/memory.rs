@@ -1,4 +1,4 @@
-//! What a correction may be over beside displacement and velocity, tried one after the other.
+//! The memories that a correction may depend on in addition to displacement and velocity, tried one after the other.
 
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -37,7 +37,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// How two edges may move: the upper one alone first.
+/// The directions in which two edges may move: first the upper one alone.
 const WAYS: [[f64; 2]; 6] = [
     [0.0, -1.0],
     [0.0, 1.0],
@@ -47,7 +47,7 @@ const WAYS: [[f64; 2]; 6] = [
     [1.0, -1.0],
 ];
 
-/// Those that are tried, in this order.
+/// The kinds that are tried, in this order.
 const KINDS: [MemoryKind; 9] = [
     MemoryKind::Slip,
     MemoryKind::Lag,
@@ -60,15 +60,15 @@ const KINDS: [MemoryKind; 9] = [
     MemoryKind::Sides,
 ];
 
-/// What a residual table may be over in the place of speed, kind by kind. The level of the motion, its cycles and its acceleration
-/// are none of them: they mended none of the blind trial's 130 unlisted effects and were chosen in no recording of others.
+/// The axes of a residual table in place of speed, kind by kind. The level of the motion, its cycles and its acceleration are not
+/// among them: they explained none of the 130 unlisted effects of the blind trial and were chosen in no recording from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryKind {
-    /// How far an element of friction is deflected, by its slip limit.
+    /// The deflection of a friction element, as a fraction of its slip limit.
     Slip,
-    /// The displacement some time ago, smoothed.
+    /// The earlier displacement, smoothed.
     Lag,
     /// The mean speed over some time.
     Travel,
@@ -82,12 +82,12 @@ pub enum MemoryKind {
     Place,
     /// The frequency of the motion over some time.
     Frequency,
-    /// On which side of one or two edges the displacement is.
+    /// The side of one or two edges on which the displacement is.
     Sides,
 }
 
 impl MemoryKind {
-    /// Limits or times of it that are tried first. Convention: they stand about a factor of two apart, those over time of five.
+    /// The limits or times that are tried first. Convention: about a factor of two apart, for times a factor of five.
     fn tried(self) -> i32 {
         match self {
             Self::Slip | Self::Lag => 6,
@@ -98,13 +98,13 @@ impl MemoryKind {
     }
 }
 
-/// Whether it remembers how long a test has run. A temperature that only rises is such a clock too, but one that stands still
-/// within every block of a test is just how it is varied.
+/// Whether it remembers how long a test has run. A temperature that only rises is also such a clock. But a temperature that stays
+/// constant within every block of a test was varied on purpose.
 pub(super) fn goes_on_with_time(of: Remembered) -> bool {
     matches!(of, Remembered::Age { .. })
 }
 
-/// On how many sides something touches.
+/// The number of sides with a contact.
 pub(super) fn sides(of: Remembered, design: &Design) -> usize {
     match of {
         Remembered::Sides { below, .. } if below <= -design.reach.displacement => 1,
@@ -113,7 +113,8 @@ pub(super) fn sides(of: Remembered, design: &Design) -> usize {
     }
 }
 
-/// What may be remembered, kind by kind, each with its limit or time over all that the data can show; beside eq 13 `at` these.
+/// The possible memories, kind by kind, each with its limit or time over the whole range that the data can show, together with eq
+/// 13 at `at`.
 pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> {
     let policy = &policy().memory;
     let trajectories = design.trajectories;
@@ -128,7 +129,7 @@ pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> 
         samples.max().unwrap_or_default() as f64 * t.tick
     });
     let lasting = policy.lasting * block;
-    // From where the fastest motion hardly lags to where the slowest has lost it.
+    // From a time with which the fastest motion hardly lags to one with which the slowest has disappeared.
     let short = (policy.shortest / fastest).max(policy.shortest_in_ticks * tick);
     let long = (1.0 / slowest).min(duration).max(2.0 * short);
     let kind = |kind: &MemoryKind| {
@@ -167,8 +168,8 @@ pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> 
     policy.kinds.iter().flat_map(kind).collect()
 }
 
-/// The same kind with its limit or time a little smaller and a little larger, or its edges a little to either side: the less,
-/// the more often they were `sought`.
+/// The same kind with a slightly smaller and a slightly larger limit or time, or with its edges a little to either side. The
+/// changes shrink with every round of `sought`.
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
     let reach = design.reach.displacement;
     if let Remembered::Sides { below, above } = of {
@@ -213,7 +214,7 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
     factors.filter_map(scaled).collect()
 }
 
-/// `of` `count` numbers from `low` to `high` in equal ratios.
+/// `count` numbers from `low` to `high` in equal ratios, passed through `of`.
 fn spread(low: f64, high: f64, count: i32, of: fn(f64) -> Remembered) -> Vec<Remembered> {
     let step = (high / low).powf(1.0 / f64::from(count - 1));
     (0..count).map(|i| of(low * step.powi(i))).collect()

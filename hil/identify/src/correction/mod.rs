@@ -1,8 +1,8 @@
-//! The correction without a name: fitted to what a law leaves when nothing listed explains it.
+//! The residual table: a correction fitted to the residual of a law when no listed effect explains it.
 //!
-//! The table of [`mesh_damper::effects::residual_table`] is linear in its cells, so it is fitted by least squares together with eq
-//! 13's coefficients: along a few trends, and as smooth around them as keeps the error small where the data were left out. One
-//! over speed comes first; one over what is remembered takes its place only where that clearly pays.
+//! The table of [`mesh_damper::effects::residual_table`] is linear in its cells. So it is fitted by least squares together with the
+//! coefficients of eq 13. It follows a few trends, and is as smooth around them as the error in left-out data permits. The first
+//! table is over speed; a table over a memory replaces it only if that clearly reduces the error.
 
 mod cholesky;
 pub(crate) mod design;
@@ -44,12 +44,12 @@ mesh_damper_recording::numbers! {
 /// Counts of the largest cell. Derived: below what 16 bits hold.
 const FULL: f64 = 32_000.0;
 
-/// What a correction is made of, before its cells are solved for.
+/// The structure of a correction, before its cells are solved for.
 #[derive(Clone, Debug)]
 pub struct Choice {
     reach: Reach,
     trends: Vec<Trend>,
-    /// How smooth the table is around them, where there is one.
+    /// The smoothness of the table around the trends, if there is a table.
     table: Option<f64>,
     memory: Option<MemoryAxis>,
 }
@@ -68,27 +68,27 @@ impl Choice {
         }
     }
 
-    /// What is remembered at each row of `design`.
+    /// The memory at each row of `design`.
     fn recalled(&self, design: &Design) -> Option<Recalled> {
         let memory = self.memory?;
         design.recall_within(memory.of, memory.range)
     }
 }
 
-/// A choice and what it led to.
+/// A choice and its result.
 #[derive(Clone)]
 struct Fitted {
     choice: Choice,
     solved: Solved,
 }
 
-/// `model` with a correction, and with eq 13 fitted anew beside it, where that predicts clearly better than `model` with eq
-/// 13 fitted anew alone; `None` where it does not.
+/// `model` with a correction and with eq 13 fitted again, if that predicts clearly better than `model` with eq 13 fitted again
+/// alone; otherwise `None`.
 ///
-/// It is fitted to the samples that `included(trajectory, sample)` picks. Which trends it follows, how smooth it is around
-/// them and what it remembers is chosen by the error in blocks left out of the fit one at a time, each of an amplitude that
-/// another block has, and by the error in the fit. How long a test has run it remembers only if `is_seen(with, without)` of the
-/// model that does and of the best that does not. The choice is returned too.
+/// The fit uses the samples that `included(trajectory, sample)` picks. The trends, the smoothness around them and the memory are
+/// chosen by the error in the fit and by the error in blocks left out of the fit one at a time, each with an amplitude that another
+/// block has too. A memory of how long a test has run is accepted only if `is_seen(with, without)` holds for the model with it and
+/// the best model without it. The choice is returned too.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -108,7 +108,7 @@ pub fn fit(
     let Some(plain) = momentary(&design, &alone) else {
         return Ok(None);
     };
-    // What comes to the noise without a memory can't come to much less with one.
+    // If the error is near the noise without a memory, a memory cannot reduce it much.
     let may_remember =
         policy().correction.remembered * plain.solved.error > beyond_noise(0.0, design.noise());
     let mut kinds = if may_remember {
@@ -139,7 +139,8 @@ pub fn fit(
     })
 }
 
-/// `model` with the correction of a choice made before, fitted to other samples; without one where they say nothing.
+/// `model` with the correction of an earlier choice, fitted to other samples; without a correction if the samples do not determine
+/// it.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -158,8 +159,8 @@ pub fn refit(
     Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
 }
 
-/// What the correction of a choice depends on, by the names of `trace.json`: each variable without which the samples that
-/// `included` picks are explained clearly worse, and what is remembered.
+/// The variables that the correction of a choice depends on, by their names in `trace.json`: each variable without which the
+/// samples that `included` picks are explained clearly worse, and the memory.
 ///
 /// # Errors
 /// A model that the crate refuses.

@@ -1,4 +1,4 @@
-//! What a correction is made of: its trends, its table around them, and what it remembers.
+//! The search for the structure of a correction: its trends, its table around them, and its memory.
 
 use mesh_damper_model::correction::{MemoryAxis, Remembered};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ mesh_damper_recording::numbers! {
 pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     let mut at = alone.coefficients.clone();
     let mut trends = Vec::new();
-    // Eq 13's exponents may be far off until something stands in for what it lacks.
+    // The exponents of eq 13 may be far off until another term covers the missing effect.
     for _ in 0..policy().search.rounds {
         let rows = GramRows::over(design, &at, None);
         (_, trends) = growth::grown(&rows, &trend::trends(None, None))?;
@@ -46,7 +46,7 @@ pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     around(design, &at, trends, None)
 }
 
-/// These trends, with a table around them where it clearly pays.
+/// These trends, with a table around them if that clearly reduces the error.
 fn around(
     design: &Design,
     start: &Coefficients,
@@ -89,16 +89,16 @@ fn around(
     Some(Fitted { choice, solved })
 }
 
-/// The best of a kind of memory.
+/// The best memory of a kind.
 pub(super) struct Memorable {
     pub recalled: Recalled,
     trends: Vec<Trend>,
-    /// Judged, kN.
+    /// Judged error, kN.
     error: f64,
 }
 
-/// What may be remembered, of each kind the best, if a table over it fits clearly better than `plain`, and not much worse than
-/// one over another kind.
+/// The best memory of each kind, if a table over it fits clearly better than `plain`, and not much worse than a table over another
+/// kind.
 pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let at = &plain.solved.coefficients;
     let tabulated = TableForm {
@@ -132,7 +132,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         let pays = |error: f64| error < policy().search.another_side * with_one;
         best_of_each.retain(|(error, of)| memory::sides(*of, design) != 2 || pays(*error));
     }
-    // Whether how long a test has run may be remembered is decided later.
+    // Whether the table may remember how long a test has run is decided later.
     let of_motion = best_of_each
         .iter()
         .filter(|(_, of)| !memory::goes_on_with_time(*of));
@@ -153,11 +153,11 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     judged.collect()
 }
 
-/// What is best remembered of these in the place of `plain`, where that clearly pays.
+/// The best of these memories in place of `plain`, if that clearly reduces the error.
 pub(super) fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) -> Option<Fitted> {
     let best = kinds.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let recalled = Some(&best.recalled);
-    // Eq 13's exponents may have stood in for the memory.
+    // The exponents of eq 13 may have covered for the memory.
     let start = &plain.solved.coefficients;
     let (solved, trends) = settle_needed(design, start, best.trends.clone(), recalled)?;
     let fitted = around(design, &solved.coefficients, trends, recalled)?;

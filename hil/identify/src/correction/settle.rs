@@ -1,4 +1,4 @@
-//! The least squares, repeated until eq 13's exponents have settled beside what else is fitted.
+//! Repeats the least squares until the exponents of eq 13 have settled together with the other terms.
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Settles beside these trends, and beside fewer where those not needed stood in for eq 13's exponents.
+/// Settles with these trends. Then settles with fewer, if unneeded ones covered for the exponents of eq 13.
 pub(super) fn settle_needed(
     design: &Design,
     start: &Coefficients,
@@ -49,7 +49,7 @@ pub(super) fn settle_needed(
     Some((solved, trends))
 }
 
-/// Solves until eq 13's exponents have settled, and judges that.
+/// Solves until the exponents of eq 13 have settled, and judges the result.
 pub(super) fn settle(
     design: &Design,
     start: &Coefficients,
@@ -62,7 +62,7 @@ pub(super) fn settle(
         .judged(form)
 }
 
-/// Solves until eq 13's exponents have settled.
+/// Solves until the exponents of eq 13 have settled.
 pub(super) fn settled(
     design: &Design,
     start: &Coefficients,

@@ -1,4 +1,5 @@
-//! What keeps the table smooth and eq 13's coefficients near each other, and the solution of the normal equations with it.
+//! The penalties that keep the table smooth and the coefficients of eq 13 close to each other, and the solution of the normal
+//! equations with them.
 
 use mesh_damper::effects::residual_table::{DISPLACEMENTS, FINE, NODES};
 use mesh_damper_model::correction::Remembered;
@@ -27,9 +28,9 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Added to the diagonal of the scaled normal equations. Derived: above rounding, below what the data say.
+/// Added to the diagonal of the scaled normal equations. Derived: above rounding, below the weight of the data.
 const RIDGE: f64 = 1e-10;
-/// What holds a coefficient at the end of its range. Derived: above all that the data say.
+/// Weight that holds a coefficient at the end of its range. Derived: above the weight of all data.
 const PIN: f64 = 1e9;
 
 /// The penalties.
@@ -60,7 +61,7 @@ impl System {
         if let Some(smoothness) = form.table {
             let weight = smoothness * per_cell;
             match layout.of {
-                // A straight line over speed costs nothing: nodes stand twice as far apart each time.
+                // A straight line over speed costs nothing; the distance between nodes doubles each time.
                 None => system.table(first, [DISPLACEMENTS, KNOTS], 2.0, weight),
                 Some(Remembered::Place) => system.table(first, [FINE, 1], 1.0, weight),
                 Some(Remembered::Sides { .. }) => {
@@ -89,7 +90,7 @@ impl System {
         }
     }
 
-    /// Eq 13's coefficients shall not bend over amplitude more than the data ask for, nor α run away.
+    /// Penalises bends of the coefficients of eq 13 over amplitude, and large changes of α.
     fn law(&mut self, design: &Design, at: &Coefficients, total: &BlockSums) {
         let count = at.0.len();
         for i in 0..4 {
@@ -109,15 +110,15 @@ impl System {
                 let bend = (0..3)
                     .map(|next| weights[next] * at.0[node + next][i])
                     .sum::<f64>();
-                // The least of the three: y⁶ of large amplitudes would outweigh all that is known of a small one's k3.
+                // The smallest of the three: y⁶ of large amplitudes would outweigh all data on the k3 of a small one.
                 let least = (node..node + 3).map(power).fold(f64::INFINITY, f64::min);
                 self.add(&terms, -bend, policy().system.bend * least);
             }
         }
     }
 
-    /// The bends of a table over its nodes `across` displacement, and those `along` its other variable, where each step is
-    /// `ratio` times as long as the one before.
+    /// The bends of a table over its nodes `across` displacement, and `along` its other variable, where each step is `ratio` times
+    /// as long as the one before.
     fn table(&mut self, first: usize, [across, along]: [usize; 2], ratio: f64, weight: f64) {
         for direction in 0..2 {
             for j in 0..along {
@@ -169,7 +170,7 @@ impl System {
         Some(self.solver(gram)?.solve(right))
     }
 
-    /// What solves for one right side after the other.
+    /// A solver for several right-hand sides.
     pub fn solver(&self, mut gram: DMatrix<f64>) -> Option<Solver<'_>> {
         gram += &self.penalty;
         let scale = DVector::from_iterator(
@@ -200,12 +201,12 @@ pub(super) struct Solver<'s> {
 }
 
 impl Solver<'_> {
-    /// The unknowns for this right side and what the penalties pull to.
+    /// The unknowns for this right-hand side, including the pull of the penalties.
     pub fn solve(&self, right: DVector<f64>) -> DVector<f64> {
         self.solve_bare(right + self.pull)
     }
 
-    /// The same without the pull.
+    /// As [`Solver::solve`], without the pull.
     pub fn solve_bare(&self, right: DVector<f64>) -> DVector<f64> {
         let mut x = right.component_mul(&self.scale);
         self.factor.solve(&mut x);

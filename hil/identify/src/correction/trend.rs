@@ -1,36 +1,36 @@
-//! Smooth courses that a table may follow at no cost: what a force over displacement and velocity mostly is.
+//! Smooth functions that a table may follow without a penalty: typical forces over displacement and velocity.
 //!
-//! A table that is only asked to be smooth knows little between two blocks of a test and nothing beyond them. One that
-//! follows a few products of a function of displacement and one of speed does, and the table proper is left with the rest.
+//! A table that is only smooth knows little between two blocks of a test and nothing beyond them. A table that follows a few
+//! products of a function of displacement and a function of speed knows more. Its cells then hold only the rest.
 
 use crate::policy::policy;
 use mesh_damper::effects::residual_table::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
 use mesh_damper_model::correction::Remembered;
 
-/// What a table may follow.
+/// A function that a table may follow.
 #[derive(Clone, Debug)]
 pub(crate) struct Trend {
     /// Values in the cells.
     pub cells: Vec<(usize, f64)>,
-    /// What it is, if it is a course.
+    /// Its product form, if it has one.
     product: Option<Product>,
 }
 
-/// A function of displacement times one of what the table is over beside it.
+/// A function of displacement times a function of the table's other variable.
 #[derive(Clone, Copy, Debug)]
 struct Product {
     over: Over,
-    /// Which [`OVER_DISPLACEMENT`].
+    /// Index into [`OVER_DISPLACEMENT`].
     displacement: usize,
     along: Along,
-    /// Which [`OVER_DIRECTION`].
+    /// Index into [`OVER_DIRECTION`].
     back: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Over {
     Displacement,
-    /// Which [`SIDES`].
+    /// Index into [`SIDES`].
     Side(usize),
 }
 
@@ -39,9 +39,9 @@ enum Along {
     /// The same everywhere.
     Nothing,
     Speed(fn(f64) -> f64),
-    /// [`GROWING`] over this part of the largest speed.
+    /// [`GROWING`] over this fraction of the largest speed.
     Growing(f64),
-    /// Which [`FADING`], over this part of the largest speed.
+    /// Index into [`FADING`], over this fraction of the largest speed.
     Fading(usize, f64),
     Memory(fn(f64) -> f64),
 }
@@ -75,17 +75,18 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// friction that fades: the curves that are in use for Stribeck's (Armstrong-Hélouvry, Dupont and Canudas de Wit 1994),
+/// friction that fades: the usual Stribeck curves (Armstrong-Hélouvry, Dupont and Canudas de Wit 1994),
 const FADING: [fn(f64) -> f64; 4] = [
     |w| (-w).exp(),
     |w| (-w * w).exp(),
     |w| 1.0 / (1.0 + w),
     |w| 1.0 / (1.0 + w * w),
 ];
-/// of which these are begun with.
+/// and those of them that a search begins with.
 const FIRST_FADING: [usize; 2] = [0, 1];
 
-/// Functions of where what stands in the place of speed is in its range: some of what grows from its least value, some of what is lost at its middle.
+/// Functions of the place of the quantity within its range, in place of speed: some grow from its lowest value, some are lost at
+/// its middle.
 const OVER_MEMORY: [fn(f64) -> f64; 5] = [
     |z| z,
     |z| z * z,
@@ -94,13 +95,13 @@ const OVER_MEMORY: [fn(f64) -> f64; 5] = [
     |z| (z - 0.5).powi(2),
 ];
 
-/// Whether a force is the same or the opposite on the way back.
+/// Whether a force is the same or opposite on the way back.
 const OVER_DIRECTION: [[f64; 2]; 2] = [[1.0, 1.0], [1.0, -1.0]];
 
 /// The first cell of each side, forwards and back.
 pub(super) const SIDES: [[usize; 2]; 2] = [[0, CELLS / 2], [NODES, CELLS / 2 + NODES]];
 
-/// What a table may be over beside what is remembered.
+/// The variable of a table in addition to the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variable {
     Displacement,
@@ -108,8 +109,8 @@ pub(super) enum Variable {
     Velocity,
 }
 
-/// Every trend that eq 13 has not, or those that are not over a variable; none of a line over displacement, which is for what
-/// no trend is like.
+/// Every trend that eq 13 does not contain, or the trends that are not over a variable. A line over displacement has no trends: it
+/// is for forces that resemble no trend.
 pub(super) fn trends(of: Option<Remembered>, without: Option<Variable>) -> Vec<Trend> {
     match of {
         None => products(without, Over::Displacement, &over_speed()),
@@ -140,7 +141,7 @@ fn over_speed() -> Vec<Along> {
 
 fn products(without: Option<Variable>, over: Over, along: &[Along]) -> Vec<Trend> {
     let displacements = match over {
-        // Which side it is is the displacement.
+        // The displacement decides the side.
         Over::Side(_) => 1,
         Over::Displacement => OVER_DISPLACEMENT.len(),
     };
@@ -176,7 +177,7 @@ fn products(without: Option<Variable>, over: Over, along: &[Along]) -> Vec<Trend
 }
 
 impl Trend {
-    /// These values, which are no course.
+    /// These values, without a product form.
     pub fn of(cells: Vec<(usize, f64)>) -> Self {
         Self {
             cells,
@@ -184,7 +185,7 @@ impl Trend {
         }
     }
 
-    /// Whether it is over what stands in the place of speed.
+    /// Whether it is over the quantity in place of speed.
     pub fn is_over_memory(&self) -> bool {
         let product = self.product.as_ref();
         product.is_some_and(|product| match product.over {
@@ -193,7 +194,8 @@ impl Trend {
         })
     }
 
-    /// The same over a width that is `factor` times as small or as large, or fading in another way; none without a width.
+    /// The same function over a width that is `factor` times as small or as large, or with another kind of fading; empty without a
+    /// width.
     pub fn near(&self, factor: f64) -> Vec<Self> {
         let Some(product) = self.product else {
             return Vec::new();
@@ -235,7 +237,7 @@ impl Product {
 }
 
 impl Along {
-    /// At a part of the largest speed, or of the range of what stands in its place.
+    /// Its value at a fraction of the largest speed, or of the range of the quantity in its place.
     fn at(self, part: f64) -> f64 {
         match self {
             Self::Nothing => 1.0,

@@ -1,4 +1,4 @@
-//! A slider behind a spring and a play that travels with it: without the play it is a Jenkins element.
+//! A slider behind a spring and a play that travels with the slider. Without the play it is a Jenkins element.
 
 use mesh_damper::effects::Backlash;
 
@@ -37,7 +37,7 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
             policy.longest * extent.amplitude,
             policy.backlash_starts,
         ),
-        // Half of it to either side of where it began.
+        // Half of the play on each side of the start.
         Shape::spread(
             2.0 * extent
                 .shortest()

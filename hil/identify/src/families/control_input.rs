@@ -1,4 +1,4 @@
-//! A yielding branch and a dashpot that a control input makes as strong as it is, for each input that a recording may have.
+//! A yielding branch and a dashpot whose strength follows a control input, for each input that a recording may have.
 
 use mesh_damper::effects::{CONTROLS, ControlInput, Yielding};
 use mesh_damper::error::ConfigError;
@@ -10,7 +10,7 @@ use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
 
-/// Of each input: at once and in proportion to it, late, with a strength that saturates, and both.
+/// For each input: immediate and proportional, delayed, with a strength that saturates, and both.
 pub const FORMS: [Form; 4 * CONTROLS] = {
     const AT_ONCE: [Form; CONTROLS] = each::<false, false>();
     const LATE: [Form; CONTROLS] = each::<true, false>();
@@ -37,7 +37,7 @@ const fn each<const LATE: bool, const BENT: bool>() -> [Form; CONTROLS] {
     ]
 }
 
-/// By the input at `PLACE`; it may be late, and the strength bent.
+/// Scaled by the input at `PLACE`, optionally delayed and saturating.
 struct Controlled<const PLACE: usize, const LATE: bool, const BENT: bool>;
 
 impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, LATE, BENT> {
@@ -92,7 +92,7 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
         shapes
     }
 
-    /// Lag and saturation of `shapes`, where there are.
+    /// Lag and saturation among `shapes`, if present.
     fn further(shapes: &[f64]) -> [Option<f64>; 2] {
         let lag = LATE.then(|| shapes[2]);
         let saturation = BENT.then(|| shapes[2 + usize::from(LATE)]);
@@ -130,7 +130,7 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
     }
 }
 
-/// In the order of late and bent, and then of the places.
+/// In the order of delay and saturation, and then of the places.
 const NAMES: [[&str; CONTROLS]; 4] = [
     [
         "control_input",

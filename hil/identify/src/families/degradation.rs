@@ -1,5 +1,5 @@
-//! What loses stiffness or strength as the damper is worked: a spring with the largest displacement so far, a slider with the energy
-//! that it has dissipated.
+//! Elements that lose stiffness or strength with use: a spring with the largest displacement so far, a slider with the energy that
+//! it has dissipated.
 
 use mesh_damper::effects::{Degradation, Weakening};
 
@@ -7,7 +7,7 @@ use super::{Form, FormSpec, one, run};
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 
-/// A spring; one that pinches; a slider. The size of each is the stiffness.
+/// A spring; a spring that pinches; a slider. The size of each is the stiffness.
 pub const FORMS: [Form; 3] = [
     Form(&FormSpec {
         name: "degradation",
@@ -41,7 +41,7 @@ pub const FORMS: [Form; 3] = [
             let slider = Weakening::new(1.0, shapes[0], shapes[1], shapes[2])?;
             Ok(vec![run(&slider, motion)])
         },
-        // The energy is in proportion to the stiffness: what is searched is that of a stiffness of 1.
+        // The energy is proportional to the stiffness: the search uses that for a stiffness of 1.
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),
@@ -95,7 +95,7 @@ fn spring_shapes(extent: &Extent) -> Vec<Shape> {
             policy.softening_starts,
         ),
         Shape {
-            // All of it is no simpler spring.
+            // A total loss does not make it a simpler spring.
             simple_above: f64::INFINITY,
             ..Shape::spread(slightest, whole, policy.pinching_starts)
         },
@@ -106,7 +106,7 @@ fn slider_shapes(extent: &Extent) -> Vec<Shape> {
     let policy = &policy().shape;
     let [slightest, whole] = policy.strength_loss;
     let [soonest, latest] = policy.loss_energy;
-    // A cycle of a slider of stiffness 1 dissipates no more.
+    // The most energy that a cycle of a slider of stiffness 1 dissipates.
     let cycle = extent.amplitude.powi(2);
     vec![
         Shape::spread(
@@ -116,7 +116,7 @@ fn slider_shapes(extent: &Extent) -> Vec<Shape> {
         ),
         Shape {
             starts: policy.strength_loss_starts.to_vec(),
-            // To lose all strength is no simpler slider.
+            // A total loss of strength does not make it a simpler slider.
             simple_above: f64::INFINITY,
             ..Shape::spread(slightest, whole, 1)
         },

@@ -1,4 +1,4 @@
-//! A force recorded late: by a time, or as a low-pass shows it.
+//! A force recorded with a delay: by a fixed time, or through a low-pass.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
@@ -10,7 +10,7 @@ use crate::moved::through;
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 
-/// By a time; behind a low-pass, whose shape is the corner.
+/// A fixed time; a low-pass, whose shape is the corner frequency.
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "delay",
@@ -25,7 +25,8 @@ pub const FORMS: [Form; 2] = [
             through(trajectory, |motion| delay.shifted(motion));
             Some(delay.whole_ticks())
         },
-        // The force jumps a little where the crate takes another whole tick: one to either side sees past that.
+        // The force jumps a little where the crate uses another whole tick; a difference over one tick on each side is not affected
+        // by that.
         step: Step::Tick,
         elements: |value| one(vec![("time", value.shape(0))]),
         ..LATE
@@ -33,7 +34,7 @@ pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "force_filter",
         shape_names: &["corner"],
-        // Well below its corner it is a delay, as far as the data show.
+        // For motion well below its corner frequency it looks like a delay in the data.
         rank: 1,
         shapes: |extent| {
             let [shortest, longest] = lags(extent);
@@ -41,7 +42,7 @@ pub const FORMS: [Form; 2] = [
             vec![Shape::spread(SLOW / longest, SLOW / shortest, starts)]
         },
         shows: Some(|forces, corner, tick| {
-            // Refused where a tick sees no lag.
+            // Refused if the lag is too short for a tick.
             if let Ok(filter) = ForceFilter::new(corner, tick) {
                 let mut state = ForceFilter::AT_REST;
                 for force in forces {
@@ -63,14 +64,14 @@ const LATE: FormSpec = FormSpec {
 /// The lag of a slow force behind a low-pass, times its corner: √2/ω.
 const SLOW: f64 = SQRT_2 / TAU;
 
-/// By how much a slow force is late where an effect of this family has these parameters, s.
+/// The delay of a slow force with these parameters of an effect of this family, s.
 pub(crate) fn lag(parameters: &BTreeMap<String, f64>) -> Option<f64> {
     let of_corner = || Some(SLOW / parameters.get("corner")?);
     parameters.get("time").copied().or_else(of_corner)
 }
 
-/// The shortest and the longest lag that are sought, s. The shortest is far below a tick, where either form changes little and from where a search
-/// finds its way.
+/// The shortest and the longest delay of the search, s. The shortest is far below a tick, where either form has little effect and
+/// from where a search converges.
 fn lags(extent: &Extent) -> [f64; 2] {
     let policy = &policy().shape;
     let longest = (policy.longest_delay / extent.lowest_frequency)

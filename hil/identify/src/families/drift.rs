@@ -1,4 +1,4 @@
-//! A force that settles with the cycles: a stiffness, or the law's elastic and damping force each in its own way.
+//! A force that settles over the cycles: a stiffness, or the law's elastic and damping force separately.
 
 use mesh_damper::effects::Drift;
 use mesh_damper::limits;
@@ -23,7 +23,7 @@ pub const FORMS: [Form; 2] = [
     OF_EACH,
 ];
 
-/// Both forces of the law, each in its own way.
+/// Both forces of the law, separately.
 pub const OF_EACH: Form = Form(&FormSpec {
     name: "drift_of_each",
     entry: Entry::Scales(2),

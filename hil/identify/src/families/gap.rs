@@ -1,4 +1,4 @@
-//! A dead zone: nothing is moved in it, or only friction works.
+//! A dead zone without force, or with friction only.
 
 use mesh_damper::effects::Gap;
 
@@ -7,12 +7,12 @@ use crate::moved::through;
 use crate::policy::policy;
 use crate::shape::Shape;
 
-/// Nothing is moved; only friction works.
+/// Without force; with friction only.
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "gap",
         moves: |trajectory, half_width, _| {
-            // Out of the crate's range only where nothing moves any more.
+            // Outside the crate's range only if nothing moves any more.
             let gap = Gap::new(half_width, false).ok()?;
             through(trajectory, |motion| gap.transform(motion));
             None

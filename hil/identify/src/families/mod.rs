@@ -1,7 +1,7 @@
-//! How each family of effects enters a fit: a file a family, and its line in the list here.
+//! How each family of effects enters a fit: one file per family, and one line in the list here.
 //!
-//! What an effect is stands in the crate. Here stands only what identification needs: what is linear in it, what is searched, and
-//! where the search starts.
+//! The crate defines the effects. This module adds the parts that identification needs: the linear parameters, the searched ones,
+//! and the starts of the search.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -53,23 +53,23 @@ families! {
     periodic,
 }
 
-/// The control input that a form sees.
+/// The control input of a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Its place among those of a recording.
+    /// Its index among those of a recording.
     pub place: usize,
-    /// Whether it acts late, of which only one that changes within a recording says anything.
+    /// Whether it acts with a delay. Only an input that changes within a recording can show that.
     pub is_late: bool,
 }
 
 /// How the force depends on a form's parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
-    /// It adds so many forces, each proportional to a size.
+    /// It adds this number of forces, each proportional to a size.
     Adds(usize),
-    /// It scales the mixed damping law, by so many sizes.
+    /// It scales the mixed damping law, with this number of sizes.
     Scales(usize),
-    /// It changes the motion that all else is given, or what is shown of all forces.
+    /// It changes the motion that all other terms see, or the readings of all forces.
     Moves,
 }
 
@@ -88,78 +88,79 @@ pub struct Moment {
     pub reference: f64,
 }
 
-/// Step of a difference that stands for a derivative by a shape.
+/// Step of a finite difference with respect to a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// Part of the shape.
+    /// Fraction of the shape.
     Part(f64),
     /// A tick to either side.
     Tick,
 }
 
-/// What a form that [`Entry::Moves`] does to a recording's motion, with its shape and with how the specimen gives way in all; how
-/// many ticks late the force then is.
+/// The change of a recording's motion by a form that [`Entry::Moves`], from its shape and the deflection of the specimen; returns
+/// the delay of the force in ticks.
 pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option<usize>;
 
-/// What a form that [`Entry::Moves`] makes of the forces in kN behind it, at every sample of a tick in s, with its shape.
+/// The readings of forces in kN by a form that [`Entry::Moves`], at every sample, for a tick in s and its shape.
 pub(crate) type Showing = fn(&mut [f64], f64, f64);
 
-/// Forces in kN at every sample, one for each size, of shapes and a motion.
+/// Forces in kN at every sample, one for each size, for shapes and a motion.
 pub type UnitForces = fn(&[f64], &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError>;
 
 /// A form in which an effect is fitted. Most families have one.
 pub struct FormSpec {
     /// Its name.
     pub name: &'static str,
-    /// The family it is of, by name.
+    /// The name of its family.
     pub family: &'static str,
     /// How the force depends on its parameters.
     pub entry: Entry,
     /// The names of its shapes: positive numbers that are searched on a logarithmic scale.
     pub shape_names: &'static [&'static str],
-    /// Whether a negative size would be a source of energy, or a mass or a wall that pulls.
+    /// Whether a negative size would be a source of energy, a negative mass or a wall that pulls.
     pub size_is_positive: bool,
-    /// Of its sizes some may be 0: elements that are not there.
+    /// Whether some of its sizes may be 0: missing elements.
     pub elements_may_miss: bool,
-    /// How many terms of this form one model may have.
+    /// The largest number of terms of this form in one model.
     pub most: usize,
-    /// Whether it may stand beside another form of its family.
+    /// Whether it may be in a model together with another form of its family.
     pub stands_with_siblings: bool,
-    /// Families of effects that this one is at an end of its shapes, or has all of: one of them is simpler where it does as well.
+    /// Families of effects that this form contains, or becomes at the end of its shapes. One of them is simpler and preferred if it
+    /// does equally well.
     pub special_cases: &'static [&'static str],
-    /// It is tried only in the place of one of those.
+    /// Whether it is tried only in place of one of those.
     pub refines: bool,
     /// Forms of one family with the same word are elements of one effect.
     pub effect: &'static str,
-    /// 0 for what is tried first; 1 for forms that are tried where a simpler one of their family is not enough.
+    /// 0 for a form that is tried first; 1 for one that is tried if a simpler form of its family is not enough.
     pub rank: u8,
-    /// Least and largest size that scales the law: as far as the crate takes them.
+    /// Smallest and largest size that scales the law: the crate's range.
     pub scale_range: [f64; 2],
     /// Ranges and starts of its shapes.
     pub shapes: fn(&Extent) -> Vec<Shape>,
     /// The forces in kN with each size 1 and these shapes at every sample.
     pub unit_forces: UnitForces,
-    /// What the law's elastic and damping force gain for these sizes and shapes, as parts of them.
+    /// Relative change of the law's elastic and damping force for these sizes and shapes.
     pub gains: fn(&[f64], &[f64], &Moment) -> [f64; 2],
-    /// What it does to the motion.
+    /// Its change of the motion.
     pub(crate) moves: Moving,
-    /// What it shows of all forces; such a form leaves the motion as it is.
+    /// Its readings of all forces; such a form leaves the motion unchanged.
     pub(crate) shows: Option<Showing>,
-    /// The control input that it sees.
+    /// The control input that it depends on.
     pub input: Option<Input>,
-    /// Its forces follow the clock, and not the motion.
+    /// Whether its forces follow the clock, not the motion.
     pub follows_clock: bool,
-    /// Its motion depends on the force behind it.
+    /// Whether its motion depends on the force behind it.
     pub gives_way: bool,
-    /// Of the derivative by its shapes.
+    /// Step of the derivative with respect to its shapes.
     pub step: Step,
-    /// The parameters of its elements by the names of [`mesh_damper_model::parameter_unit`], each with the size it has.
+    /// The parameters of its elements by their names in [`mesh_damper_model::parameter_unit`], each element with its size.
     pub elements: fn(&TermValue) -> Vec<Element>,
-    /// The shape with this name of the parameters of an element: [`FormSpec::elements`] read the other way round.
+    /// The shape with this name from the parameters of an element: the inverse of [`FormSpec::elements`].
     pub shape_of: fn(&BTreeMap<&str, f64>, &str) -> Option<f64>,
 }
 
-/// Parameters by name, and the size that stands for them.
+/// A size, and the parameters by name that belong to it.
 pub type Element = (usize, Vec<(&'static str, f64)>);
 
 impl FormSpec {
@@ -188,12 +189,12 @@ impl FormSpec {
         gives_way: false,
         step: Step::Part(1e-4),
         elements: |_| Vec::new(),
-        // It is positive where a parameter may have either sign.
+        // It is positive even if a parameter may have either sign.
         shape_of: |element, name| Some(element.get(name)?.abs()),
     };
 }
 
-/// One of the forms. Two are the same where their names are.
+/// One of the forms. Forms are equal if their names are.
 #[derive(Clone, Copy)]
 pub struct Form(&'static FormSpec);
 
@@ -214,31 +215,31 @@ impl Form {
         Self::all().find(|form| form.name == name)
     }
 
-    /// Its place in [`Form::all`].
+    /// Its index in [`Form::all`].
     pub fn place(self) -> usize {
         let mut all = Self::all();
         all.position(|form| form == self).unwrap_or(usize::MAX)
     }
 
-    /// The family it is of.
+    /// Its family.
     ///
     /// # Panics
-    /// Never: a test holds every form against the crate's list.
+    /// Never: a test checks every form against the crate's list.
     pub fn family(self) -> Family {
         Family::named(self.family).expect("the family stands in the crate's list")
     }
 
-    /// Whether both may not stand in one model.
+    /// Whether the two may not be in one model.
     pub fn excludes(self, other: Self) -> bool {
         self != other && self.family == other.family && !self.stands_with_siblings
     }
 
-    /// Whether each of its sizes is of an element of its own.
+    /// Whether each of its sizes belongs to a separate element.
     pub(crate) fn is_several(self) -> bool {
         self.sizes() > 1 && !self.effect.is_empty()
     }
 
-    /// Whether `trajectories` have what it depends on.
+    /// Whether `trajectories` contain the quantity that it depends on.
     pub fn is_seen_in(self, trajectories: &[Trajectory]) -> bool {
         let has_temperature = trajectories.iter().any(|t| t.temperature.is_some());
         let has_input = self.input.is_none_or(|input| {
@@ -249,7 +250,7 @@ impl Form {
         has_input && (has_temperature || !self.family().depends_on_temperature())
     }
 
-    /// How many sizes it has.
+    /// The number of its sizes.
     pub(crate) fn sizes(self) -> usize {
         match self.entry {
             Entry::Adds(count) | Entry::Scales(count) => count,
@@ -257,12 +258,12 @@ impl Form {
         }
     }
 
-    /// How many parameters of it are searched.
+    /// The number of its searched parameters.
     pub(crate) fn searched(self) -> usize {
         self.scales() + self.shape_names.len()
     }
 
-    /// How many of these are sizes, which come before the shapes.
+    /// The number of these that are sizes; they come before the shapes.
     pub(crate) fn scales(self) -> usize {
         match self.entry {
             Entry::Scales(count) => count,
@@ -302,7 +303,7 @@ impl fmt::Debug for Form {
 /// The force of `effect` at every sample, from rest.
 fn run<E: Equations<f64>>(effect: &E, motion: &Trajectory) -> Vec<f64> {
     let mut state = E::AT_REST;
-    // What effects see is made sample by sample: all of it takes as much memory as the trajectories.
+    // The inputs of effects are computed sample by sample: all of them would take as much memory as the trajectories.
     (0..motion.len())
         .map(|sample| motion_at(motion, sample).clamped())
         .map(|motion| effect.force(&mut state, &motion, LawForce::default()))
@@ -321,7 +322,7 @@ mod tests {
     use super::*;
     use crate::term::{Term, added_effects};
 
-    /// The name of the effect that a model file has where this form was found.
+    /// The name in a model file of the effect that this form finds.
     fn effect_of(form: Form) -> &'static str {
         let reference = 20.0;
         let value = TermValue {

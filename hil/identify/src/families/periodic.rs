@@ -33,7 +33,7 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
         Ok(vec![tone(0.0)?, tone(0.25 * TAU)?])
     },
     follows_clock: true,
-    // A tone's phase at the end of a recording is its frequency times thousands of periods.
+    // At the end of a recording, the phase of a tone is its frequency times thousands of periods.
     step: Step::Part(1e-7),
     // a·sin x + b·cos x = √(a² + b²)·sin(x + φ), tan φ = b/a
     elements: |value| {

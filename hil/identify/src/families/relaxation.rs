@@ -26,8 +26,8 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     ..FormSpec::PLAIN
 })];
 
-/// A branch that is fast is a dashpot, one that is slow a spring. At one frequency any branch is a spring and a dashpot, and none of
-/// them is simpler than the truth may be.
+/// A fast branch looks like a dashpot, a slow one like a spring. At a single frequency any branch looks like a spring and a
+/// dashpot, and none is simpler than the truth may be.
 fn shapes(extent: &Extent) -> Vec<Shape> {
     let spread = Shape::spread(
         policy().shape.shortest_relaxation * extent.tick,

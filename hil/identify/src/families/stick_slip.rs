@@ -7,8 +7,8 @@ use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
 
-/// One Jenkins element; as Bouc and Wen have it where it gives way; Jenkins elements with evenly spread slip limits (Iwan 1966); as
-/// Bouc and Wen have it where it hardens.
+/// One Jenkins element; Bouc–Wen friction that yields; Jenkins elements with evenly spread slip limits (Iwan 1966); Bouc–Wen
+/// friction that hardens.
 pub const FORMS: [Form; 4] = [
     Form(&FormSpec {
         name: "jenkins",
@@ -56,7 +56,7 @@ pub const FORMS: [Form; 4] = [
         shape_names: &["slip_limit"],
         rank: 1,
         effect: "elements",
-        // The largest of the limits, of which the others are even parts.
+        // The largest of the limits; the others are equal fractions of it.
         shapes: |extent| {
             vec![Shape::spread(
                 policy().shape.iwan_shortest * extent.shortest(),
@@ -141,7 +141,7 @@ fn iwan_limits(largest: f64) -> impl Iterator<Item = f64> {
     (1..=count).map(move |i| largest * i as f64 / count as f64)
 }
 
-/// Those that are there.
+/// The elements that are present.
 fn iwan_elements(value: &TermValue) -> Vec<Element> {
     let elements = value
         .sizes

@@ -24,7 +24,7 @@ pub const FORMS: [Form; 2] = [
     }),
 ];
 
-/// Of a contact to the side whose largest displacement this is, mm.
+/// For a contact on the side with this largest displacement, mm.
 fn shapes(largest: f64) -> Vec<Shape> {
     let [nearest, farthest] = policy().shape.contact;
     vec![Shape::spread(

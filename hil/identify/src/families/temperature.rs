@@ -1,8 +1,8 @@
-//! A force that scales with temperature: both forces of the law alike, or each in its own way.
+//! A force that scales with temperature: both forces of the law together, or separately.
 
 use super::{Entry, Form, FormSpec, one};
 
-/// Both alike; each in its own way.
+/// Both together; separately.
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "temperature",

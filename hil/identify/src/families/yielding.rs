@@ -1,4 +1,4 @@
-//! A dashpot that yields, behind a spring: relaxation and a slider are what it is at the ends of its shapes.
+//! A dashpot that yields, behind a spring. At the ends of its shapes it is a Maxwell branch or a slider.
 
 use mesh_damper::effects::Yielding;
 
@@ -6,7 +6,7 @@ use super::{Form, FormSpec, one, run};
 use crate::policy::policy;
 use crate::shape::{Extent, Shape};
 
-/// Without viscosity, and with it. Its size is the stiffness, with which the force at which it yields and its viscosity grow.
+/// Without viscosity, and with it. Its size is the stiffness; the yield force and the viscosity are proportional to it.
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "yielding",
@@ -54,7 +54,7 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
     stretch_and_rate(extent).into_iter().chain([time]).collect()
 }
 
-/// The stretch at which a dashpot yields and its rate, of whatever branch it is in.
+/// The stretch at which a dashpot yields and its rate, for any branch.
 pub(super) fn stretch_and_rate(extent: &Extent) -> [Shape; 2] {
     let policy = &policy().shape;
     let [slowest, fastest] = policy.yield_rate;

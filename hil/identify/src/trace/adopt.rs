@@ -1,4 +1,4 @@
-//! Whether a law with more is worth having: on conditions that it was not fitted to.
+//! Whether an extended law is better than the law alone, judged by conditions that it was not fitted to.
 
 use super::relative_error::RelativeError;
 use crate::policy::policy;
@@ -12,13 +12,14 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Whether a law `with` more leaves less of conditions held out in turn than the law `alone`: in all, where the worst weigh most, and from one to the
-/// next, where each weighs the same. A law that wins where little was left and loses where much was, or the other way round, would lose in the next.
+/// Whether the law `with` more predicts conditions held out in turn better than the law `alone`. It must do so in total, where the
+/// worst conditions count most, and on average over conditions, where each counts equally. A law that wins on one of the two only
+/// would lose on the next condition.
 pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     gains_by(policy().adopt.gain, alone, with)
 }
 
-/// The same by what makes one law [clearly better](super::mend::MendPolicy::better) than another.
+/// The same, with the threshold by which one law is [clearly better](super::mend::MendPolicy::better) than another.
 pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     gains_by(policy().mend.better, alone, with)
 }
@@ -28,8 +29,8 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
         let each = alone.iter().zip(with);
         each.map(|(alone, with)| [alone.beyond_noise(), with.beyond_noise()])
     };
-    // What both leave the same of, however much it is, says nothing: the coefficients of an amplitude that is in one condition alone may be far off
-    // with both.
+    // A condition with nearly equal errors says nothing, however large they are: the coefficients of an amplitude that occurs in
+    // one condition only may be far off with both laws.
     let same = -policy().adopt.gain.ln();
     let differ = |[alone, with]: &[f64; 2]| (with / alone).ln().abs() > same;
     let squares = pairs().filter(differ).fold([0.0; 2], |sum, pair| {
@@ -37,7 +38,7 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
     });
     let logs = pairs().map(|[alone, with]| (with / alone).ln());
     let mean_ratio = (logs.sum::<f64>() / alone.len() as f64).exp();
-    // What is beyond the noise is 0 of what is no number.
+    // The error beyond the noise is 0 for NaN.
     let finite = with.iter().all(|one| one.error.is_finite());
     finite && squares[1] < gain * gain * squares[0] && mean_ratio < gain
 }

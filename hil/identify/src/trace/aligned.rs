@@ -1,5 +1,5 @@
-//! Recordings of one rig share what is wrong with its channels, which each of them shows only about: a force that is early or late,
-//! and the zero of the displacement.
+//! Corrects channel faults that recordings of one rig share: a force that is early or late, and the zero of the displacement. Each
+//! recording shows them only roughly.
 
 use crate::families::delay;
 use crate::policy::policy;
@@ -30,17 +30,18 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Recordings made ready, those that are fitted and those held out.
+/// Prepared recordings: the fitted ones and the held-out ones.
 pub(super) struct Aligned<'r> {
     recordings: [&'r [&'r Recording]; 2],
     /// In the same order.
     pub trajectories: [Vec<Trajectory>; 2],
-    /// By how much the force is late as far as the channels show, s, until a model has shown more.
+    /// Delay of the force according to the channels, s, until a model shows a better value.
     estimate: Option<f64>,
 }
 
 impl<'r> Aligned<'r> {
-    /// What the longest of the `fitted` shows, or else of those that are held out, holds for all that may share it.
+    /// Applies the result from the longest of the `fitted` recordings, or else of the held-out ones, to all recordings that may
+    /// share it.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -63,8 +64,9 @@ impl<'r> Aligned<'r> {
         Ok(aligned)
     }
 
-    /// What was moved back too far is left late, which a model finds better than anything finds when a force is early: whether
-    /// all are moved anew, less by what `model` found, or, where the first found nothing, as far as the channels show.
+    /// A force that was moved back too far is late, and a model finds a late force better than anything finds an early one. Moves
+    /// all forces again by less: by the delay that `model` found, or, if it found none, as the channels show. Returns whether any
+    /// moved.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -76,7 +78,7 @@ impl<'r> Aligned<'r> {
         let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
         let less = delay.and_then(|effect| Some(late + delay::lag(&effect.parameters)?));
         let estimate = self.estimate.take();
-        // A model's lag makes no force late that was early.
+        // A delay in a model cannot make an early force late.
         let bounded = |less: f64| if late < 0.0 { less.min(0.0) } else { less };
         let Some(to) = less.map(bounded).or(estimate) else {
             return Ok(false);
@@ -85,8 +87,8 @@ impl<'r> Aligned<'r> {
         Ok(true)
     }
 
-    /// Allows for noise that quick changes do not show: whether there is any in what laws with these `forces` leave, those of the
-    /// recordings in order.
+    /// Allows for noise that quick changes do not show. Returns whether the residuals of laws with these `forces`, in the order of
+    /// the recordings, contain such noise.
     pub fn take_pink_noise(&mut self, forces: &[Forces]) -> bool {
         let [fitted, held] = &mut self.trajectories;
         let mut most = 1.0_f64;
@@ -98,7 +100,7 @@ impl<'r> Aligned<'r> {
                     0.0
                 }
             };
-            // Of what is held out nothing may be learned.
+            // Nothing may be learned from held-out recordings.
             let mut start = 0;
             let runs = forces.roles.split(|role| *role == Role::HeldOut);
             let runs = runs.map(|run| {
@@ -117,7 +119,7 @@ impl<'r> Aligned<'r> {
         }
         let any = most > 1.0;
         if any {
-            // They are of the same load cell.
+            // They are from the same load cell.
             for trajectory in held {
                 trajectory.take_pink_noise(most * trajectory.force_noise);
             }
@@ -125,8 +127,8 @@ impl<'r> Aligned<'r> {
         any
     }
 
-    /// Moves forces back where their zero stepped most: whether any does in what has a name in `closed`, or, where that is not all, in what
-    /// eq 13 alone leaves.
+    /// Moves forces back at the largest step of their zero. Looks at the residual of the named effects in `closed` and, if these
+    /// are not all of it, at the residual of eq 13 alone. Returns whether any force moved.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -158,8 +160,8 @@ impl<'r> Aligned<'r> {
         Ok(any)
     }
 
-    /// Moves forces back whose zero is not that of the other recordings: whether any is, in what has a name in `closed`, or, where that is not all,
-    /// in what eq 13 alone leaves.
+    /// Moves back forces whose zero differs from that of the other recordings. Looks at the residual of the named effects in
+    /// `closed` and, if these are not all of it, at the residual of eq 13 alone. Returns whether any force moved.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -192,8 +194,8 @@ impl<'r> Aligned<'r> {
         Ok(false)
     }
 
-    /// Recordings that are held out and whose zero is not that of those that were fitted: nothing of them may be learned, so that they stay as they
-    /// are.
+    /// Reports held-out recordings whose zero differs from that of the fitted ones. Nothing may be learned from them, so they stay
+    /// as they are.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -224,7 +226,7 @@ impl<'r> Aligned<'r> {
         Ok(())
     }
 
-    /// The longest of those that are fitted whose force was moved, or else of those held out.
+    /// The longest fitted recording whose force was moved, or else the longest held-out one.
     fn shifted(&self) -> Option<&Trajectory> {
         self.longest(|trajectory| trajectory.late != 0.0)
     }
@@ -250,7 +252,7 @@ impl<'r> Aligned<'r> {
         })
     }
 
-    /// A zero that was left in is left in where the motion has the same middle, though it is small beside that motion.
+    /// If a zero was left in, it was left in wherever the motion has the same middle, even if it is small compared to that motion.
     fn share_zero(&mut self) -> Result<(), InputError> {
         let Some(off) = self.longest(|trajectory| trajectory.centre != 0.0) else {
             return Ok(());
@@ -266,7 +268,7 @@ impl<'r> Aligned<'r> {
         })
     }
 
-    /// Makes those ready anew of which more is known.
+    /// Prepares recordings again if more is known about them.
     fn anew(&mut self, known: impl Fn(&Trajectory) -> Option<Known>) -> Result<(), InputError> {
         for (recordings, trajectories) in self.recordings.iter().zip(&mut self.trajectories) {
             for (recording, trajectory) in recordings.iter().zip(trajectories) {
@@ -279,7 +281,7 @@ impl<'r> Aligned<'r> {
     }
 }
 
-/// What has a name: what has none may have taken a zero in.
+/// The model with named effects only: a residual table may have absorbed a zero.
 fn named(closed: &Closed) -> Model {
     Model {
         correction: None,
@@ -287,14 +289,14 @@ fn named(closed: &Closed) -> Model {
     }
 }
 
-/// The measured samples of which something may be learned: none of what is held out.
+/// The measured samples from which something may be learned: none of the held-out ones.
 fn open(trajectory: &Trajectory, roles: &[Role]) -> Vec<usize> {
     let all = 0..trajectory.len();
     all.filter(|&index| trajectory.measured[index] && roles[index] != Role::HeldOut)
         .collect()
 }
 
-/// Takes something from a recording that is fitted, and from a test that was run on, which holds it once more.
+/// Applies a correction to a fitted recording, and to a longer recording of the same test that contains it.
 fn take_from(fitted: &mut Trajectory, held: &mut [Trajectory], take: impl Fn(&mut Trajectory)) {
     let again = held
         .iter_mut()
@@ -303,7 +305,7 @@ fn take_from(fitted: &mut Trajectory, held: &mut [Trajectory], take: impl Fn(&mu
     take(fitted);
 }
 
-/// What a law with this force in kN leaves of some samples of a recording.
+/// The residual of a law with this force in kN at some samples of a recording.
 fn left_of(trajectory: &Trajectory, samples: &[usize], predicted: &[f64]) -> LeftOfOne {
     let count = samples.len() as f64;
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -320,17 +322,17 @@ fn left_of(trajectory: &Trajectory, samples: &[usize], predicted: &[f64]) -> Lef
     }
 }
 
-/// What a mean may err by where noise is slow: no more than a sample, kN.
+/// The possible error of a mean under slow noise: at most that of a sample, kN.
 fn noise_of_means(trajectories: &[Trajectory]) -> f64 {
     let noise = trajectories.iter().map(|one| one.force_noise);
     noise.fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Whether the motion changes there, or samples of `open` are missing: what a law lacks changes with the amplitude and from one time to
-/// another.
+/// Whether the motion changes there, or samples of `open` are missing. The deviations that a law lacks change with the amplitude
+/// and over time.
 fn changes_near(trajectory: &Trajectory, open: &[usize], place: usize) -> bool {
     let policy = mesh_damper_recording::policy::policy();
-    // What says whether it comes at once: two of the narrowest means to either side.
+    // Two of the narrowest means on each side show whether the step comes at once.
     let reach = 2 * policy.zero.narrowest;
     let about = place.saturating_sub(reach)..(place + reach).min(open.len());
     let is_spliced = open[about].windows(2).any(|pair| pair[1] > pair[0] + 1);
@@ -357,7 +359,8 @@ mod tests {
 
     const TICK: f64 = 2e-3;
 
-    /// A spring with friction at one frequency for 6 s and then at another for 4 s, whose force is `late` by that number of ticks.
+    /// A spring with friction at one frequency for 6 s and then at another for 4 s, with a force that is `late` by that number of
+    /// ticks.
     fn recording(name: &str, frequencies: [f64; 2], late: isize) -> Recording {
         let at = |index: isize| {
             let time = index as f64 * TICK;
@@ -391,7 +394,7 @@ mod tests {
         }
     }
 
-    /// However much it is: what was found to be early at first is what is moved.
+    /// Whatever the size: the force that was found early first is the one that is moved.
     #[test]
     fn what_was_moved_is_moved_by_what_a_model_found() {
         let early = recording("early", [1.0, 5.0], -3);
@@ -406,7 +409,8 @@ mod tests {
         }
     }
 
-    /// Whichever of them shows it: one of a single frequency shows no time, and one that is slow takes energy though it is late.
+    /// Whichever recording shows it: one with a single frequency shows no delay, and a slow one appears to take energy although it
+    /// is late.
     #[test]
     fn what_is_held_out_is_moved_as_what_is_fitted() {
         for (shows, hides, late) in [

@@ -1,4 +1,4 @@
-//! The end of a trace: what was found is fitted to all that may be fitted, and its error read where nothing was.
+//! The end of a trace: fits the result to all open samples, and computes its error on the held-out ones.
 
 use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Family, Model, ModelError};
@@ -30,7 +30,7 @@ use crate::term::TermValue;
 use crate::tolerance::noise_floor;
 use crate::uncertainty::Uncertainty;
 
-/// A trace but for the trajectories that it was made of, which the caller has.
+/// A trace without the trajectories that it was made of; the caller has those.
 pub(super) struct Closed {
     /// The contents of `trace.json`.
     pub result: TraceResult,
@@ -38,27 +38,27 @@ pub(super) struct Closed {
     pub baseline: Model,
     /// Eq 13 with the effects found.
     pub model: Model,
-    /// Of the recordings fitted, then of those held out.
+    /// For the fitted recordings, then for the held-out ones.
     pub forces: Vec<Forces>,
 }
 
-/// What each sample of a recording was for, and the force there of eq 13 alone and of what was found, kN.
+/// The role of each sample of a recording, and the force there of eq 13 alone and of the result, kN.
 pub(super) struct Forces {
     pub roles: Vec<Role>,
     pub before: Vec<f64>,
     pub after: Vec<f64>,
 }
 
-/// The recordings of a trace, with what each sample is for.
+/// The recordings of a trace, with the role of each sample.
 pub(super) struct Closing<'a> {
-    /// The recordings fitted, then those held out.
+    /// The fitted recordings, then the held-out ones.
     pub(super) recordings: Vec<(&'a Trajectory, Vec<Role>)>,
-    /// Those fitted.
+    /// The fitted recordings.
     pub(super) trajectories: &'a [Trajectory],
     fitted: usize,
     pub(super) judging: &'a Roles,
     roles: &'a Roles,
-    /// With the nodes preferred, then with others.
+    /// With the preferred nodes, then with others.
     pub(super) rows: Vec<Rows<'a>>,
     extent: Extent,
     noise_floor: f64,
@@ -66,8 +66,8 @@ pub(super) struct Closing<'a> {
 }
 
 impl<'a> Closing<'a> {
-    /// Effects were chosen by the roles `judging`; what `roles` hold out is left out of all fits. `nodes` are the amplitudes
-    /// at which eq 13 has coefficients of its own, mm: those preferred, then others that may be.
+    /// Effects were chosen by the roles `judging`; no fit uses the samples that `roles` hold out. `nodes` are amplitudes at which
+    /// eq 13 has separate coefficients, mm: the preferred ones, then alternatives.
     pub fn new(
         fitted: &'a [Trajectory],
         [judging, roles]: [&'a Roles; 2],
@@ -108,7 +108,7 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Fits eq 13 alone and with what `selection` found, and reports.
+    /// Fits eq 13 alone and with the effects of `selection`, and reports.
     pub fn close(
         &self,
         selection: &Selection,
@@ -156,7 +156,8 @@ impl<'a> Closing<'a> {
             .filter(|(value, uncertainty)| !value.term.is_known && !uncertainty.is_bounded())
             .map(|(value, _)| value.term.form.family())
             .collect();
-        // A name that says less of what was held out is one only where conditions confirm it. Nothing but the verdict depends on that.
+        // If a named effect predicts the held-out samples less well, it is accepted only if conditions confirm it. This affects
+        // only the verdict.
         let says_less = verdict == Verdict::Found
             && unbounded.is_empty()
             && left_out.differ()
@@ -214,7 +215,7 @@ impl<'a> Closing<'a> {
         let (effects, unconfirmed) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
-        // Of a law that says less of what was held out, what is left of that.
+        // For a law that predicts the held-out samples less well, its error on those.
         let left_there = over_noise.held_out.filter(|_| says_less);
         let remainder = if is_more_missing && left_by_named > policy().verdict.noise_limited {
             let nrmse = self.evaluate(&named, predict)?.1.nrmse_fitted;
@@ -309,7 +310,7 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// What is said of a search that ended in `solution`: by all that may be fitted, and by blocks that were left out.
+    /// The conclusions about a search that ended in `solution`, from all open samples and from blocks that were left out.
     fn verdict(
         &self,
         selection: &Selection,
@@ -352,8 +353,8 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// What was found, or what the judging cycles do not tell from it and clearly leaves less of all blocks, each counting the
-    /// same: the cycles that judge are mostly those of the blocks with the largest force.
+    /// The search's result, or another law that the judging cycles do not distinguish from it and that has clearly smaller errors
+    /// over all blocks with equal weights. The cycles that judge come mostly from the blocks with the largest force.
     fn preferred(
         &self,
         selection: &Selection,
@@ -363,7 +364,7 @@ impl<'a> Closing<'a> {
         let mut others = rivals(selection);
         let is_found =
             |best: &&select::Candidate| best.fitted.families() == selection.found.families();
-        // What was dropped since may have left another law than that whose rivals these are.
+        // If terms were dropped since, these rivals may belong to another law.
         if !others.first().is_some_and(is_found) {
             return Ok(found);
         }
@@ -376,7 +377,7 @@ impl<'a> Closing<'a> {
         Ok(laws.swap_remove(clearly_best(left.into_iter())))
     }
 
-    /// The terms of `known` fitted to the samples picked, fewer than in the closing fit; with these.
+    /// Fits the terms of `known` and the given ones to the samples picked, fewer than in the closing fit.
     pub(super) fn refit(
         &self,
         rows: &Rows,
@@ -392,17 +393,17 @@ impl<'a> Closing<'a> {
         (rows, solution)
     }
 
-    /// The model of such a fit.
+    /// The model from such a fit.
     pub(super) fn refit_model(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
         self.refit(rows, known, picked).1.model()
     }
 
-    /// How far the recordings' motion goes.
+    /// The range of the recordings' motion.
     pub(super) fn extent(&self) -> &Extent {
         &self.extent
     }
 
-    /// The families of what was known.
+    /// The families of the known effects.
     fn known(&self) -> Vec<String> {
         let known = self.sought.known.iter();
         let mut names: Vec<String> = known
@@ -412,7 +413,7 @@ impl<'a> Closing<'a> {
         names
     }
 
-    /// The errors of eq 13 identified as the paper does, which knows of no other law.
+    /// The errors of eq 13 identified as in the paper, which has no other law.
     fn staged(&self) -> Result<Option<Errors>, ModelError> {
         if self.sought.law != BaseLaw::Mixed || !self.sought.known.is_empty() {
             return Ok(None);
@@ -434,8 +435,8 @@ impl<'a> Closing<'a> {
         Problem::new(rows, &self.extent, &known.terms()).solve_near(known)
     }
 
-    /// The terms of `known` fitted along a motion that it may be as well: what the error of the motion makes of each parameter. A noisy
-    /// displacement takes a part of what the law gives to it, however many samples there are.
+    /// Fits the terms of `known` along another motion that is equally likely. This shows the effect of the motion's error on each
+    /// parameter: a noisy displacement makes part of the law's force look like the effect's, however many samples there are.
     fn fit_moved(&self, rows: &Rows, known: &Solution) -> Solution {
         let moved = self.trajectories.iter().map(Trajectory::as_it_may_be);
         let moved: Vec<Trajectory> = moved.collect();
@@ -450,7 +451,7 @@ impl<'a> Closing<'a> {
         self.fit_near(&rows, known)
     }
 
-    /// The same without those that all of the data hold at 0.
+    /// The same without the terms that all of the data hold at 0.
     pub(super) fn fit_there(&self, rows: &Rows, known: &Solution) -> Solution {
         let mut solution = self.fit_near(rows, known);
         while let Some(index) = self.first_that_is_nothing(rows, &solution) {
@@ -474,23 +475,23 @@ impl<'a> Closing<'a> {
     }
 }
 
-/// What is said of a search.
+/// The conclusions about a search.
 struct Concluded {
     verdict: Verdict,
-    /// How many times the noise what was found leaves.
+    /// Error of the result, as a multiple of the noise.
     left: f64,
-    /// Why what was found does not explain the recordings, where it does not.
+    /// The reason why the result does not explain the recordings, if it does not.
     effects_rejected_by: Option<Rule>,
 }
 
-/// Whether a recording that is held out only repeats one that is fitted.
+/// Whether a held-out recording only repeats a fitted one.
 pub(super) fn brings_nothing_new(held: &Trajectory, fitted: &[Trajectory]) -> bool {
     held_roles(held, fitted)
         .iter()
         .all(|&role| role == Role::Fit)
 }
 
-/// A recording that begins with one that was fitted is the same test run on: only what follows was never fitted.
+/// A recording that begins with a fitted one is the same test, continued: only the rest was never fitted.
 fn held_roles(held: &Trajectory, fitted: &[Trajectory]) -> Vec<Role> {
     let known = fitted
         .iter()

@@ -1,4 +1,4 @@
-//! Which blocks and which conditions of recordings are held out.
+//! The choice of blocks and conditions of recordings to hold out.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::left_out::LeftOutPolicy;
 use super::split::Roles;
 use crate::policy::policy;
 
-/// Blocks of at least that many cycles of which something may be fitted, by their amplitude, then by their frequency.
+/// Blocks of at least that many open cycles, by their amplitude, then by their frequency.
 fn blocks_of_cycles<'t>(
     trajectories: &'t [Trajectory],
     roles: &Roles,
@@ -33,9 +33,9 @@ fn blocks_of_cycles<'t>(
     blocks
 }
 
-/// Of the blocks whose amplitude another one has, so that eq 13 is known there, some that are evenly spread over amplitude
-/// and frequency; where those are few, of amplitudes between others too, and of all where there is none such. The first and the
-/// last of several in a recording are not left out where there are others.
+/// Blocks to leave out, evenly spread over amplitude and frequency, from those whose amplitude another block has, so that eq 13 is
+/// known there. If there are few such blocks, also blocks with amplitudes between others; if there are none, all blocks. The first
+/// and the last block of a recording are not left out if there are others.
 pub(super) fn blocks<'t>(
     trajectories: &'t [Trajectory],
     roles: &Roles,
@@ -60,7 +60,7 @@ pub(super) fn blocks<'t>(
         .copied()
         .collect();
     let known = if known.is_empty() { blocks } else { known };
-    // What changes with time is not known before the first block that may be fitted nor after the last.
+    // A change over time is not known before the first open block nor after the last.
     let is_inner = |(which, block): &(usize, &FoundBlock)| {
         let all = trajectories[*which].blocks.iter();
         let mut open = all.filter(|block| block.samples.clone().any(|i| roles.is_open(*which, i)));
@@ -83,18 +83,19 @@ pub(super) fn blocks<'t>(
 
 /// Samples of one trajectory that are held out together.
 pub(super) struct Condition {
-    /// Of which trajectory.
+    /// Index of the trajectory.
     pub which: usize,
-    /// Which.
+    /// Its samples.
     pub samples: Range<usize>,
-    /// By how much their force is more than that which an error is over, in squares: of a stretch that is of the recording, as it may rest.
+    /// Squared force of these samples over the squared force that errors are divided by. For a stretch the latter is that of the
+    /// recording, because the stretch may be at rest.
     pub loud: f64,
-    /// Whether no other condition has an amplitude as small, or none one as large: what is said of it then is an extrapolation.
+    /// Whether no other condition has as small an amplitude, or none has as large a one: a prediction there is an extrapolation.
     pub is_end: bool,
 }
 
-/// Conditions that may be fitted, evenly spread over amplitude and frequency, those at the ends among them: blocks of several cycles, or where there
-/// are few, recordings, or stretches where these are few too.
+/// Open conditions, evenly spread over amplitude and frequency and including those at the ends: blocks of several cycles, or
+/// recordings if there are few blocks, or stretches if there are few recordings too.
 pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
     let LeftOutPolicy {
         fewest_conditions,
@@ -103,7 +104,7 @@ pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Cond
         ..
     } = policy().left_out;
     let blocks = blocks_of_cycles(trajectories, roles, policy().left_out.some_cycles);
-    // The cycles of a random motion are like others only by chance: what blocks have of it is no condition.
+    // The cycles of a random motion resemble others only by chance: its blocks are no conditions.
     let open = |which: usize, samples: &Range<usize>| {
         samples.clone().filter(|&i| roles.is_open(which, i)).count()
     };
@@ -159,7 +160,7 @@ pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Cond
     .collect()
 }
 
-/// At most `most` of `all`, the first and the last among them.
+/// At most `most` of `all`, including the first and the last.
 fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let (length, count) = (all.len(), all.len().min(most));
     let mut places = (0..count)
@@ -181,7 +182,7 @@ mod tests {
     use mesh_damper_model::{LawNode, Model};
     use mesh_damper_recording::Recording;
 
-    /// Sines of 1 Hz with these amplitudes in mm follow each other.
+    /// Consecutive sines of 1 Hz with these amplitudes in mm.
     fn test(amplitudes: &[f64]) -> Trajectory {
         let samples = 0..amplitudes.len() * 2000;
         let sine = |i: usize| amplitudes[i / 2000] * (TAU * i as f64 / 500.0).sin();
@@ -194,7 +195,7 @@ mod tests {
         trajectory
     }
 
-    /// Which blocks of which recording are left out.
+    /// The blocks that are left out, with their recordings.
     fn left_out(trajectories: &[Trajectory]) -> Vec<(usize, usize)> {
         let roles = Roles::all_fit(trajectories);
         let number = |(which, block): (usize, &FoundBlock)| {
@@ -241,7 +242,7 @@ mod tests {
 
     #[test]
     fn the_ends_of_a_recording_are_left_out_only_where_little_is_between() {
-        // Of each amplitude there is another block.
+        // Each amplitude has another block.
         let long = test(&[0.1, 0.2, 0.3, 0.1, 0.2, 0.3]);
         assert_eq!(left_out(&[long]), [(0, 1), (0, 2), (0, 3), (0, 4)]);
         let mixed = [test(&[0.1, 0.2, 0.1, 0.2]), test(&[0.1])];

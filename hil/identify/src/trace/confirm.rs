@@ -1,4 +1,4 @@
-//! Which effects are confirmed of a law that leaves more than the noise: each is held against conditions that it was not fitted to.
+//! Confirms effects of a law whose error is above the noise: each is tested against conditions that it was not fitted to.
 
 use std::collections::BTreeMap;
 
@@ -29,28 +29,29 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// A law and what conditions held out in turn say of its effects.
+/// A law, and the results for its effects from conditions held out in turn.
 #[derive(Clone)]
 pub(super) struct Confirmed {
-    /// That law.
+    /// The law.
     pub law: Solution,
-    /// Of each family.
+    /// For each family.
     pub families: Vec<Confirmation>,
 }
 
 impl Confirmed {
-    /// Whether some effect is.
+    /// Whether any effect is confirmed.
     pub fn any(&self) -> bool {
         self.families.iter().any(|one| one.rejected_by.is_none())
     }
 
-    /// Whether those of a family are.
+    /// Whether the effects of a family are.
     pub fn confirms(&self, family: Family) -> bool {
         let mut families = self.families.iter();
         families.any(|one| one.family == family && one.rejected_by.is_none())
     }
 
-    /// Where none is, the laws that do as well by another effect in the place of the one that gains most of those that only have such rivals.
+    /// If none is confirmed: the effect that gains most among those rejected only because of rivals, and the laws that do equally
+    /// well with another effect in its place.
     pub fn rivals(&self) -> Option<Rivals> {
         let is_rivalled = |one: &&Confirmation| one.rejected_by == Some(Rule::Rivalled);
         let rivalled = self.families.iter().filter(is_rivalled);
@@ -65,7 +66,7 @@ impl Confirmed {
         })
     }
 
-    /// Adds to `effects` why they are not; those of `rivals` are each other's.
+    /// Adds to `effects` the reason why they are not confirmed; those of `rivals` are rivals of each other.
     pub fn say_of(&self, effects: &mut [FoundEffect], rivals: Option<&Rivals>) {
         let names = |laws: &[(Family, Solution)]| -> Vec<String> {
             let families = laws.iter().map(|(family, _)| family.name().to_owned());
@@ -86,7 +87,7 @@ impl Confirmed {
         }
     }
 
-    /// What is left of each condition, for `trace.json`.
+    /// The error of each condition, for `trace.json`.
     pub fn conditions(&self, left_out: &LeftOut) -> Vec<HeldCondition> {
         let each = left_out.conditions().iter().enumerate();
         let each = each.filter_map(|(number, condition)| {
@@ -114,28 +115,28 @@ impl Confirmed {
     }
 }
 
-/// What conditions held out in turn say of the effects of one family.
+/// The result for the effects of one family from conditions held out in turn.
 #[derive(Clone, Debug)]
 pub(super) struct Confirmation {
     /// The family.
     pub family: Family,
-    /// Why it is not confirmed; none where it is.
+    /// The reason why it is not confirmed; none if it is.
     pub rejected_by: Option<Rule>,
-    /// The families that do as well in its place, with the law that has them there.
+    /// The families that do equally well in its place, with the law that has them there.
     pub rivals: Vec<(Family, Solution)>,
-    /// What the law leaves of each condition without it, and with it, in the order of [`LeftOut::conditions`].
+    /// The error of the law on each condition without the family and with it, in the order of [`LeftOut::conditions`].
     pub left: Vec<Option<[RelativeError; 2]>>,
 }
 
 impl Confirmation {
-    /// By how much less is left with it, as the mean logarithm.
+    /// By how much the family reduces the error, as the mean logarithm.
     fn gain(&self) -> f64 {
         let left = self.left.iter().flatten();
         let logs = left.map(|[without, with]| (without.beyond_noise() / with.beyond_noise()).ln());
         logs.sum::<f64>() / self.left.len() as f64
     }
 
-    /// Whether less is left with it of all conditions together.
+    /// Whether the family reduces the total error over all conditions.
     fn gains(&self) -> bool {
         let each = self.left.iter().flatten();
         let (without, with): (Vec<_>, Vec<_>) =
@@ -144,17 +145,17 @@ impl Confirmation {
     }
 }
 
-/// What a law leaves of each condition held out, with the parameters of that fit.
+/// The error of a law on each condition held out, with the parameters of that fit.
 type Held = Vec<Option<(RelativeError, Vec<(Family, Interval)>)>>;
 
 impl Closing<'_> {
-    /// Says what is confirmed of the effects that `laws` end in, beside which more is missing, where there are such. Where that is of fewer of them,
-    /// these are the law that the trace ends in.
+    /// Decides which effects of `laws` are confirmed if the law is incomplete. If only some are confirmed, the trace ends in the
+    /// law with those.
     pub(super) fn grade(&self, left_out: &LeftOut, laws: &mut Laws) -> Result<(), ModelError> {
         if laws.graded.is_some() || laws.solution.is_alone() || !left_out.differ() {
             return Ok(());
         }
-        // A table was fitted beside all of them.
+        // A table was fitted together with all of them.
         let may_drop = laws.model.correction.is_none();
         let confirmed = self.confirmed(left_out, laws.rows, &laws.solution, may_drop)?;
         if confirmed.law.terms.len() < laws.solution.terms.len() {
@@ -165,8 +166,8 @@ impl Closing<'_> {
         Ok(())
     }
 
-    /// Says the same of effects that explain what was fitted, and less of what was held out: each recording of that is a condition too, of
-    /// their rivals as well. The law stays as it is.
+    /// The same for effects that explain the fitted samples but predict the held-out samples less well. Each held-out recording is
+    /// then a condition too, also for the rivals. The law stays as it is.
     pub(super) fn grade_elsewhere(
         &self,
         left_out: &LeftOut,
@@ -190,8 +191,9 @@ impl Closing<'_> {
         Ok(())
     }
 
-    /// What is confirmed of `law`, which has effects. Where some `may_drop`, the one that gains least is left out where it gains nothing, and where nothing is
-    /// confirmed: what stands in for another may be what hides it. So it is as long as the law is no worse for it on conditions held out in turn.
+    /// Decides which effects of `law` are confirmed. If some `may_drop`, it leaves out the effect with the smallest gain if that is
+    /// not positive, or if nothing is confirmed: an effect that covers for another may hide it. This continues as long as the law
+    /// is no worse without the effect on conditions held out in turn.
     fn confirmed(
         &self,
         left_out: &LeftOut,
@@ -204,7 +206,7 @@ impl Closing<'_> {
         let held = self.held(left_out, rows, law)?;
         let of_all = errors(&held);
         let mut now = self.confirmations(left_out, rows, law, (&held, &search))?;
-        // The law without what gains nothing.
+        // The law without effects that gain nothing.
         let mut kept = now.clone();
         while may_drop && now.families.len() > 1 {
             let by_gain = |a: &&Confirmation, b: &&Confirmation| a.gain().total_cmp(&b.gain());
@@ -264,7 +266,7 @@ impl Closing<'_> {
             } else {
                 for rival in search.rivals(law, &rest)? {
                     let of_rival = errors(&in_turn(&rival)?);
-                    // What may be the effect and more does as well by that alone.
+                    // A rival that contains the effect does equally well for that reason alone, so it has to be clearly better.
                     let does_as_well = match is_more_than(&rival, family) {
                         true => gains_clearly(&of_law, &of_rival),
                         false => !gains_clearly(&of_rival, &of_law),
@@ -290,7 +292,7 @@ impl Closing<'_> {
     }
 }
 
-/// Whether the last effect of a law may be one of `family`, and more.
+/// Whether the last effect of a law contains one of `family`.
 fn is_more_than(law: &Solution, family: Family) -> bool {
     let last = law.terms.last().map(|value| value.term.form);
     last.is_some_and(|form| form.special_cases.contains(&family.name()))
@@ -315,8 +317,8 @@ fn of_family(all: &[(Family, Interval)], family: Family) -> Vec<Interval> {
     own.map(|(_, interval)| *interval).collect()
 }
 
-/// What is said of an effect that conditions confirm, or of which they know rivals only: it and each of these has to leave less than is left
-/// `without` it elsewhere. With it that is `with`, and a rival's is beside it.
+/// The result for an effect that conditions confirm, or that fails only because of rivals. It and each rival has to reduce the
+/// error elsewhere: the error is `without` the effect, `with` it, or with the rival's value.
 fn judged_elsewhere<R>(
     without: &[RelativeError],
     with: &[RelativeError],
@@ -331,7 +333,7 @@ fn judged_elsewhere<R>(
     ((!rivals.is_empty()).then_some(Rule::Rivalled), rivals)
 }
 
-/// Whether less is left of every condition on which there is something to gain.
+/// Whether the error decreases on every condition on which there is something to gain.
 fn helps_everywhere(left: &[Option<[RelativeError; 2]>]) -> bool {
     let noise_limited = policy().verdict.noise_limited.powi(2);
     let shown: Vec<[RelativeError; 2]> = left
@@ -346,7 +348,7 @@ fn helps_everywhere(left: &[Option<[RelativeError; 2]>]) -> bool {
             .all(|[without, with]| gains(&[*without], &[*with]))
 }
 
-/// Of any parameter between any two fits, in joint deviations; infinite where one has no bound.
+/// The largest difference of any parameter between any two fits, in joint deviations; infinite if a parameter has no bound.
 fn largest_difference(fits: &[Vec<Interval>]) -> f64 {
     let deviation = |one: &Interval| (one.high - one.low) / (2.0 * NINETY_PERCENT);
     let mut largest = 0.0_f64;
@@ -357,7 +359,7 @@ fn largest_difference(fits: &[Vec<Interval>]) -> f64 {
                 return f64::INFINITY;
             }
             for (a, b) in a.iter().zip(b) {
-                // What a form holds at a value differs in none.
+                // A parameter that its form holds constant does not differ.
                 let joint = deviation(a).hypot(deviation(b)).max(f64::MIN_POSITIVE);
                 let differs = (a.value - b.value).abs() / joint;
                 largest = match joint.is_finite() && differs.is_finite() {
@@ -414,7 +416,7 @@ mod tests {
         let all = vec![as_well, worse.clone(), no_help.clone()];
         let rivalled = (Some(Rule::Rivalled), vec!["as well"]);
         assert_eq!(say(&with, all.clone()), rivalled);
-        // It is confirmed where no rival of it helps as much.
+        // It is confirmed if no rival helps as much.
         assert_eq!(say(&with, vec![worse, no_help]), (None, vec![]));
         let fails = (Some(Rule::GainsNothingElsewhere), vec![]);
         assert_eq!(say(&errors(&[0.099, 0.199]), all), fails);

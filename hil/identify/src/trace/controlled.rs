@@ -1,4 +1,4 @@
-//! Which control inputs of the recordings a trace looks at.
+//! The control inputs of the recordings that a trace uses.
 
 use std::borrow::Cow;
 
@@ -10,16 +10,16 @@ use mesh_damper_recording::extremes::least_and_largest;
 
 use super::result::{FoundEffect, TraceResult};
 
-/// The control inputs of recordings that may say something of the force: those that all of them have, and that are not the same in all
-/// that are fitted. Each has its range there.
+/// The control inputs of recordings that may influence the force: those that all recordings have and that vary among the fitted
+/// ones. Each has its range there.
 pub(super) struct Controlled {
     controls: Vec<Control>,
-    /// Why others are not looked at though they might say something, in words.
+    /// Why other inputs are not used although they may matter, as sentences.
     pub warnings: Vec<String>,
 }
 
 impl Controlled {
-    /// Of `fitted` recordings and of others that are `held` out; the `first`, which known effects see, stand at the first places.
+    /// From the `fitted` recordings and the `held`-out ones; the `first` inputs, which known effects depend on, come first.
     ///
     /// # Errors
     /// A recording lacks one of the first.
@@ -81,10 +81,10 @@ impl Controlled {
         Ok(found)
     }
 
-    /// A recording with these alone, in the order of their places.
+    /// A recording with these inputs alone, in this order.
     ///
     /// # Panics
-    /// Never for one of the recordings that it is of.
+    /// Never for one of the recordings that this was made from.
     pub fn arranged<'r>(&self, mut recording: Cow<'r, Recording>) -> Cow<'r, Recording> {
         let names = || self.controls.iter().map(|control| control.name.as_str());
         let is_arranged = recording
@@ -99,8 +99,8 @@ impl Controlled {
         recording
     }
 
-    /// Names in `model` the inputs that its effects see, and gives them the first places there and in what `result` says; says where
-    /// recordings that are `held` out go beyond what was fitted of them.
+    /// Names in `model` the inputs that its effects depend on, and moves them to the first places there and in `result`. Warns if
+    /// held-out recordings, `held`, exceed the fitted range of these inputs.
     pub fn name_in(self, model: &mut Model, result: &mut TraceResult, held: &[Cow<'_, Recording>]) {
         let seen = |place: &usize| {
             let mut effects = model.effects.iter();
@@ -144,14 +144,14 @@ impl Controlled {
     }
 }
 
-/// Least and largest value of an input; `None` where a recording lacks it.
+/// Smallest and largest value of an input; `None` if a recording lacks it.
 fn range_of(recording: &Recording, name: &str) -> Option<[f64; 2]> {
     let mut controls = recording.controls.iter();
     let (low, high) = least_and_largest(&controls.find(|each| each.name == name)?.values);
     Some([low, high])
 }
 
-/// The same of several.
+/// The range over several recordings.
 fn range_of_all(recordings: &[Cow<'_, Recording>], name: &str) -> [f64; 2] {
     let ranges = recordings
         .iter()

@@ -1,4 +1,4 @@
-//! What a law leaves of the recordings: of what was held out, and of the rest.
+//! The errors of a law on the held-out samples of the recordings, and on the rest.
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Family, Model, ModelError};
@@ -15,7 +15,7 @@ use crate::rows::Rows;
 use crate::solution::Solution;
 
 impl Closing<'_> {
-    /// What a law that gives each recording these forces, kN, leaves of what was held out and of the rest.
+    /// The errors of a law with these forces for each recording, kN, on the held-out samples and on the rest.
     pub(super) fn over_noise(&self, predicted: &[Vec<f64>]) -> OverNoise {
         let left = |held_out: bool| {
             let mut left = LeftInCycles::default();
@@ -32,7 +32,7 @@ impl Closing<'_> {
         }
     }
 
-    /// What a model leaves of what was held out, recording by recording.
+    /// The error of a model on the held-out samples, recording by recording.
     pub(super) fn left_of_held_out(&self, model: &Model) -> Result<Vec<RelativeError>, ModelError> {
         let mut errors = Vec::new();
         for (trajectory, roles) in &self.recordings {
@@ -47,8 +47,8 @@ impl Closing<'_> {
         Ok(errors)
     }
 
-    /// What a model leaves of what was `held_out`, or of the rest, and what that depends on. It leaves `nrmse`, RMS over RMS of the force, and
-    /// `times_noise`.
+    /// The remainder of a model on the samples that are `held_out`, or on the rest, and the variables that it depends on. Its size
+    /// is `nrmse`, RMS over RMS of the force, and `times_noise`.
     pub(super) fn remainder(
         &self,
         model: &Model,
@@ -87,7 +87,7 @@ impl Closing<'_> {
         Ok((predicted, errors))
     }
 
-    /// The error of `predicted`, kN for every sample of every recording, on what was held out or on the rest.
+    /// The error of `predicted`, kN for every sample of every recording, on the held-out samples or on the rest.
     fn nrmse(&self, predicted: &[Vec<f64>], held_out: bool) -> f64 {
         let each = self.recordings.iter().zip(predicted);
         let (error, force) = each.fold(
@@ -100,7 +100,7 @@ impl Closing<'_> {
         (error / force).sqrt()
     }
 
-    /// The error of `model` on what was held out.
+    /// The error of `model` on the held-out samples.
     pub(super) fn held_out(&self, model: &Model) -> Result<f64, ModelError> {
         let (mut error, mut force) = (0.0, 0.0);
         for (trajectory, roles) in &self.recordings {
@@ -126,12 +126,12 @@ impl Closing<'_> {
     }
 }
 
-/// Whether a sample is one of those `held_out`, or one of the rest.
+/// Whether a sample is `held_out`, or one of the rest.
 fn counts_as(role: Role, held_out: bool) -> bool {
     (role == Role::HeldOut) == held_out
 }
 
-/// Squares of the error of `predicted` and of the force, kN², on what was held out of a trajectory or on the rest.
+/// Squares of the error of `predicted` and of the force, kN², on the held-out samples of a trajectory or on the rest.
 fn squares(
     trajectory: &Trajectory,
     roles: &[Role],

@@ -1,4 +1,4 @@
-//! What `trace.json` says of a law: its coefficients, its effects, and all that was tried.
+//! The description of a law in `trace.json`: its coefficients, its effects, and all candidates.
 
 use mesh_damper_model::{Family, Model, ModelError, parameter_unit};
 use rayon::prelude::*;
@@ -14,8 +14,8 @@ use crate::term::effects_of;
 use crate::uncertainty::{Interval, Uncertainty};
 
 impl Closing<'_> {
-    /// The effects of `solution` with their intervals, each with the held-out error that is left without it; `with` is what
-    /// all of them leave.
+    /// The effects of `solution` with their intervals, each with the held-out error without it; `with` is the error with all of
+    /// them.
     pub(super) fn effects(
         &self,
         rows: &Rows,
@@ -58,7 +58,7 @@ impl Closing<'_> {
             .collect()
     }
 
-    /// The effects that the data cannot tell from the one preferred, each fitted in its place.
+    /// The effects that the data cannot distinguish from the preferred one, each fitted in its place.
     pub(super) fn of_rivals(
         &self,
         rows: &Rows,
@@ -79,7 +79,7 @@ impl Closing<'_> {
         Ok(effects)
     }
 
-    /// All that was tried; of what was added, `found` is left when fitted to all that may be fitted.
+    /// All candidates. Of the added ones, `found` remains after the fit to all open samples.
     pub(super) fn candidates(
         &self,
         selection: &Selection,

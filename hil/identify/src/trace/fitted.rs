@@ -1,4 +1,4 @@
-//! A law as a search has it: fitted, judged, and compared with others by what it is made of.
+//! A law during a search: fitted, judged, and compared with others by its effects.
 
 use mesh_damper_model::Family;
 
@@ -9,24 +9,24 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::TermValue;
 
-/// A fitted law and how it does on the cycles that judge.
+/// A fitted law and its errors on the judging cycles.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// What was fitted.
+    /// The fit.
     pub solution: Solution,
     /// Errors on the cycles that judge.
     pub score: Score,
 }
 
 impl Fitted {
-    /// The families of its effects in the order of their names, those of several terms once.
+    /// The families of its effects in the order of their names, each once.
     pub fn families(&self) -> Vec<Family> {
         let mut families = self.solution.families();
         families.sort_by_key(|family| family.name());
         families
     }
 
-    /// Whether `other` has the same families but for one, of which one of this law's effects is the general form.
+    /// Whether `other` has the same families except for one, whose general form is one of this law's effects.
     pub(super) fn includes(&self, other: &Self) -> bool {
         let mut forms = self.solution.found().map(|value| value.term.form);
         forms.any(|form| {
@@ -46,7 +46,7 @@ impl Fitted {
         self.solution.found().all(TermValue::is_admissible)
     }
 
-    /// Whether it has a tone of a frequency that the motion makes.
+    /// Whether it has a tone with a frequency that the motion produces.
     pub(super) fn has_tone(&self, of_motion: &OfMotion) -> bool {
         let mut terms = self.solution.found();
         terms.any(|value| value.term.form == periodic::FORMS[0] && of_motion.holds(value.shape(0)))
@@ -57,7 +57,7 @@ impl Fitted {
         terms.any(|value| value.is_degenerate(extent))
     }
 
-    /// Forms and how often, whatever their order.
+    /// Its forms with their counts, in a fixed order.
     pub(super) fn forms(&self) -> Vec<usize> {
         let terms = self.solution.terms.iter();
         let mut forms: Vec<usize> = terms.map(|value| value.term.form.place()).collect();
@@ -65,8 +65,8 @@ impl Fitted {
         forms
     }
 
-    /// Whether one of `warmed` does as well with the temperature in the place of its drift of both forces: the cycles count on
-    /// as a chamber warms, and what was measured explains it with fewer numbers.
+    /// Whether one of `warmed` does equally well with the temperature in place of its drift of both forces. The cycle count rises
+    /// while a chamber warms, and the measured temperature explains that with fewer numbers.
     pub(super) fn is_but_warmth(&self, warmed: &[(Vec<Family>, Score)]) -> bool {
         let mut terms = self.solution.terms.iter();
         if !terms.any(|value| value.term.form == drift::OF_EACH) {
@@ -82,7 +82,7 @@ impl Fitted {
         })
     }
 
-    /// Of all its forms.
+    /// Sum over all its forms.
     pub(super) fn rank(&self) -> u32 {
         let terms = self.solution.terms.iter();
         terms.map(|value| u32::from(value.term.form.rank)).sum()

@@ -1,4 +1,4 @@
-//! What a law leaves of each cycle, over the noise.
+//! The error of a law in each cycle, relative to the noise.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use crate::policy::policy;
 use crate::tolerance::held_to;
 
-/// Squared errors over the noise's variance, and of how many samples.
+/// Squared errors over the noise's variance, and the number of samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Left {
     squares: f64,
@@ -19,7 +19,7 @@ impl Left {
         self.squares / self.count
     }
 
-    /// None of nothing.
+    /// The sum; `None` without samples.
     fn sum(parts: &[Self]) -> Option<Self> {
         let sum = |of: fn(&Self) -> f64| parts.iter().map(of).sum();
         let count = sum(|left| left.count);
@@ -30,12 +30,12 @@ impl Left {
     }
 }
 
-/// What a law leaves of every block's cycles, as far as they count.
+/// The errors of a law in the cycles of every block, as far as they count.
 #[derive(Default)]
 pub(super) struct LeftInCycles(Vec<Vec<Left>>);
 
 impl LeftInCycles {
-    /// Adds what `predicted`, kN, leaves of those samples of a trajectory that count.
+    /// Adds the errors of `predicted`, kN, at those samples of a trajectory that count.
     pub fn add(
         &mut self,
         trajectory: &Trajectory,
@@ -58,8 +58,8 @@ impl LeftInCycles {
         }
     }
 
-    /// Over the noise: RMS of all but the worst cycles, which may be those of a start or of a change between blocks; none where
-    /// there is not one whole cycle.
+    /// RMS over the noise, without the worst cycles, which may belong to a start or to a change between blocks; `None` without one
+    /// whole cycle.
     pub fn in_most(&self) -> Option<f64> {
         let mut left: Vec<Left> = self.0.concat();
         left.retain(|cycle| cycle.count > 0.0);
@@ -68,8 +68,8 @@ impl LeftInCycles {
         Left::sum(&left).map(|all| all.mean().sqrt())
     }
 
-    /// The same beyond the noise, √(left² − 1), of the cycles but the first of every block that has some, each block counting
-    /// the same; none where there are not two such blocks: others are ramps, and one condition tells no effect from its like.
+    /// The RMS beyond the noise, √(rms² − 1), over the cycles of every block except its first. Each block counts equally. `None`
+    /// without two such blocks: others are ramps, and one condition cannot distinguish similar effects.
     pub fn beyond_noise(&self) -> Option<f64> {
         let blocks = self.0.iter();
         let blocks: Vec<f64> = blocks

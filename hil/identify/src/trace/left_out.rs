@@ -1,5 +1,5 @@
-//! How well a law predicts blocks that are left out of its fit, one after the other: a term may know the conditions that it
-//! was fitted to and no others.
+//! Tests how well a law predicts blocks that are left out of its fit, one after the other. A term may describe only the conditions
+//! that it was fitted to.
 
 use std::ops::Range;
 
@@ -41,14 +41,14 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The samples of a fit: whether it takes that of a trajectory.
+/// The samples of a fit: whether it uses a sample of a trajectory.
 pub(super) type Picked<'p> = &'p (dyn Fn(usize, usize) -> bool + Sync);
-/// A law fitted to the samples that are picked.
+/// A law fitted to the picked samples.
 pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Sync);
-/// The same with what else the fit gives.
+/// A law with further results of its fit.
 pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync);
 
-/// Recordings and the blocks of them that are left out.
+/// Recordings and their blocks that are left out.
 pub(super) struct LeftOut<'a> {
     trajectories: &'a [Trajectory],
     judging: &'a Roles,
@@ -58,8 +58,8 @@ pub(super) struct LeftOut<'a> {
 }
 
 impl<'a> LeftOut<'a> {
-    /// What `roles` hold out is never fitted. Where there are too few blocks, the cycles that `judging` keeps apart take
-    /// their place.
+    /// No fit uses the samples that `roles` hold out. If there are too few blocks, the cycles kept apart by `judging` take their
+    /// place.
     pub fn of(trajectories: &'a [Trajectory], [judging, roles]: [&'a Roles; 2]) -> Self {
         Self {
             trajectories,
@@ -70,17 +70,17 @@ impl<'a> LeftOut<'a> {
         }
     }
 
-    /// What is held out in turn.
+    /// The conditions that are held out in turn.
     pub fn conditions(&self) -> &[Condition] {
         &self.conditions
     }
 
-    /// The trajectory that a condition is of.
+    /// The trajectory of a condition.
     pub fn trajectory(&self, condition: &Condition) -> &Trajectory {
         &self.trajectories[condition.which]
     }
 
-    /// Whether what is held out in turn differs: parts of one steady motion say nothing of another.
+    /// Whether the conditions held out in turn differ: parts of one steady motion say nothing about another motion.
     pub fn differ(&self) -> bool {
         let blocks = self.trajectories.iter().flat_map(|one| &one.blocks);
         let mut cycles = blocks.filter(|block| !block.cycles.is_empty());
@@ -98,7 +98,7 @@ impl<'a> LeftOut<'a> {
         self.roles.is_open(which, sample)
     }
 
-    /// What `model` leaves of the cycles that may be fitted.
+    /// The error of `model` in the open cycles.
     pub fn left_by(&self, model: &Model) -> Result<LeftInCycles, ModelError> {
         let mut left = LeftInCycles::default();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
@@ -108,7 +108,7 @@ impl<'a> LeftOut<'a> {
         Ok(left)
     }
 
-    /// Whether `changing` knows what changes from cycle to cycle within blocks better than `still`.
+    /// Whether `changing` predicts the changes from cycle to cycle within blocks better than `still`.
     pub fn is_seen_within_blocks(
         &self,
         changing: &Model,
@@ -126,7 +126,7 @@ impl<'a> LeftOut<'a> {
         Ok(is_seen_within_blocks(all, counts, &changing, &still))
     }
 
-    /// What is left there, and what `model` leaves, the law as fitted to all that may be.
+    /// The error there, and the error of `model`, the law as fitted to all open samples.
     pub fn judged(&self, fit: Fit, model: &Model) -> Result<Judged, ModelError> {
         Ok(Judged {
             outside: self.error(fit)?.beyond_noise(),
@@ -134,7 +134,7 @@ impl<'a> LeftOut<'a> {
         })
     }
 
-    /// What `model` leaves beyond the noise of all blocks as far as they may be fitted, each counting the same.
+    /// The error of `model` beyond the noise over the open samples of all blocks, each with equal weight.
     pub fn inside(&self, model: &Model) -> Result<f64, ModelError> {
         let mut errors = Vec::new();
         for (which, trajectory) in self.trajectories.iter().enumerate() {
@@ -148,7 +148,8 @@ impl<'a> LeftOut<'a> {
         Ok(RelativeError::mean(&errors).beyond_noise())
     }
 
-    /// What a law leaves of samples of one trajectory when it is fitted to all others that may be; with it what else the fit gives.
+    /// The error of a law at samples of one trajectory when it is fitted to all other open samples, with the further results of the
+    /// fit.
     fn held_out<T>(
         &self,
         fit: FitWith<T>,
@@ -165,8 +166,8 @@ impl<'a> LeftOut<'a> {
         Ok(error.map(|error| (error, more)))
     }
 
-    /// What a law leaves of each condition that may be fitted when that is held out, and what else its fit gives, in the order of
-    /// [`conditions`](Self::conditions).
+    /// The error of a law on each open condition when that condition is held out, with the further results of its fit, in the order
+    /// of [`conditions`](Self::conditions).
     pub fn each_in_turn<T: Send>(
         &self,
         fit: FitWith<T>,
@@ -175,8 +176,9 @@ impl<'a> LeftOut<'a> {
         self.held_out_each(&all, fit)
     }
 
-    /// What the law leaves of each condition that may be fitted when that is held out. Where enough others are left, the ends do not count: coefficients
-    /// over the amplitude err without bound beyond the amplitudes that they were fitted to, and that would outweigh all that is known.
+    /// The error of the law on each open condition when that condition is held out. If enough others remain, the ends do not count:
+    /// coefficients over the amplitude have unlimited errors beyond the fitted amplitudes, and these would outweigh everything
+    /// else.
     pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
         let inner: Vec<&Condition> = self.conditions.iter().filter(|one| !one.is_end).collect();
         let counted = match inner.len() < policy().left_out.fewest_conditions {
@@ -203,7 +205,7 @@ impl<'a> LeftOut<'a> {
         errors.collect()
     }
 
-    /// What is left there of the force, each block counting the same.
+    /// The error relative to the force, each block with equal weight.
     pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
         if self.blocks.is_empty() {
             let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;

@@ -1,4 +1,4 @@
-//! What is done when no listed effect explains a recording: a correction that needs no name.
+//! The law for recordings that no listed effect explains: possibly with a correction without a name.
 
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
@@ -24,18 +24,18 @@ mesh_damper_recording::numbers! {
 
 /// The law for recordings that no listed effect explains.
 pub(super) struct Mended {
-    /// Which of the laws it is made of.
+    /// Index of the law on which it is based.
     pub law: usize,
-    /// How the correction was made, where there is one.
+    /// How the correction was made, if there is one.
     pub choice: Option<correction::Choice>,
-    /// What the correction depends on, by the names of `trace.json`.
+    /// The variables that the correction depends on, by their names in `trace.json`.
     pub depends_on: Vec<&'static str>,
-    /// Why it has no correction.
+    /// The reason for having no correction.
     pub table_rejected_by: Option<Rule>,
 }
 
-/// One of `laws`, the simplest first, alone or with a correction. Taken is what predicts best the blocks that are left out of its
-/// fit, and what also fits well; it is fitted to all that may be.
+/// One of `laws`, the simplest first, alone or with a correction. The choice is the law that best predicts blocks left out of its
+/// fit and also fits well. It is then fitted to all open samples.
 pub(super) fn mended(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
@@ -92,15 +92,15 @@ pub(super) fn mended(
     })
 }
 
-/// Whether a law with a correction takes the place of the `best` so far, where either has effects that are `named`. What clearly
-/// says more of the blocks left out may then also win by what it says of all.
+/// Whether a law with a correction replaces the `best` so far, if either has effects that are `named`. A law that predicts the
+/// left-out blocks clearly better may then also win by its error over all blocks.
 fn replaces(corrected: &Judged, best: &Judged, named: bool) -> bool {
     let outside = corrected.outside / best.outside;
     let all = corrected.both() / best.both();
     outside < policy().mend.better && (!named || outside.min(all) < policy().mend.needed)
 }
 
-/// Which of some laws, the one that is preferred first, has the least of these errors: a later one where it is clearly less.
+/// Index of the law with the smallest of these errors, starting with the preferred one: a later one has to be clearly smaller.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
     for (number, error) in errors.enumerate() {

@@ -1,8 +1,8 @@
-//! From recordings to the effect that the law lacks, and to the law with it.
+//! From recordings to the effect that the law lacks, and to the law with that effect.
 //!
-//! Eq 13 is fitted, effects are added one at a time while the cycles kept apart for judging are predicted clearly better,
-//! needless ones are dropped, and the result is fitted once more to all but the samples held out, on which alone the
-//! error is reported.
+//! The trace fits eq 13. It adds effects one at a time as long as they clearly improve the prediction of the cycles kept apart for
+//! judging, and drops effects that became unnecessary. Finally it fits the result again to everything except the held-out samples.
+//! It reports the error on those only.
 
 pub(crate) mod adopt;
 pub(crate) mod aligned;
@@ -61,7 +61,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Why a trace could not be made.
+/// The reason why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TraceError {
     /// A recording was refused.
@@ -72,29 +72,29 @@ pub enum TraceError {
     Model(#[from] ModelError),
 }
 
-/// A recording with what the laws make of it.
+/// A recording with the forces of the laws.
 #[derive(Clone, Debug)]
 pub struct Traced {
     /// The recording's motion and force.
     pub trajectory: Trajectory,
-    /// What each sample was for.
+    /// The role of each sample.
     pub roles: Vec<Role>,
     /// Force of eq 13 alone, kN.
     pub before: Vec<f64>,
-    /// Force with the effects found, kN.
+    /// Force with the effects that were found, kN.
     pub after: Vec<f64>,
 }
 
-/// What a trace found.
+/// The result of a trace.
 #[derive(Clone, Debug)]
 pub struct Trace {
     /// The contents of `trace.json`.
     pub result: TraceResult,
     /// Eq 13 alone.
     pub baseline: Model,
-    /// Eq 13 with the effects found.
+    /// Eq 13 with the effects that were found.
     pub model: Model,
-    /// The recordings fitted, then those held out.
+    /// The fitted recordings, then the held-out ones.
     pub recordings: Vec<Traced>,
 }
 
@@ -125,11 +125,11 @@ impl Trace {
     }
 }
 
-/// Closes the loop on `recordings`; the error is reported on `held_out`, or, where there is none, on the last cycles of
-/// each block and one whole block of `recordings`. `progress` is told what is being done.
+/// Traces `recordings`. The error is reported on `held_out` or, if there is none, on the last cycles of each block and one whole
+/// block of `recordings`. `progress` receives a description of each step.
 ///
 /// # Errors
-/// Recordings that contradict each other or cannot be used; a law that the crate refuses.
+/// The recordings contradict each other or cannot be used, or the crate refuses a law.
 pub fn trace(
     recordings: &[Recording],
     held_out: &[Recording],
@@ -138,7 +138,7 @@ pub fn trace(
     trace_for(&Sought::default(), recordings, held_out, progress)
 }
 
-/// The same for the effects `sought` alone.
+/// As [`trace`], with the restrictions in `sought`.
 ///
 /// # Errors
 /// As [`trace`].
@@ -151,7 +151,7 @@ pub fn trace_for(
     let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (mended(recordings).collect(), mended(held_out).collect());
-    // With all that they were controlled by: one motion under two currents has two forces.
+    // Including all control inputs: one motion under two currents has two forces.
     let all: Vec<&Recording> = recordings
         .iter()
         .chain(&held_out)
@@ -234,7 +234,7 @@ pub fn trace_for(
     })
 }
 
-/// Whether the law with its effects leaves more than the noise.
+/// Whether the error of the law with its effects is above the noise.
 fn is_more_missing(result: &TraceResult) -> bool {
     result.verdict == Verdict::Unlisted || result.remainder.is_some()
 }
@@ -246,7 +246,7 @@ fn most_amplitudes() -> usize {
         .most_amplitudes
 }
 
-/// Searches for what the law lacks, and closes the loop.
+/// Searches for missing effects and completes the trace.
 fn conclude(
     aligned: &mut Aligned,
     sought: &Sought,
@@ -270,7 +270,7 @@ fn conclude(
     }
     let mut judging = roles.clone();
     judging.keep_apart(fitted, Role::Judge);
-    // However the force is made up, eq 13 says about what it does with the motion.
+    // Whatever the force consists of, eq 13 gives its approximate response to the motion.
     let rough = Search::new(fitted, &judging, vec![0.0], &Sought::default()).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
@@ -287,11 +287,11 @@ fn conclude(
     Ok(closing.close(&selection, progress)?)
 }
 
-/// Searches with one set of coefficients for all amplitudes, and with one for each; returns whether the latter is to be
-/// preferred, and the search with the form preferred.
+/// Searches with one set of coefficients for all amplitudes, and with one for each. Returns whether the latter is preferred, and
+/// the search with the preferred form.
 ///
-/// It is preferred when the judging cycles are predicted clearly better, by a larger factor than that by which amplitudes
-/// between the nodes, which neither form was fitted to, are predicted worse.
+/// The latter is preferred if it predicts the judging cycles clearly better, and by a larger factor than it predicts amplitudes
+/// between the nodes worse. Neither form was fitted to those.
 fn search(
     fitted: &[Trajectory],
     judging: &Roles,

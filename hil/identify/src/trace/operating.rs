@@ -1,11 +1,11 @@
-//! What the fitted samples were recorded under: where the zero of the displacement was taken to be, the temperature, the cycles.
+//! The conditions of the fitted samples: the zero of the displacement, the temperature, the cycles.
 
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::Role;
 use super::result::OperatingConditions;
 
-/// Of all samples that are not held out; `None` where there are none.
+/// Conditions of all samples that are not held out; `None` if there are none.
 pub(super) fn conditions(recordings: &[(&Trajectory, Vec<Role>)]) -> Option<OperatingConditions> {
     let is_fitted = |role: &Role| *role != Role::HeldOut;
     let fitted = || {
@@ -29,7 +29,7 @@ pub(super) fn conditions(recordings: &[(&Trajectory, Vec<Role>)]) -> Option<Oper
     })
 }
 
-/// Least and largest of the values that are finite.
+/// Smallest and largest of the finite values.
 fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let finite = values.filter(|value| value.is_finite());
     finite.fold(None, |range, value| {

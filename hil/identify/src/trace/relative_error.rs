@@ -1,4 +1,4 @@
-//! Errors over the force, with what noise makes of them.
+//! Errors relative to the force, with the share of the noise.
 
 use std::ops::Range;
 
@@ -17,23 +17,23 @@ pub(super) struct Judged {
 }
 
 impl Judged {
-    /// The geometric mean of both: few blocks are left out, and what they know nothing of shows in the fit.
+    /// The geometric mean of both: only a few blocks are left out, and the error in the fit covers the rest.
     pub fn both(&self) -> f64 {
         (self.outside * self.inside).sqrt()
     }
 }
 
-/// Squares over that of the force.
+/// Squared errors over the squared force.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RelativeError {
-    /// Of what a law leaves,
+    /// The error of a law,
     pub error: f64,
-    /// and of what a perfect one would.
+    /// and that of a perfect law.
     pub noise: f64,
 }
 
 impl RelativeError {
-    /// In the samples that are `is_fair`; `None` where there is none.
+    /// Over the samples that are `is_fair`; `None` if there are none.
     pub fn of(
         trajectory: &Trajectory,
         predicted: &[f64],
@@ -69,7 +69,7 @@ impl RelativeError {
         }
     }
 
-    /// RMS of what is left [beyond the noise](beyond_noise()).
+    /// RMS error [beyond the noise](beyond_noise()).
     pub fn beyond_noise(&self) -> f64 {
         beyond_noise(self.error, self.noise)
     }

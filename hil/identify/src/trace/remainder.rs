@@ -1,4 +1,4 @@
-//! What a law leaves, and what that depends on.
+//! The remainder of a law, and the variables that it depends on.
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
@@ -19,7 +19,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// A sample of what is left.
+/// A sample of the remainder.
 struct Sample {
     left: f64,
     displacement: usize,
@@ -29,9 +29,10 @@ struct Sample {
     frequency: usize,
 }
 
-/// The variables that what `model` leaves of samples that `counts` has depends on, by the names of `trace.json`: those by which means of it, zone by zone, explain a part of it. Of
-/// displacement and velocity each alone; of amplitude and frequency what they explain beyond both; what the two do not explain within a block is
-/// the history's, or where it changes from one cycle to the next, the time's.
+/// The variables that the remainder of `model` depends on, at samples that `counts` picks, by their names in `trace.json`. A
+/// variable is included if means over its zones explain enough of the remainder. Displacement and velocity are tested alone;
+/// amplitude and frequency are tested for the part beyond both. The part within a block that displacement and velocity do not
+/// explain belongs to the history, or to the time if it changes from cycle to cycle.
 pub(super) fn depends_on(
     trajectories: &[&Trajectory],
     counts: impl Fn(usize, usize) -> bool,
@@ -63,7 +64,7 @@ pub(super) fn depends_on(
     Ok(some.map(|(name, _)| name).collect())
 }
 
-/// Those that count and are telling, and the energy of their noise.
+/// The samples that count and are telling, and the energy of their noise.
 fn samples(
     trajectories: &[&Trajectory],
     counts: &impl Fn(usize, usize) -> bool,

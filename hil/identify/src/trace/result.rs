@@ -1,6 +1,6 @@
-//! What a trace found: the contents of `trace.json`.
+//! The result of a trace: the contents of `trace.json`.
 //!
-//! Every error is an NRMSE: the RMS of the force's error over the RMS of the measured force. Held out means never fitted.
+//! Every error is an NRMSE: the RMS of the force's error over the RMS of the measured force. "Held out" means never fitted.
 
 use std::collections::BTreeMap;
 
@@ -15,87 +15,87 @@ use super::rule::Rule;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TraceResult {
-    /// The recordings that were fitted.
+    /// The fitted recordings.
     pub recordings: Vec<String>,
-    /// The recordings that were held out as a whole.
+    /// The recordings that were held out completely.
     pub held_out: Vec<String>,
     /// NRMSE of the noise of the measured force, estimated from the recordings.
     pub noise_floor_nrmse: f64,
     /// The law alone.
     pub baseline: Baseline,
-    /// Coefficients of the law with what was found beside it, amplitude by amplitude; one entry where they hold for all.
+    /// Coefficients of the law together with the effects found, amplitude by amplitude; one entry if they hold for all.
     pub law: Vec<LawEstimate>,
-    /// What was concluded.
+    /// The conclusion.
     pub verdict: Verdict,
-    /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot tell apart.
+    /// The effects found; for [`Verdict::Ambiguous`], the effects that the data cannot distinguish.
     pub effects: Vec<FoundEffect>,
-    /// Effects that the law has beside those that are confirmed, where some are and something is left.
+    /// Effects in the law that are not confirmed, if others are and the law is incomplete.
     #[serde(default)]
     pub unconfirmed: Vec<FoundEffect>,
-    /// What conditions that were held out in turn say of each effect, where the effects leave more than the noise.
+    /// Results for each effect from conditions held out in turn, if the error with the effects is above the noise.
     #[serde(default)]
     pub conditions: Vec<HeldCondition>,
-    /// What the law with all effects leaves beyond the noise; null where it leaves nothing.
+    /// The remainder of the law with all effects beyond the noise; null if there is none.
     #[serde(default)]
     pub remainder: Option<Remainder>,
     /// All families tried, the best first.
     pub candidates: Vec<Candidate>,
-    /// The rule by which what the search found is not all that the law lacks; null where it is, or where nothing was found.
+    /// The rule by which the search's result is not everything that the law lacks; null if it is, or if nothing was found.
     #[serde(default)]
     pub effects_rejected_by: Option<Rule>,
-    /// The rule by which there is no residual table though something is missing; null where there is one, or nothing is missing.
+    /// The rule by which there is no residual table although something is missing; null if there is a table, or nothing is missing.
     #[serde(default)]
     pub table_rejected_by: Option<Rule>,
-    /// The test that would tell the candidates apart, where one is needed.
+    /// The test that would distinguish the candidates, if one is needed.
     pub separating_test: Option<String>,
-    /// The blocks of that test, amplitude in mm and frequency in Hz; none where none is needed, or none would do.
+    /// The blocks of that test, amplitude in mm and frequency in Hz; empty if none is needed, or if no test would help.
     #[serde(default)]
     pub separating_blocks: Vec<TestBlock>,
-    /// What the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
+    /// The variables that the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,
-    /// The correction without a name, where there is one.
+    /// The correction without a name, if there is one.
     pub correction: Option<CorrectionSummary>,
-    /// What is wrong with the data, in words.
+    /// Problems of the data, as sentences.
     pub warnings: Vec<String>,
-    /// What was taken for what in the recordings' files without being sure, in words.
+    /// Guesses made in reading the recordings' files, as sentences.
     #[serde(default)]
     pub guesses: Vec<String>,
-    /// The law of `model.json`, in f64: with what was found, where that was adopted.
+    /// The law of `model.json` in f64: with the effects found, if they were adopted.
     pub augmented: Errors,
-    /// The same on the embedded law in f32.
+    /// The same for the embedded law in f32.
     pub on_target: OnTarget,
-    /// Whether the law of `model.json` holds what was found; it is the law alone where nothing was, or where that is no better on
-    /// conditions that are held out in turn.
+    /// Whether the law of `model.json` contains the effects found. It is the law alone if nothing was found, or if the effects do
+    /// not improve it on conditions that are held out in turn.
     #[serde(default = "is_adopted")]
     pub adopted: bool,
-    /// The errors of what was found and not adopted; null where it was, or where nothing was found.
+    /// The errors of the effects found but not adopted; null if they were adopted, or if nothing was found.
     #[serde(default)]
     pub rejected: Option<Rejected>,
-    /// What the samples that were fitted were recorded under; null in results of before there was the field.
+    /// The conditions of the fitted samples; null in older results without this field.
     #[serde(default)]
     pub operating_conditions: Option<OperatingConditions>,
 }
 
-/// What fitted samples were recorded under, beside the motion and the control inputs whose ranges `model.json` has. Each is the least
-/// and the largest value.
+/// The conditions of the fitted samples, in addition to the motion and the control inputs, whose ranges are in `model.json`. Each
+/// entry is the smallest and the largest value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OperatingConditions {
-    /// What was taken off the recorded displacement, mm: the law was given the displacement from there.
+    /// Offset subtracted from the recorded displacement, mm: the law's displacement is counted from there.
     pub displacement_zero: [f64; 2],
-    /// Temperature, °C; null where a recording has none.
+    /// Temperature, °C; null if a recording has none.
     pub temperature: Option<[f64; 2]>,
     /// Cycles since the first sample of the recording.
     pub cycles: [f64; 2],
 }
 
 impl TraceResult {
-    /// What `trace.json` says of itself.
+    /// The label of `trace.json`.
     pub const LABEL: Label = Label::new("trace", LabelField::Format);
 }
 
-/// Results of before there was the field had adopted what they had.
+/// Older results without this field had adopted their effects.
 fn is_adopted() -> bool {
     true
 }
@@ -110,14 +110,14 @@ pub struct Rejected {
     pub on_target: OnTarget,
 }
 
-/// What a trace concludes.
+/// The conclusion of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The law explains the recordings down to their noise.
     None,
-    /// Named effects explain what the law does not.
+    /// Named effects explain the part that the law lacks.
     Found,
     /// Several effects explain it equally well.
     Ambiguous,
@@ -131,15 +131,15 @@ pub enum Verdict {
 pub struct Baseline {
     /// The law's name: `mixed_damping`, `linear` or `none`.
     pub law: String,
-    /// The families of effects that were known: they are in the law, whatever was found.
+    /// The families of known effects: they are in the law, whatever was found.
     #[serde(default)]
     pub known: Vec<String>,
-    /// On the samples that were fitted.
+    /// On the fitted samples.
     pub nrmse_fitted: f64,
-    /// On the samples that were held out.
+    /// On the held-out samples.
     pub nrmse_held_out: f64,
-    /// The same law with its coefficients identified in two stages as the paper does (eqs 14, 15) and not jointly; null
-    /// where that fails.
+    /// The error of the same law with its coefficients identified in two stages as in the paper (eqs 14, 15) and not jointly; null
+    /// if that fails.
     pub staged: Option<Errors>,
 }
 
@@ -147,7 +147,7 @@ pub struct Baseline {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawEstimate {
-    /// mm; 0 where the coefficients hold for all amplitudes.
+    /// mm; 0 if the coefficients hold for all amplitudes.
     pub amplitude: f64,
     /// Linear stiffness, kN/mm.
     pub k1: Estimate,
@@ -155,11 +155,11 @@ pub struct LawEstimate {
     pub k3: Estimate,
     /// Damping, kN·(s/mm)^α.
     pub c: Estimate,
-    /// Damping exponent α, without a unit.
+    /// Damping exponent α, dimensionless.
     pub alpha: Estimate,
 }
 
-/// One effect beside the law.
+/// One effect in addition to the law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FoundEffect {
@@ -167,15 +167,15 @@ pub struct FoundEffect {
     pub family: String,
     /// Its parameters by name.
     pub parameters: BTreeMap<String, Estimate>,
-    /// Held-out error of everything but this effect.
+    /// Held-out error without this effect.
     pub nrmse_without: f64,
     /// Held-out error with it.
     pub nrmse_with: f64,
-    /// Why it is not confirmed, of an effect that was held against conditions held out in turn; null where it is, or where the law leaves
-    /// nothing but noise.
+    /// The reason why it is not confirmed, for an effect that was tested against conditions held out in turn; null if it is
+    /// confirmed, or if the error of the law is only noise.
     #[serde(default)]
     pub unconfirmed_by: Option<Rule>,
-    /// Families that do as well in its place, where it is not confirmed because of these.
+    /// Families that do equally well in its place, if it is not confirmed because of them.
     #[serde(default)]
     pub rivals: Vec<String>,
 }
@@ -184,32 +184,32 @@ pub struct FoundEffect {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldCondition {
-    /// The recording that it is of.
+    /// Its recording.
     pub recording: String,
-    /// Its first sample and the one behind its last, s.
+    /// Its first sample and the one after its last, s.
     pub span: [f64; 2],
-    /// Its amplitude, mm; of a motion without blocks null.
+    /// Its amplitude, mm; null for a motion without blocks.
     pub amplitude: Option<f64>,
-    /// Its frequency, Hz; of a motion without blocks null.
+    /// Its frequency, Hz; null for a motion without blocks.
     pub frequency: Option<f64>,
-    /// NRMSE of it by the law with all effects.
+    /// NRMSE of the law with all effects.
     pub nrmse_with: f64,
-    /// NRMSE of it without the effects of each family.
+    /// NRMSE without the effects of each family.
     pub nrmse_without: BTreeMap<String, f64>,
 }
 
-/// What a law leaves.
+/// The error that a law leaves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remainder {
     /// Over the RMS of the force.
     pub nrmse: f64,
-    /// Over the noise, a ratio.
+    /// As a multiple of the noise.
     pub times_noise: f64,
-    /// Whether that is of what was held out; else it is of what was fitted.
+    /// Whether this is the error on held-out samples; otherwise it is on fitted ones.
     #[serde(default)]
     pub held_out: bool,
-    /// What it depends on, by the names of [`TraceResult::depends_on`].
+    /// The variables that it depends on, by the names of [`TraceResult::depends_on`].
     pub depends_on: Vec<String>,
 }
 
@@ -219,11 +219,11 @@ pub struct Remainder {
 pub struct Estimate {
     /// Best value, in the unit.
     pub value: f64,
-    /// Lower end, in the unit; where the data set no bound it is null in the file, and −∞.
+    /// Lower end, in the unit; if the data set no bound, null in the file, and −∞.
     #[serde(deserialize_with = "low")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub low: f64,
-    /// Upper end, in the unit; null and ∞ where there is no bound.
+    /// Upper end, in the unit; null and ∞ without a bound.
     #[serde(deserialize_with = "high")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub high: f64,
@@ -245,19 +245,19 @@ fn high<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
 pub struct Candidate {
     /// The family's name.
     pub family: String,
-    /// Held-out error of the law with it: fitted where it promised most, else as a fit would begin, as is every family beside a law
-    /// that is near the noise.
+    /// Held-out error of the law with it. The most promising candidates were fitted; the others, and all candidates for a law near
+    /// the noise, have the parameters of the start of a fit.
     pub nrmse_held_out: f64,
-    /// Whether the data tell it from the best of its step.
+    /// Whether the data distinguish it from the best of its step.
     pub distinguishable: bool,
-    /// At which step it was tried, from 1: beside the law and the effects that the steps before had found.
+    /// The step at which it was tried, from 1: in addition to the law and the effects from earlier steps.
     pub step: usize,
     /// Whether it was added to the law at that step.
     pub added: bool,
-    /// Whether this is an effect that can be: one that would be a source of energy is never added, nor a drift that stands
+    /// Whether the effect is admissible. An effect that would be a source of energy is never added, nor is a drift that stands
     /// still within blocks or that the measured temperature explains.
     pub admissible: bool,
-    /// The rule by which it is not in the law; null where it is, or where the data do not tell it from what is.
+    /// The rule by which it is not in the law; null if it is, or if the data do not distinguish it from an effect in the law.
     #[serde(default)]
     pub rejected_by: Option<Rule>,
     /// Error on the cycles that chose among the candidates.
@@ -268,17 +268,17 @@ pub struct Candidate {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
-    /// On the samples that were fitted.
+    /// On the fitted samples.
     pub nrmse_fitted: f64,
-    /// On the samples that were held out.
+    /// On the held-out samples.
     pub nrmse_held_out: f64,
 }
 
-/// The error of the law that ships.
+/// The error of the law as shipped to the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnTarget {
-    /// On the samples that were held out.
+    /// On the held-out samples.
     pub nrmse_held_out: f64,
 }
 
@@ -286,14 +286,14 @@ pub struct OnTarget {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CorrectionSummary {
-    /// What it remembers of the motion or is over beside it, where there is such.
+    /// The memory, or other variable, of its table, if there is one.
     pub remembers: Option<Remembered>,
-    /// Largest force of its table, kN; it is never exceeded, wherever the motion goes.
+    /// Largest force of its table, kN; the force never exceeds it, wherever the motion goes.
     pub largest: f64,
 }
 
 impl CorrectionSummary {
-    /// Of a model's table.
+    /// From a model's table.
     pub fn of(table: &CorrectionTable) -> Self {
         let counts = table.cells.iter().map(|cell| cell.unsigned_abs());
         Self {

@@ -1,62 +1,64 @@
-//! The rules by which a trace rejects what it tried, by name.
+//! The rules by which a trace rejects candidates, by name.
 
 use serde::{Deserialize, Serialize};
 
-/// Why something that was tried is not in the law.
+/// The reason why a candidate is not in the law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// Of a candidate: nothing is added to a law that is noise-limited.
+    /// Of a candidate: no effects are added to a law that is noise-limited.
     NoiseLimited,
-    /// Of a candidate: a term of it gives energy, or is a mass or a spring that pushes.
+    /// Of a candidate: one of its terms is a source of energy, or a mass or a spring that pushes.
     NotPassive,
-    /// Of a drift: the cycles within blocks know nothing of it.
+    /// Of a drift: the cycles within blocks do not show it.
     StandsStill,
-    /// Of a tone: its frequency is a sum of the motion's, which a specimen makes of them.
+    /// Of a tone: its frequency is a sum of frequencies of the motion, which a specimen produces from them.
     InStepWithMotion,
-    /// Of a drift: the measured temperature does as well in its place.
+    /// Of a drift: the measured temperature does equally well in its place.
     Warmth,
-    /// Of a candidate: too little was promised for a fit, and less was left as a fit would begin by the best of the step.
+    /// Of a candidate: it promised too little for a fit, and with the parameters of the start of a fit its error was larger than
+    /// that of the best of the step.
     LittlePromise,
     /// Of a candidate: the best of the step predicts the judging cycles clearly better.
     Worse,
     /// Of a candidate: it does as well as the best of the step, which has the same families in another form.
     SameFamilies,
-    /// Of a candidate: it does as well as the best of the step, but a shape of it stands where the effect is a simpler one.
+    /// Of a candidate: it does as well as the best of the step, but one of its shapes has a value at which the effect is a simpler
+    /// one.
     AtLimit,
-    /// Of a candidate: two simpler effects that it may stand for do as well in its place.
+    /// Of a candidate: two simpler effects that it may stand for do equally well in its place.
     SimplerOnes,
-    /// Of a candidate: it predicts the judging cycles not clearly better than the law before the step.
+    /// Of a candidate: it does not predict the judging cycles clearly better than the law before the step.
     LittleGain,
-    /// Of a candidate that was added: the judging cycles are predicted as well without it.
+    /// Of a candidate that was added: the judging cycles are predicted equally well without it.
     Needless,
-    /// Of a candidate that was added: fitted to all that may be fitted it is nothing.
+    /// Of a candidate that was added: it vanishes in the fit to all open samples.
     Vanishes,
-    /// Of the effects found: they leave more than noise-limited laws do.
+    /// Of the effects found: their error is larger than that of noise-limited laws.
     LeavesTooMuch,
-    /// Of the effects found: they leave too large a part of what the law alone leaves beyond the noise.
+    /// Of the effects found: the remaining error is too large a part of the error of the law alone beyond the noise.
     AccountsForTooLittle,
-    /// Of the effects found: blocks that are left out of the fit are hardly better predicted than by the law alone.
+    /// Of the effects found: they hardly improve the prediction of blocks left out of the fit.
     UnknownElsewhere,
-    /// Of the effects found: what was held out is predicted less well than what was fitted, by more than noise makes.
+    /// Of the effects found: they predict the held-out samples less well than the fitted ones, by more than the noise explains.
     SaysLess,
-    /// Of an effect beside which something is missing: held out, some condition is not left with less by it, or too few show it.
+    /// Of an effect of an incomplete law: it does not reduce the error on some held-out condition, or too few conditions show it.
     HelpsNotEverywhere,
-    /// Of an effect that conditions confirm: what was held out is not left with less by it.
+    /// Of an effect that conditions confirm: it does not reduce the error on the held-out samples.
     GainsNothingElsewhere,
-    /// Of such an effect: fits without one condition or the other differ in its parameters by more than these are uncertain.
+    /// Of such an effect: its parameters differ between fits without one or another condition by more than their uncertainty.
     Unsteady,
-    /// Of such an effect: another in its place predicts the conditions held out as well.
+    /// Of such an effect: another one in its place predicts the held-out conditions equally well.
     Rivalled,
     /// Of a residual table: no table fits clearly better than the law does.
     TableWorthLittle,
-    /// Of a residual table: blocks that are left out of the fit are not clearly better predicted than without it.
+    /// Of a residual table: it does not clearly improve the prediction of blocks left out of the fit.
     TableUnknownElsewhere,
 }
 
 impl Rule {
-    /// What the rule says of what it rejects, to follow a name.
+    /// The reason in words, to follow the name of the rejected candidate.
     pub fn says(self) -> &'static str {
         match self {
             Self::NoiseLimited => "nothing is added to a noise-limited law",

@@ -1,10 +1,11 @@
-//! Which rule a candidate of the search falls to.
+//! Assigns the rejecting rule to each candidate of a search.
 
 use super::fitted::Fitted;
 use super::rule::Rule;
 use super::select::Candidate;
 
-/// Of the candidates of one step, the best first, those that the judging cycles tell from it or that it stands for.
+/// For the candidates of one step, the best first: those that the judging cycles distinguish from the best, or that the best
+/// contains.
 pub(super) fn by_the_best(tried: &mut [Candidate]) {
     let Some((best, rest)) = tried.split_first_mut() else {
         return;
@@ -21,7 +22,7 @@ pub(super) fn by_the_best(tried: &mut [Candidate]) {
     }
 }
 
-/// Of a step that added nothing, the best and those that do as well; where nothing `may_add` to a law, all.
+/// For a step that added nothing: the best and its equals, or all if nothing `may_add` to a law.
 pub(super) fn by_the_law_before(tried: &mut [Candidate], may_add: bool) {
     for candidate in tried.iter_mut().filter(|candidate| candidate.admissible) {
         if !may_add {
@@ -32,7 +33,7 @@ pub(super) fn by_the_law_before(tried: &mut [Candidate], may_add: bool) {
     }
 }
 
-/// Those that were added and are not in the law `found` in the end.
+/// For those that were added and are not in the final law `found`.
 pub(super) fn in_the_end(candidates: &mut [Candidate], found: &Fitted) {
     let kept = found.families();
     for candidate in candidates {

@@ -1,4 +1,4 @@
-//! Whether one law predicts better than another, beyond what noise would give.
+//! Whether one law predicts better than another, beyond the influence of noise.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The samples of one role that a law is judged by, in short pieces of time.
+/// The samples of one role by which a law is judged, in short pieces of time.
 #[derive(Clone)]
 pub struct Jury<'a> {
     trajectories: &'a [Trajectory],
@@ -37,7 +37,7 @@ pub struct Jury<'a> {
 }
 
 impl<'a> Jury<'a> {
-    /// Of the samples of `role` that are [telling](Trajectory::is_telling).
+    /// The samples of `role` that are [telling](Trajectory::is_telling).
     pub fn of(trajectories: &'a [Trajectory], roles: &Roles, role: Role) -> Self {
         let mut jury = Self {
             trajectories,
@@ -65,7 +65,7 @@ impl<'a> Jury<'a> {
         jury
     }
 
-    /// The error that a perfect law leaves there, each sample counting by its [`certainty`]; of several recordings the root of the
+    /// The error of a perfect law there, with each sample weighted by its [`certainty`]; for several recordings, the root of the
     /// mean square.
     pub fn noise(&self) -> f64 {
         let pieces = self.pieces.iter();
@@ -81,17 +81,17 @@ impl<'a> Jury<'a> {
         self.power.iter().filter(|&&power| power > 0.0).count()
     }
 
-    /// Compares what `predict` gives for each trajectory, kN at every sample, with the measured force, each sample counting by its
-    /// [`certainty`].
+    /// Compares the result of `predict` for each trajectory, kN at every sample, with the measured force, with each sample weighted
+    /// by its [`certainty`].
     ///
     /// # Errors
-    /// The first of `predict`.
+    /// The first error of `predict`.
     pub fn score<E>(
         &self,
         predict: impl Fn(&Trajectory) -> Result<Vec<f64>, E>,
     ) -> Result<Score, E> {
         let mut pieces = Vec::with_capacity(self.pieces.len());
-        // Those of one trajectory follow each other.
+        // The pieces of one trajectory follow each other.
         for of_one in self.pieces.chunk_by(|a, b| a.0 == b.0) {
             let which = of_one[0].0;
             let trajectory = &self.trajectories[which];
@@ -111,7 +111,7 @@ impl<'a> Jury<'a> {
     }
 }
 
-/// Squared errors of one law, summed over short pieces of time, as parts of the recording's squared force.
+/// Squared errors of one law, summed over short pieces of time, as fractions of the recording's squared force.
 #[derive(Clone, Debug)]
 pub struct Score {
     pieces: Vec<f64>,
@@ -119,17 +119,16 @@ pub struct Score {
 }
 
 impl Score {
-    /// RMS error, as far as it is certain, over RMS force; of several recordings the root of the mean square.
+    /// RMS error, weighted by certainty, over RMS force; for several recordings, the root of the mean square.
     pub fn nrmse(&self) -> f64 {
         (self.pieces.iter().sum::<f64>() / self.recordings as f64).sqrt()
     }
 
-    /// Whether this law is better than `other` on the same samples: it saves a part of the squared error that matters,
-    /// and does so piece after piece and not in a few by chance.
+    /// Whether this law is better than `other` on the same samples. It has to reduce the squared error by a relevant part, and
+    /// consistently over the pieces instead of by chance in a few.
     ///
-    /// What counts of a piece is its relative gain (a − b)/(a + b), which lies in −1…1, so that no piece can decide alone. A
-    /// contact acts in few pieces and leaves the others as they are: it may also save a large part without the piece in
-    /// which it saves most.
+    /// A piece counts with its relative gain (a − b)/(a + b), which lies in −1…1, so no piece can decide alone. A contact acts in a
+    /// few pieces only. So a law also wins if it reduces the error by a large part without the piece in which it gains most.
     pub fn beats(&self, other: &Self) -> bool {
         let pieces = || other.pieces.iter().zip(&self.pieces);
         let before: f64 = other.pieces.iter().sum();

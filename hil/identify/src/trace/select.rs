@@ -1,4 +1,4 @@
-//! The search for the effects that the law lacks: one at a time, each judged on cycles it was not fitted to.
+//! The search for missing effects: one at a time, each judged on cycles that it was not fitted to.
 
 use std::cmp::Ordering;
 use std::sync::{Arc, OnceLock};
@@ -48,53 +48,53 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// About what the force of the specimen is at a moment.
+/// A rough estimate of the specimen's force at a moment.
 pub struct Rough {
     law: Law<f64>,
     inertia: Inertia<f64>,
 }
 
 impl Rough {
-    /// At a displacement in mm, a velocity in mm/s and an acceleration in mm/s², kN.
+    /// Force at a displacement in mm, a velocity in mm/s and an acceleration in mm/s², kN.
     pub fn force(&self, displacement: f64, velocity: f64, acceleration: f64) -> f64 {
         self.law.force(displacement, velocity) + self.inertia.force_at(acceleration)
     }
 }
 
-/// One effect tried beside a law found so far.
+/// One effect that was tried in addition to an earlier law.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// What was tried.
+    /// The family that was tried.
     pub family: Family,
-    /// At which step, from 1.
+    /// The step, from 1.
     pub step: usize,
     /// The law with it.
     pub fitted: Fitted,
-    /// Whether the judging cycles tell it from the step's best.
+    /// Whether the judging cycles distinguish it from the step's best.
     pub distinguishable: bool,
-    /// Whether the law found at this step is this one.
+    /// Whether it became the law at this step.
     pub added: bool,
-    /// Whether no term of it would be a source of energy, or a mass that pushes, or a drift that stands still in every block or
-    /// is but warmth.
+    /// Whether all its terms are admissible: none is a source of energy, a mass that pushes, a drift that stands still in every
+    /// block, or a drift that the temperature explains.
     pub admissible: bool,
-    /// Whether it was fitted, and not only rated as a fit would begin.
+    /// Whether it was fitted. Otherwise it was rated with the parameters of the start of a fit.
     pub was_fitted: bool,
-    /// Whether a shape stands where the effect is a simpler one as far as the data show.
+    /// Whether a shape has a value at which the data cannot distinguish the effect from a simpler one.
     pub degenerate: bool,
-    /// The rule by which it is not in the law found; none where it is, or where the data do not tell it from what is.
+    /// The rule by which it is not in the law; none if it is, or if the data do not distinguish it from an effect in the law.
     pub rejected_by: Option<Rule>,
 }
 
-/// What a search ended in.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Selection {
     /// Eq 13 alone.
     pub baseline: Fitted,
     /// Eq 13 with the effects found.
     pub found: Fitted,
-    /// All that was tried, step by step, the best first.
+    /// All candidates, step by step, the best first.
     pub candidates: Vec<Candidate>,
-    /// The error on the judging cycles that a law is held to.
+    /// The tolerated error on the judging cycles.
     pub goal: f64,
 }
 
@@ -107,12 +107,12 @@ pub struct Search<'a> {
     extent: Extent,
     terms: Vec<Term>,
     known: Vec<KnownTerm>,
-    /// Worked out where a tone is sought.
+    /// Computed when a tone is searched for.
     of_motion: Arc<OnceLock<OfMotion>>,
 }
 
 impl<'a> Search<'a> {
-    /// A search with eq 13's coefficients at the amplitudes `nodes`, for effects that `sought` has.
+    /// A search with separate coefficients of eq 13 at the amplitudes `nodes`, for effects that `sought` permits.
     pub fn new(
         trajectories: &'a [Trajectory],
         roles: &'a Roles,
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same with eq 13's coefficients at other amplitudes.
+    /// The same search with coefficients of eq 13 at other amplitudes.
     #[must_use]
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
@@ -164,11 +164,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds effects while one of them makes the judging cycles' error clearly smaller, then drops those that became
-    /// needless. `progress` is called before each step with what is being done.
+    /// Adds effects while one of them clearly reduces the error on the judging cycles, then drops those that became unnecessary.
+    /// `progress` is called before each step with a description of it.
     ///
     /// # Errors
-    /// A fitted law that the crate refuses.
+    /// The crate refuses a fitted law.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting the law");
         let baseline = self.judged(self.without_more())?;
@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
             if !accepted {
                 break;
             }
-            // A law that leaves little more than the noise is refined too: what it lacks falsifies its parameters.
+            // A law near the noise is refined too: a missing term distorts its parameters.
             found = self.refined(&next);
             if let Some(first) = beam.first_mut() {
                 *first = found.clone();
@@ -220,7 +220,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The law with the effects that are known.
+    /// The law with the known effects.
     fn without_more(&self) -> Solution {
         let mut terms = Vec::new();
         let mut law = Problem::new(&self.rows, &self.extent, &terms).solve();
@@ -232,11 +232,11 @@ impl<'a> Search<'a> {
         law
     }
 
-    /// Laws of `rest` with an effect of another family than `law` has beside it, which predict the judging cycles as well as `law`: of each
-    /// family the best.
+    /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the judging cycles
+    /// as well as `law`: the best for each family.
     ///
     /// # Errors
-    /// A fitted law that the crate refuses.
+    /// The crate refuses a fitted law.
     pub fn rivals(&self, law: &Solution, rest: &Solution) -> Result<Vec<Solution>, ModelError> {
         let refit = |known: &Solution| {
             let problem = Problem::new(&self.rows, &self.extent, &known.terms());
@@ -261,17 +261,17 @@ impl<'a> Search<'a> {
             .collect())
     }
 
-    /// Eq 13, with the specimen's mass where it clearly has one.
+    /// Eq 13, with the specimen's mass if it clearly has one.
     ///
     /// # Errors
-    /// A fitted law that the crate refuses.
+    /// The crate refuses a fitted law.
     pub fn rough(&self) -> Result<Rough, ModelError> {
         let fit = |terms: &[Term]| {
             let problem = Problem::new(&self.rows, &self.extent, terms);
             self.judged(problem.solve())
         };
         let mut best = fit(&[])?;
-        // On a slow test a mass may be any, and one that the crate refuses.
+        // On a slow test the mass is undetermined, and the fit may give one that the crate refuses.
         let massive = fit(&[Term {
             form: inertia::FORMS[0],
             reference: 0.0,
@@ -299,29 +299,30 @@ impl<'a> Search<'a> {
             .get_or_init(|| OfMotion::of(self.trajectories))
     }
 
-    /// Whether nothing that is larger than the noise is left.
+    /// Whether the error is within the noise.
     pub fn is_settled(&self, law: &Fitted) -> bool {
         law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
     }
 
-    /// The error on the judging cycles that a law is held to: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) where the recording is quieter.
+    /// The tolerated error on the judging cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the
+    /// recording is quieter.
     pub fn goal(&self) -> f64 {
         goal(self.jury.noise())
     }
 
-    /// The same terms with other nodes' coefficients.
+    /// The same terms with coefficients of other nodes.
     ///
     /// # Errors
-    /// A fitted law that the crate refuses.
+    /// The crate refuses a fitted law.
     pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
         let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
         self.judged(problem.solve_near(&law.solution))
     }
 
-    /// All forms beside each law of `beam`, the best first, those that are not admissible last; at most `most` of each law's are
+    /// All forms in addition to each law of `beam`, the best first and inadmissible ones last; at most `most` for each law are
     /// fitted.
     fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
-        // A finer form of another family's effect is no step of its own: see `refined`.
+        // A refined form of another family's effect is no separate step: see `refined`.
         let is_step = |term: &&Term| {
             !term.form.refines || term.form.special_cases.contains(&term.form.family)
         };
@@ -335,7 +336,7 @@ impl<'a> Search<'a> {
                 } else if fitted.has_tone(self.of_motion()) {
                     Some(Rule::InStepWithMotion)
                 } else {
-                    // One that the crate refuses without its drift is none with it.
+                    // A law that the crate refuses without its drift is inadmissible with it.
                     let stands_still = self.stands_still(&fitted).unwrap_or(true);
                     stands_still.then_some(Rule::StandsStill)
                 };
@@ -395,7 +396,7 @@ impl<'a> Search<'a> {
         }
         if let Some((best, rest)) = tried.split_first_mut() {
             for rival in rest {
-                // What may be the best and more, and does no better, is at the limit of its shapes.
+                // A candidate that contains the best and does no better is at the limit of its shapes.
                 rival.degenerate |= rival.fitted.includes(&best.fitted);
                 rival.distinguishable =
                     !rival.admissible || best.fitted.score.beats(&rival.fitted.score);
@@ -405,7 +406,8 @@ impl<'a> Search<'a> {
         tried
     }
 
-    /// Whether two of the simpler effects that the last one may be do as well in its place: alone it would be taken for any two of them.
+    /// Whether two simpler effects that the last one contains do equally well in its place. Without this test it would replace any
+    /// two of them.
     fn is_but_simpler_ones(&self, law: &Fitted, most: usize) -> bool {
         let terms = &law.solution.terms;
         let Some(last) = terms.last().map(|value| value.term.form) else {
@@ -433,8 +435,8 @@ impl<'a> Search<'a> {
         !self.refined(law).score.beats(&rest.score)
     }
 
-    /// The law with its last effect in a finer form, where that is clearly better and no simpler one as far as the data show; else as
-    /// it is.
+    /// The law with its last effect in a refined form, if that is clearly better and the data distinguish it from a simpler one;
+    /// otherwise unchanged.
     fn refined(&self, law: &Fitted) -> Fitted {
         let Some(last) = law.solution.terms.last().map(|value| value.term.form) else {
             return law.clone();
@@ -457,7 +459,7 @@ impl<'a> Search<'a> {
             .unwrap_or_else(|| law.clone())
     }
 
-    /// Moves the one that is [preferred](Self::preferred) to the front.
+    /// Moves the [preferred](Self::preferred) one to the front.
     fn prefer(&self, tried: &mut Vec<Candidate>) {
         let preferred = self.preferred(tried);
         if preferred > 0 {
@@ -466,9 +468,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best of `tried`, which are in order, or one that does as well and is simpler: of fewer parameters and the same
-    /// families, or of as many in forms that are tried first, or one that stands for what the best is at the limit of its shape, or may
-    /// be there.
+    /// The best of `tried`, which are in order, or a simpler one that does equally well. Simpler means: fewer parameters and the
+    /// same families; or as many parameters in forms that are tried first; or the effect that the best becomes, or may become, at
+    /// the limit of its shape.
     fn preferred(&self, tried: &[Candidate]) -> usize {
         let Some(best) = tried.first() else { return 0 };
         let simpler = |candidate: &Candidate| {
@@ -493,7 +495,7 @@ impl<'a> Search<'a> {
             .unwrap_or(0)
     }
 
-    /// Whether it has a drift that the cycles within blocks know nothing of.
+    /// Whether it has a drift that the cycles within blocks do not show.
     fn stands_still(&self, law: &Fitted) -> Result<bool, ModelError> {
         let mut terms = law.solution.terms.iter();
         let Some(drift) = terms.position(|value| value.term.form.family == drift::OF_EACH.family)
@@ -509,10 +511,11 @@ impl<'a> Search<'a> {
         Ok(!is_seen_within_blocks(all, counts, &changing, &still))
     }
 
-    /// Each of `terms` beside `law`, and whether it was fitted: at most `most` that promise most, the others with what they start from.
+    /// Each of `terms` added to `law`, and whether it was fitted. At most the `most` most promising ones are fitted; the others
+    /// have their start parameters.
     fn beside(&self, law: &Fitted, terms: &[Term], most: usize) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
-        // A law that was judged is none that the crate refuses.
+        // The crate does not refuse a law that was judged.
         let predicted = law
             .solution
             .predicted(self.trajectories)
@@ -525,14 +528,14 @@ impl<'a> Search<'a> {
         ));
         drop(predicted);
         let screen = Screen::at(&self.rows, &extent, &law.solution);
-        // The work for one differs from that for another by orders of magnitude.
+        // The work differs between candidates by orders of magnitude.
         let mut rated: Vec<(Term, Solution, Vec<Start>)> = terms
             .par_iter()
             .with_max_len(1)
             .flat_map(|&term| {
                 let beside = (!term.form.refines && may_stand(term, &known))
                     .then(|| (term, law.solution.clone(), screen.starts(term)));
-                // One that may be several simpler ones may be what the last of those stands for.
+                // A form that may be several simpler ones may already contain the last of them.
                 let is_special = |known: &Term| {
                     !known.is_known && term.form.special_cases.contains(&known.form.family)
                 };
@@ -566,14 +569,14 @@ impl<'a> Search<'a> {
                 } else {
                     problem.solve_at(&base, &starts[0].shapes)
                 };
-                // A fit that ends in coefficients which the crate refuses is no candidate.
+                // A fit with coefficients that the crate refuses is no candidate.
                 Some((term, self.judged(solution).ok()?, is_fitted))
             })
             .collect()
     }
 
-    /// The law with simpler forms in the place of those that refine one, where they do as well: a form that was refined while something
-    /// else was still missing may have stood for that.
+    /// The law with simpler forms in place of refined ones, if they do equally well: a form that was refined while another effect
+    /// was still missing may have covered for that effect.
     fn unrefined(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
         let mut index = 0;
@@ -602,7 +605,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// Drops terms without which the judging cycles are predicted as well.
+    /// Drops terms without which the judging cycles are predicted equally well.
     fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
         let mut index = 0;
@@ -631,14 +634,14 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether a term may stand beside the `known` ones.
+/// Whether a term may be added to the `known` ones.
 fn may_stand(term: Term, known: &[Term]) -> bool {
     let same = known.iter().filter(|known| known.form == term.form).count();
     same < term.form.most && !known.iter().any(|known| known.form.excludes(term.form))
 }
 
-/// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to: each inner
-/// node in turn is left out, and the root of the summed squared error there is returned, kN. What `roles` hold out is not seen.
+/// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to. Each inner node in
+/// turn is left out; returns the root of the summed squared error there, kN. Samples that `roles` hold out are not used.
 pub fn error_between(
     trajectories: &[Trajectory],
     roles: &Roles,
@@ -679,7 +682,7 @@ pub fn error_between(
     Ok(error.sqrt())
 }
 
-/// The levels of amplitude in mm of the blocks that are fitted.
+/// The levels of amplitude in mm of the fitted blocks.
 pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
     let is_fitted = |which: usize, block: &FoundBlock| {
         let mut samples = block.samples.clone();

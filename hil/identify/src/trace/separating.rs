@@ -1,7 +1,7 @@
-//! The test that tells rivals apart: what predicts one recording equally well need not do so under other motion.
+//! The test that distinguishes rivals: laws that predict one recording equally well may differ under another motion.
 //!
-//! Each rival's force is simulated under blocks that a rig can run, and every other rival is fitted to it with all of its
-//! coefficients free. Blocks are added that make the nearest two differ most (Atkinson and Fedorov 1975).
+//! It simulates each rival's force under blocks that a rig can run, and fits every other rival to it with all coefficients free. It
+//! adds the blocks for which the nearest two differ most (Atkinson and Fedorov 1975).
 
 use std::sync::Arc;
 
@@ -53,14 +53,14 @@ mesh_damper_recording::numbers! {
 
 /// Laws that predict recordings equally well.
 pub(super) struct Rivals {
-    /// Each with the family by which it differs from the others: the one preferred, then others.
+    /// Each with the family by which it differs from the others: the preferred one first.
     pub laws: Vec<(Family, Solution)>,
-    /// What they have without these.
+    /// Their common part without these families.
     pub beside: Solution,
 }
 
 impl Rivals {
-    /// Those that a search ended in.
+    /// The rivals at the end of a search.
     pub fn of(selection: &Selection) -> Self {
         let rivals = rivals(selection);
         let step = rivals.first().map_or(0, |rival| rival.step);
@@ -77,7 +77,7 @@ impl Rivals {
     }
 }
 
-/// What would tell rivals apart, in words with a programme of blocks, and these blocks; none where no test that the rig runs would.
+/// The test that would distinguish rivals, as text with a programme of blocks, and these blocks; empty if no test on the rig would.
 ///
 /// # Errors
 /// A fitted law that the crate refuses.
@@ -137,7 +137,7 @@ fn control_of(law: &Solution, trajectories: &[Trajectory]) -> Option<Control> {
     Some(Control { name, range })
 }
 
-/// What tells a force that an input sets from one that the motion makes: one motion under two inputs.
+/// The test that distinguishes a force set by an input from a force of the motion: one motion under two inputs.
 fn at_two_inputs(control: &Control) -> String {
     let Control {
         name,
@@ -148,7 +148,7 @@ fn at_two_inputs(control: &Control) -> String {
     )
 }
 
-/// The test that would bound what `trajectories` leave unbounded of effects of these families.
+/// The test that would bound effects of these families if `trajectories` do not.
 pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -> String {
     let names: Vec<&str> = unbounded.iter().map(|family| family.name()).collect();
     let blocks = trajectories
@@ -170,7 +170,7 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
     )
 }
 
-/// The least cosine between what two rivals add to what they have beside.
+/// The smallest cosine between the forces that two rivals add to their common part.
 fn collinearity(rivals: &Rivals, trajectories: &[Trajectory]) -> Result<f64, ModelError> {
     let before = rivals.beside.predicted(trajectories)?;
     let added = |law: &Solution| -> Result<Vec<f64>, ModelError> {
@@ -206,7 +206,7 @@ fn written(block: &TestBlock) -> String {
 /// The rivals' forces under every block that is tried.
 struct Simulation<'s> {
     rivals: &'s [&'s Solution],
-    /// What each is fitted beside.
+    /// The base law of all rivals.
     law: BaseLaw,
     blocks: Vec<TestBlock>,
     /// First sample of each block, and the end.
@@ -238,7 +238,7 @@ impl<'s> Simulation<'s> {
         }
         let count = displacement.len();
         let mut still = Trajectory::new("test", tick, &displacement, vec![0.0; count], None, None);
-        // Inputs that the rivals have in common are held where the first recording had them on average.
+        // Inputs that the rivals have in common are held at their average in the first recording.
         let held = trajectories.iter().take(1).flat_map(|t| t.controls.iter());
         let held = held.map(|control| ControlChannel {
             name: control.name.clone(),
@@ -266,8 +266,8 @@ impl<'s> Simulation<'s> {
         })
     }
 
-    /// The blocks that tell the rivals apart, and by how many times the noise the nearest two then differ. The first block
-    /// is about one that was recorded.
+    /// The blocks that distinguish the rivals, and the difference of the nearest two under them as a multiple of the noise. The
+    /// first block is close to a recorded one.
     fn programme(&self) -> Result<(Vec<TestBlock>, f64), ModelError> {
         let mut chosen = vec![0];
         let mut apart = 0.0;
@@ -299,8 +299,8 @@ impl<'s> Simulation<'s> {
         Ok((blocks.collect(), apart))
     }
 
-    /// By how many times the noise the nearest two rivals differ under some of the blocks. Of a pair that counts which is
-    /// harder to fit by the other: one may be the other's limit.
+    /// The difference of the nearest two rivals under some of the blocks, as a multiple of the noise. For each pair the larger
+    /// difference of the two directions of fitting counts: one may be the limit of the other.
     fn nearest(&self, blocks: &[usize]) -> Result<f64, ModelError> {
         let mut nearest = f64::INFINITY;
         for one in 0..self.rivals.len() {
@@ -312,7 +312,7 @@ impl<'s> Simulation<'s> {
         Ok(nearest)
     }
 
-    /// RMS of what the second rival leaves of the first one's force, over the noise.
+    /// RMS of the residual when the second rival is fitted to the first one's force, over the noise.
     fn misfit(&self, of: usize, by: usize, blocks: &[usize]) -> Result<f64, ModelError> {
         let test = &self.tests[of];
         let recordings = std::slice::from_ref(test);
@@ -343,15 +343,15 @@ impl<'s> Simulation<'s> {
     }
 }
 
-/// A block about in the middle of what was recorded, then others of its amplitude slower and faster, and of its frequency
-/// smaller and larger, all within what the rig runs, or what has been run.
+/// A block near the middle of the recorded ones, then others of its amplitude at lower and higher frequencies, and of its frequency
+/// at smaller and larger amplitudes. All are within the limits of the rig, or of the recorded tests.
 fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
     let recorded = || trajectories.iter().flat_map(|t| &t.blocks);
     let (slowest, fastest) = recorded().fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
         (low.min(block.frequency), high.max(block.frequency))
     });
     let largest = recorded().fold(0.0_f64, |most, b| most.max(b.amplitude));
-    // As a person would write them.
+    // Rounded as a person would write them.
     let round = |value: f64, step: f64| (value / step).round() * step;
     let frequency = |value: f64| {
         let [low, high] = policy().separating.frequencies;
@@ -404,7 +404,7 @@ mod tests {
     use crate::families::Form;
     use crate::term::{Term, TermValue};
 
-    /// Two laws of one recording that explain it alike, one of them by the second of its inputs.
+    /// Two laws that explain one recording equally well, one of them through its second input.
     #[test]
     fn an_input_is_told_from_a_motion_by_one_motion_under_two_of_it() {
         let path: Vec<f64> = (0..200).map(|n| 0.1 * (0.1 * f64::from(n)).sin()).collect();

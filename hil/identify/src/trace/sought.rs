@@ -1,4 +1,4 @@
-//! What a trace is to seek, and beside what.
+//! The effects that a trace may look for, and the base law.
 
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
@@ -7,26 +7,26 @@ use mesh_damper_recording::error::{InputError, Place};
 use crate::base_law::BaseLaw;
 use crate::known_terms::{KnownTerm, known_terms};
 
-/// Families of effects that a trace may find, and the law beside which they are sought.
+/// Families of effects that a trace may find, and the base law to which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sought {
-    /// Only these; all where there is none.
+    /// Only these; all families if empty.
     pub families: Vec<Family>,
-    /// And none of these.
+    /// None of these.
     pub exclude: Vec<Family>,
-    /// What the law is without effects.
+    /// The law without effects.
     pub law: BaseLaw,
-    /// The control inputs that the known effects see, by their places.
+    /// The control inputs that the known effects depend on, by index.
     pub controls: Vec<String>,
-    /// Effects that are known: they stay in the law, and their parameters are fitted with its own.
+    /// Known effects: they stay in the law, and their parameters are fitted together with the law's.
     pub known: Vec<KnownTerm>,
 }
 
 impl Sought {
-    /// All families, beside the effects of a model, with the control inputs that these see. `name` is what errors call the model.
+    /// All families, in addition to the effects of a model, with the control inputs of these. Errors call the model `name`.
     ///
     /// # Errors
-    /// A model with a residual table, which stands for what is sought; an effect whose parameters no fit has.
+    /// The model has a residual table, which would cover for missing effects, or an effect with parameters that no fit can have.
     pub fn beside(model: &ModelFile, name: &str) -> Result<Self, InputError> {
         let model = model.model();
         let refused = |field: &str, problem: &str, remedy: &str| {
@@ -57,7 +57,7 @@ impl Sought {
         })
     }
 
-    /// Whether it has that family.
+    /// Whether it permits that family.
     pub fn has(&self, family: Family) -> bool {
         let is_meant = self.families.is_empty() || self.families.contains(&family);
         is_meant && !self.exclude.contains(&family)

@@ -1,7 +1,7 @@
-//! Which samples are fitted, which judge, and which are held out.
+//! Decides which samples are fitted, which judge, and which are held out.
 //!
-//! Neighbouring samples of a recording are alike, so a random sample is no test. Whole cycles are kept apart instead: the
-//! last ones of every block, and all of one block, whose condition then is new.
+//! Neighbouring samples of a recording are similar, so random samples make no test. Instead, whole cycles are kept apart: the last
+//! cycles of every block, and all of one block, which is a new condition.
 
 use std::ops::Range;
 
@@ -27,14 +27,14 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// What a sample is for.
+/// The purpose of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Coefficients are fitted to it.
     Fit,
     /// Effects are chosen by it.
     Judge,
-    /// The error is reported on it; nothing is fitted to it or chosen by it.
+    /// The error is reported on it; it takes no part in a fit or a choice.
     HeldOut,
 }
 
@@ -58,12 +58,12 @@ impl Roles {
         self.0[trajectory][sample]
     }
 
-    /// Whether a sample may be fitted in the end.
+    /// Whether a sample is open, which means that the final fit may use it.
     pub fn is_open(&self, trajectory: usize, sample: usize) -> bool {
         self.of(trajectory, sample) != Role::HeldOut
     }
 
-    /// The runs of samples that may be fitted in the end, in order.
+    /// The runs of open samples, in order.
     pub fn open_runs(&self, trajectory: usize) -> Vec<Range<usize>> {
         let held = |role: &Role| *role == Role::HeldOut;
         let mut at = 0;
@@ -77,13 +77,12 @@ impl Roles {
             .collect()
     }
 
-    /// Takes the last quarter of the cycles that are still fitted in every block, and one whole block, for `role`.
+    /// Takes the last quarter of the still fitted cycles in every block, and one whole block, for `role`.
     ///
-    /// The whole block is one whose amplitude other fitted blocks have too: eq 13's coefficients depend on amplitude, and a
-    /// block whose amplitude is nowhere else would test the interpolation between amplitudes and not the effects. Where
-    /// there is none, no whole block is taken. A recording with hardly two like cycles gives a quarter of the samples that are
-    /// still fitted: the last of them to be held out; to judge, stretches all over it, as what one of them holds may be like
-    /// no other.
+    /// The whole block is one whose amplitude other fitted blocks have too. Coefficients of eq 13 depend on amplitude, so a block
+    /// with an amplitude of its own would test the interpolation between amplitudes and not the effects. If there is no such block,
+    /// none is taken. A recording with hardly two similar cycles gives a quarter of the still fitted samples: the last ones to be
+    /// held out, or stretches from all over it to judge, because a stretch may resemble no other.
     pub fn keep_apart(&mut self, trajectories: &[Trajectory], role: Role) {
         let whole = self.whole_block(trajectories);
         for (which, trajectory) in trajectories.iter().enumerate() {
@@ -107,7 +106,7 @@ impl Roles {
         }
     }
 
-    /// Gives `role` to a quarter of the samples of a recording where its cycles gave it to hardly any.
+    /// Gives `role` to a quarter of the samples of a recording if its cycles gave it to hardly any.
     fn keep_stretches(&mut self, which: usize, role: Role) {
         let roles = &mut self.0[which];
         let is_free = |one: Role| one == role || one == Role::Fit;
@@ -131,8 +130,7 @@ impl Roles {
         }
     }
 
-    /// The block of middle frequency among those whose amplitude another fitted block has, when at least three blocks are
-    /// fitted.
+    /// The block of middle frequency among those whose amplitude another fitted block has, if at least three blocks are fitted.
     fn whole_block(&self, trajectories: &[Trajectory]) -> Option<(usize, usize)> {
         let fitted: Vec<(usize, usize)> = trajectories
             .iter()
@@ -172,7 +170,7 @@ impl Roles {
             .all(|sample| self.0[which][sample] == Role::Fit)
     }
 
-    /// Gives `role` to those of the samples that are still fitted: what was held out stays so.
+    /// Gives `role` to the still fitted ones of the samples: held-out samples stay held out.
     fn assign(&mut self, which: usize, samples: Range<usize>, role: Role) {
         let free = self.0[which][samples].iter_mut();
         free.filter(|one| **one == Role::Fit)

@@ -1,4 +1,4 @@
-//! Tones in what a law leaves of the force.
+//! Tones in the residual of a law.
 
 use mesh_damper_recording::spectrum::{place_of_line, powers};
 use mesh_damper_recording::trajectory::Trajectory;
@@ -26,17 +26,17 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The frequencies that a specimen which the motion drives makes of it.
+/// The frequencies that a specimen produces from the motion.
 #[derive(Clone, Debug)]
 pub struct OfMotion {
-    /// Hz, in order; none where the motion has no lines.
+    /// Hz, in order; empty if the motion has no lines.
     frequencies: Vec<f64>,
-    /// How far a tone may be off one of them, Hz.
+    /// How far a tone may be from one of them, Hz.
     off: f64,
 }
 
 impl OfMotion {
-    /// Of the longest of `trajectories`.
+    /// From the longest of `trajectories`.
     pub fn of(trajectories: &[Trajectory]) -> Self {
         let longest = trajectories
             .iter()
@@ -64,7 +64,7 @@ impl OfMotion {
         }
     }
 
-    /// Whether a tone of `frequency` in Hz is one of them: what is there goes with the motion, and is no tone from without.
+    /// Whether a tone of `frequency` in Hz is one of them: such a tone follows the motion and does not come from outside.
     pub fn holds(&self, frequency: f64) -> bool {
         let after = self
             .frequencies
@@ -74,7 +74,7 @@ impl OfMotion {
     }
 }
 
-/// The lines that nearly all of the power lies in, cycles per sample; none where there are more than a few.
+/// The lines that contain nearly all of the power, cycles per sample; empty if there are more than a few.
 fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
     let count = samples.len();
     let mean = samples.iter().sum::<f64>() / count.max(1) as f64;
@@ -108,11 +108,11 @@ fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
     }
 }
 
-/// Bins to either side of a line's peak that it has under the window of [`powers`].
+/// Bins on each side of a line's peak that belong to it under the window of [`powers`].
 const LEAKS: usize = 2;
 
-/// The frequencies in Hz, without those `of_motion`, of the strongest lines in what `predicted` (kN, per trajectory and sample) leaves of the force of
-/// the longest trajectory, the strongest first; of the samples that are open, by `roles`.
+/// The frequencies in Hz of the strongest lines, the strongest first, in the residual of `predicted` (kN, per trajectory and
+/// sample) for the longest trajectory. It uses the open samples by `roles` and leaves out the frequencies `of_motion`.
 pub fn tones(
     trajectories: &[Trajectory],
     roles: &Roles,
@@ -157,7 +157,7 @@ fn lines(samples: Vec<f64>) -> Vec<f64> {
 mod tests {
     use super::{few_lines, lines};
 
-    /// A modulated sine has three lines, noise none.
+    /// A modulated sine has three lines, noise has none.
     #[test]
     fn lines_of_a_motion_are_few_or_none() {
         let count = 20_000;

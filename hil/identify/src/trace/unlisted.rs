@@ -1,4 +1,4 @@
-//! The law for recordings that no listed effect explains: what predicts conditions that it was not fitted to, or the law alone.
+//! The law for recordings that no listed effect explains: the one that predicts conditions outside its fit, or the law alone.
 
 use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Model, ModelError};
@@ -16,29 +16,29 @@ use crate::policy::policy;
 use crate::rows::Rows;
 use crate::solution::Solution;
 
-/// The laws that a trace ends in.
+/// The laws at the end of a trace.
 #[derive(Clone)]
 pub(super) struct Laws<'c> {
-    /// What `solution` was fitted to.
+    /// The rows to which `solution` was fitted.
     pub rows: &'c Rows<'c>,
     /// Eq 13.
     pub alone: Solution,
-    /// With effects, where there are such.
+    /// With effects, if there are any.
     pub solution: Solution,
-    /// That with a correction, where there is one.
+    /// The same with a correction, if there is one.
     pub model: Model,
-    /// What the correction depends on, by the names of `trace.json`.
+    /// The variables that the correction depends on, by their names in `trace.json`.
     pub nameless: Vec<&'static str>,
-    /// Why there is no correction.
+    /// The reason for having no correction.
     pub table_rejected_by: Option<Rule>,
-    /// What was no better than eq 13 on conditions held out in turn.
+    /// The law that was no better than eq 13 on conditions held out in turn.
     pub rejected: Option<Rejected>,
-    /// What is confirmed of the effects, as far as it is known.
+    /// The confirmed effects, as far as they are known.
     pub graded: Option<Confirmed>,
 }
 
 impl Closing<'_> {
-    /// From eq 13 `alone` and with the effects that were `found`. What is adopted gains on conditions held out in turn.
+    /// From eq 13 `alone` and with the effects that were `found`. The adopted law is better on conditions held out in turn.
     pub(super) fn unlisted(
         &self,
         left_out: &LeftOut,
@@ -57,7 +57,7 @@ impl Closing<'_> {
             })
         };
         let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
-        // One set of coefficients, or one for each amplitude, whichever says more of another condition.
+        // One set of coefficients, or one for each amplitude: the choice is the form that predicts another condition better.
         let each = self.rows.iter();
         let errors: Vec<Vec<RelativeError>> = each
             .map(|rows| in_turn(rows, &alone, None))
@@ -95,8 +95,8 @@ impl Closing<'_> {
         let choice = mended.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.is_alone());
-        // A table that follows how well it fits may say less than names of what it was not fitted to. One in their place has to say much more than
-        // names that are confirmed: its force is known where no table was fitted, and a name says why.
+        // A table chosen by its fit may predict new conditions less well than named effects do. To replace confirmed effects it has
+        // to predict much better: their force is also known where no table was fitted, and a name explains the cause.
         if choice.is_some()
             && let Some(&(rows, named)) = named
         {

@@ -1,4 +1,4 @@
-//! What is concluded from a search, in the words of `trace.json`.
+//! The conclusion from a search, in the terms of `trace.json`.
 
 use mesh_damper_model::{Family, LawNode, Model};
 use mesh_damper_recording::cycles::same_amplitude;
@@ -35,36 +35,37 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// How many times as much as a perfect law a law leaves, but for the worst cycles; none where there is no whole one.
+/// The error of a law over that of a perfect one, without the worst cycles; `None` without one whole cycle.
 pub(super) struct OverNoise {
-    /// Of what was not held out.
+    /// On samples that were not held out.
     pub fitted: Option<f64>,
-    /// Of what was.
+    /// On held-out samples.
     pub held_out: Option<f64>,
 }
 
 impl OverNoise {
-    /// Whether the law knows what it was fitted to and not what was held out: more is left of that than a noise-limited law leaves.
+    /// Whether the law describes the fitted samples but not the held-out ones: the error there is above that of a noise-limited
+    /// law.
     pub fn says_less(&self) -> bool {
         let [fitted, held_out] = [self.fitted, self.held_out].map(|left| left.unwrap_or(1.0));
         held_out > policy().verdict.noise_limited * fitted.max(1.0)
     }
 }
 
-/// Whether effects that bring the error in blocks left out of the fit from `without` to `with` say something of other
-/// conditions than those they were fitted to.
+/// Whether effects that reduce the error in blocks left out of the fit from `without` to `with` describe conditions other than
+/// those they were fitted to.
 pub(super) fn generalises(without: RelativeError, with: RelativeError) -> bool {
     with.error <= policy().verdict.noise_limited.powi(2) * with.noise
         || with.beyond_noise() <= (1.0 - policy().verdict.least_taken) * without.beyond_noise()
 }
 
-/// Whether effects explain what the law alone leaves beyond the noise, `alone`, and leave only `left` of it, over the noise.
+/// Whether effects explain the error of the law alone beyond the noise, `alone`, if their error is `left` times the noise.
 pub(super) fn accounts_for(alone: f64, left: f64) -> bool {
     left <= policy().verdict.unseen || left <= policy().verdict.most_left * alone
 }
 
-/// The verdict on what a search found, of which so many times the noise is `left`, and the rule by which what was found does not
-/// explain it. What it found may be nothing when it is fitted to all that may be: then the law `is_alone`.
+/// The verdict on the result of a search whose error is `left` times the noise, and the rule by which the result does not explain
+/// the recordings. In the fit to all open samples the effects may vanish; then the law `is_alone`.
 pub(super) fn conclude(
     selection: &Selection,
     is_alone: bool,
@@ -94,8 +95,8 @@ pub(super) fn conclude(
     }
 }
 
-/// The candidates that did as well as the law found: the best first, then one for each other set of families that the
-/// judging cycles do not tell from it.
+/// The candidates that did as well as the law found: the best first, then one for each other set of families that the judging
+/// cycles do not distinguish from it.
 pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let found = &selection.found;
     let families = found.families();
@@ -104,7 +105,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .iter()
         .filter(|candidate| candidate.added);
     let as_found = added.filter(|candidate| candidate.fitted.families() == families);
-    // What took the place of another has fewer terms than there were steps.
+    // A law in which one term replaced another has fewer terms than there were steps.
     let last = as_found.map(|candidate| candidate.step).max();
     let last = last.unwrap_or(found.solution.found().count());
     let mut known: Vec<Vec<Family>> = Vec::new();
@@ -113,7 +114,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .iter()
         .filter(|candidate| candidate.step == last)
         .filter(|candidate| candidate.added || !(candidate.distinguishable || candidate.degenerate))
-        // What replaced others at a later step, or was refined, may be better than all of that step.
+        // A law that replaced others at a later step, or was refined, may be better than all candidates of that step.
         .filter(|candidate| {
             candidate.fitted.families() == families || !found.score.beats(&candidate.fitted.score)
         })
@@ -126,7 +127,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .collect()
 }
 
-/// What the added forces depend on: those of named effects, and `correction` for what has no name.
+/// The variables that the added forces depend on: those of named effects, and `correction` for the table without a name.
 pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let of_effects = model
@@ -141,8 +142,8 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
     names
 }
 
-/// What a reader should know before trusting the result: `left` times what a perfect law would leave is what effects leave, `errors`
-/// are of the law alone and with what was added, and `noise_floor` is the noise of the force over its RMS.
+/// Warnings for the reader. The error with the effects is `left` times that of a perfect law; `errors` are those of the law alone and
+/// of the augmented law, and `noise_floor` is the noise of the force over its RMS.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,

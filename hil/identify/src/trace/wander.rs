@@ -1,4 +1,4 @@
-//! Whether what a law leaves changes by itself, whatever the motion.
+//! Whether the residual of a law changes on its own, independently of the motion.
 
 use std::borrow::Borrow;
 
@@ -18,8 +18,8 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Whether the mean of what `model` leaves differs from cycle to cycle of one block by more than noise would have it. A cycle is one of which each
-/// sample `counts`, by the number of its trajectory and its own.
+/// Whether the mean residual of `model` differs between the cycles of one block by more than noise explains. A cycle is used if
+/// each of its samples `counts`, given the index of its trajectory and its own.
 pub(super) fn wanders(
     trajectories: &[impl Borrow<Trajectory>],
     counts: impl Fn(usize, usize) -> bool,

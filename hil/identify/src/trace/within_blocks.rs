@@ -1,7 +1,8 @@
-//! What goes on with time is told from what differs from block to block: it changes the cycles of one block too.
+//! Distinguishes changes over time from differences between blocks: a change over time also appears between the cycles of one
+//! block.
 //!
-//! Where the blocks of a test come in order of their frequency, whatever depends on frequency looks like a drift that stands
-//! still in every block.
+//! If the blocks of a test are in order of their frequency, everything that depends on frequency looks like a drift, but one that
+//! stands still in every block.
 
 use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -11,8 +12,8 @@ use crate::tolerance::held_to;
 /// Phases at which cycles are compared.
 const PHASES: usize = 16;
 
-/// Whether `changing` predicts what changes from cycle to cycle within blocks at least as well as `still`, on the samples that
-/// `counts(trajectory, sample)`; both are forces on every trajectory, kN. So it does where no block has two cycles.
+/// Whether `changing` predicts changes from cycle to cycle within blocks at least as well as `still`, on the samples that
+/// `counts(trajectory, sample)` picks. Both are forces on every trajectory, kN. It also holds if no block has two cycles.
 pub(super) fn is_seen_within_blocks(
     trajectories: &[Trajectory],
     counts: impl Fn(usize, usize) -> bool,
@@ -29,7 +30,8 @@ pub(super) fn is_seen_within_blocks(
     left(changing) <= left(still)
 }
 
-/// What `predicted` leaves of `trajectory` beyond what it leaves in every cycle of a block alike: squares over those of the noise.
+/// The residual of `predicted` on `trajectory` without the part that is common to all cycles of a block: squares over those of the
+/// noise.
 fn left_of_changes(
     trajectory: &Trajectory,
     counts: impl Fn(usize) -> bool,

@@ -1,4 +1,4 @@
-//! Motions that are no blocks of sines: nothing is called missing from a law that is the specimen's.
+//! Motions other than blocks of sines: a trace finds nothing missing from a law that is the specimen's law.
 
 use std::f64::consts::{PI, TAU};
 
@@ -25,7 +25,7 @@ fn law() -> Coefficients {
     tables::interpolate(3.0, 0.1)
 }
 
-/// Sizes in mm, turns in rad/s and phases of the tones of noise of 0.3 to 12 Hz.
+/// Sizes in mm, angular frequencies in rad/s and phases of the tones of noise of 0.3 to 12 Hz.
 fn tones(random: &mut StdRng) -> Vec<[f64; 3]> {
     let tone = |_| {
         let turn = TAU * random.random_range(0.3..12.0);
@@ -46,7 +46,7 @@ fn random(seed: u64) -> impl Fn(f64) -> [f64; 2] {
     }
 }
 
-/// Steps to and fro, each along half a wave of a cosine, with holds of two seconds.
+/// Steps back and forth, each along half a wave of a cosine, with holds of two seconds.
 fn steps(seed: u64) -> impl Fn(f64) -> [f64; 2] {
     let mut random = StdRng::seed_from_u64(seed);
     let mut places = vec![0.0];
@@ -64,7 +64,7 @@ fn steps(seed: u64) -> impl Fn(f64) -> [f64; 2] {
     }
 }
 
-/// The law's force with noise over its RMS, along a motion whose displacement has noise in mm.
+/// The law's force with noise relative to its RMS, along a motion whose displacement has noise in mm.
 fn recorded(
     motion: impl Fn(f64) -> [f64; 2],
     noise: f64,
@@ -104,8 +104,8 @@ fn traced(training: Recording, held_out: Recording) -> TraceResult {
     trace(&[training], &[held_out], &|_| ()).unwrap().result
 }
 
-/// A little noise of the displacement is much force near a standstill, where |v|^α is steep: what it makes of the force is allowed
-/// for, however quiet the force is and however shaky the displacement.
+/// Near a standstill, where |v|^α is steep, a little displacement noise becomes a large force. The trace allows for that, however
+/// quiet the force and however noisy the displacement.
 #[test]
 fn noise_of_the_displacement_is_no_missing_effect() {
     for (noise, of_displacement) in [(1e-3, 5e-5), (5e-3, 5e-4), (1e-2, 1e-4)] {
@@ -127,12 +127,12 @@ fn noise_of_the_displacement_is_no_missing_effect() {
     }
 }
 
-/// What stands still has no velocity whose sign noise could give.
+/// Noise gives no sign to the velocity of a specimen at rest.
 #[test]
 fn holds_between_steps_are_no_missing_effect() {
     let test = |seed| recorded(steps(seed), 5e-3, 5e-5, seed);
     let (training, held_out) = (test(3), test(4));
-    // What the true law leaves along the estimated motion, which a fitted one is nearly as good as.
+    // The error of the true law along the estimated motion; a fitted law is nearly as good.
     let trajectory = Trajectory::of(&held_out).unwrap();
     let (motion, law) = (&trajectory.motion, law());
     assert!(motion.rests.len() > 10, "{:?}", motion.rests);
@@ -151,7 +151,7 @@ fn holds_between_steps_are_no_missing_effect() {
     assert!(error < 1.1 * of_truth, "{error} {of_truth}");
 }
 
-/// Taken for motion it would have a velocity of a tenth of the largest, and friction a direction that is none.
+/// Taken for motion, it would have a tenth of the largest velocity, and friction in a false direction.
 #[test]
 fn hum_on_the_displacement_is_taken_off() {
     let test = |seed| {
@@ -174,7 +174,7 @@ fn hum_on_the_displacement_is_taken_off() {
     );
 }
 
-/// What acts in some places only has to be fitted and judged in such places, wherever they are in the recording.
+/// An effect that acts only in some places has to be fitted and judged in such places, wherever they are in the recording.
 #[test]
 fn steps_show_what_acts_on_one_side() {
     let test = |seed| {
@@ -194,7 +194,7 @@ fn steps_show_what_acts_on_one_side() {
     assert_eq!(families, ["asymmetry"]);
 }
 
-/// The tabulated coefficients of each amplitude, which differ by up to three times, from one slow cycle at each.
+/// The tabulated coefficients of each amplitude, which differ by up to a factor of three, from one slow cycle at each.
 #[test]
 fn one_cycle_at_each_amplitude_gives_coefficients_for_each() {
     let amplitudes = [0.05, 0.1, 0.15, 0.2];
@@ -233,7 +233,7 @@ fn one_cycle_at_each_amplitude_gives_coefficients_for_each() {
     }
 }
 
-/// Whatever the noise of the displacement, at the share that it says.
+/// With the stated probability, whatever the noise of the displacement.
 #[test]
 fn the_band_holds_the_force_along_the_true_motion() {
     let law = law();
@@ -267,7 +267,7 @@ fn the_band_holds_the_force_along_the_true_motion() {
     }
 }
 
-/// White noise through poles an octave apart, whose powers add up to nearly 1/f; of deviation 1.
+/// White noise through poles an octave apart, whose powers add up to nearly 1/f, with a deviation of 1.
 fn pink(count: usize, seed: u64) -> Vec<f64> {
     let mut random = StdRng::seed_from_u64(seed);
     let white = Normal::new(0.0, 1.0).unwrap();
@@ -284,8 +284,8 @@ fn pink(count: usize, seed: u64) -> Vec<f64> {
     sum.iter().map(|x| x / deviation).collect()
 }
 
-/// An amplifier's noise grows towards low frequencies, where the motion is: quick changes show a third of it. It is no missing effect, and
-/// hides none that is larger.
+/// The noise of an amplifier grows towards low frequencies, where the motion is; quick changes show a third of it. It is not
+/// reported as a missing effect, and it hides no larger effect.
 #[test]
 fn noise_that_grows_towards_low_frequencies_is_no_missing_effect() {
     let test = |stiffness: f64, seed: u64| {

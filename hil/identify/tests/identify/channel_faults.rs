@@ -1,4 +1,4 @@
-//! Faults of the channels: found, counted, said, and kept from becoming physics; and never found where there are none.
+//! Faults of the channels are found, counted and reported, and do not turn into physics. No fault is found in clean recordings.
 
 use std::f64::consts::TAU;
 
@@ -33,16 +33,16 @@ impl Clean {
     }
 }
 
-/// What a specimen of 3 g/cm³ hides, beyond what [`HiddenEffect`] has.
+/// Forces that a specimen of 3 g/cm³ hides, in addition to those of [`HiddenEffect`].
 #[derive(Clone, Copy, Debug)]
 enum Hides {
     Nothing,
     Listed(HiddenEffect),
     /// One-sided contact.
     Stop,
-    /// A tone that has nothing to do with the motion.
+    /// A tone unrelated to the motion.
     Tone,
-    /// Friction that stands against the motion at once.
+    /// Friction that opposes the motion at once.
     Coulomb,
 }
 
@@ -114,8 +114,8 @@ fn one_sine(rate: f64) -> Vec<Sample> {
     samples_of(&[block], rate)
 }
 
-/// The channels of a specimen that is moved so, with `noise` as a part of the RMS force, and a thousandth of the
-/// displacement's RMS; rounded as a 16-bit converter does where `rounded`.
+/// The channels of a specimen under this motion, with `noise` as a fraction of the RMS force, and a thousandth of the
+/// displacement's RMS. If `rounded`, values are rounded as by a 16-bit converter.
 fn test(motion: &[Sample], hides: Hides, noise: f64, rounded: bool, seed: u64) -> Clean {
     let mut specimen = Specimen::of_density(3.0, 0.1);
     if let Hides::Listed(effect) = hides {
@@ -164,7 +164,7 @@ fn faults_of(recording: &Recording) -> Vec<ChannelFault> {
     Trajectory::of(recording).unwrap().faults
 }
 
-/// Every kind of motion, rate, noise and physics: no fault is found where there is none.
+/// Every kind of motion, rate, noise and physics: no fault is found in a clean recording.
 #[test]
 fn clean_recordings_have_no_faults() {
     let (mut tried, mut wrong) = (0, Vec::new());
@@ -198,15 +198,15 @@ fn clean_recordings_have_no_faults() {
     );
 }
 
-/// Likewise on the recordings kept beside the repository, which none of its code made. Two of the measured ones do have
-/// faults: a logger that left out a row 179 times, and four lone samples of a load cell that stand 0.06 … 0.2 kN off.
+/// The same for the recordings kept next to the repository, which none of its code made. Two of the measured ones do have faults: a
+/// logger that left out a row 179 times, and four single samples of a load cell that are off by 0.06 … 0.2 kN.
 #[test]
 fn recordings_of_others_have_the_faults_that_are_in_them() {
     let Some(folder) = recordings() else {
         return;
     };
     let (mut found, mut averaged) = (Vec::new(), Vec::new());
-    // Those whose makers say what is in them.
+    // Recordings whose makers state their contents.
     let known = [
         "labelled",
         "undeclared",
@@ -220,7 +220,7 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
             if path.extension().is_some_and(|extension| extension == "gz") {
                 let name = path.file_name().unwrap().to_string_lossy().into_owned();
                 for fault in faults_of(&Recording::read(&path).unwrap()) {
-                    // Those of the press, as its authors say: over a tenth of a period.
+                    // Those of the press, according to its authors: over a tenth of a period.
                     if let ChannelFaultKind::Averaged { time } = fault.kind {
                         averaged.push((name.clone(), time));
                     } else {
@@ -254,44 +254,44 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
     }
 }
 
-/// What is done to a clean recording.
+/// The fault added to a clean recording.
 #[derive(Clone, Copy, Debug)]
 enum Spoilt {
-    /// So many spikes of 1 to 3 samples in the force, of this size over its RMS.
+    /// A number of spikes of 1 to 3 samples in the force, with this size over its RMS.
     ForceSpikes(usize, f64),
-    /// Likewise in the displacement, over its RMS.
+    /// The same in the displacement, over its RMS.
     DisplacementSpikes(usize, f64),
-    /// The force ends at this part of its largest value, on both sides.
+    /// The force is limited to this fraction of its largest value, on both sides.
     ForceClipped(f64),
-    /// Likewise above only.
+    /// The same, above only.
     ForceClippedAbove(f64),
-    /// The displacement ends at this part of its largest value.
+    /// The displacement is limited to this fraction of its largest value.
     DisplacementClipped(f64),
-    /// So many rows are gone, so many in a row each time.
+    /// A number of gaps, each of a number of rows.
     Missing(usize, usize),
-    /// The force stands still so many times for so many samples.
+    /// The force stands still a number of times, each for a number of samples.
     ForceHeld(usize, usize),
-    /// Likewise the displacement.
+    /// The same for the displacement.
     DisplacementHeld(usize, usize),
-    /// Times are off by up to this part of a period; the samples are not.
+    /// Times are off by up to this fraction of a period; the samples are not.
     Stamps(f64),
-    /// The force is early by so many samples.
+    /// The force is early by a number of samples.
     Early(usize),
     /// The force has the wrong sign.
     Flipped,
-    /// The force is in another unit from this part of the recording on.
+    /// The force is in another unit from this fraction of the recording on.
     ForceUnit(f64),
-    /// The displacement is in a unit a thousand times larger up to this part of the recording.
+    /// The displacement is in a unit a thousand times larger up to this fraction of the recording.
     DisplacementUnit(f64),
-    /// The whole force is in newtons, of a specimen that is declared.
+    /// The whole force is in newtons, for a declared specimen.
     Newtons,
-    /// The whole displacement is in metres, of a specimen that is declared.
+    /// The whole displacement is in metres, for a declared specimen.
     Metres,
     /// A velocity column is in m/s.
     VelocityUnit,
     /// A velocity column has the wrong sign.
     VelocityFlipped,
-    /// A velocity column holds something else.
+    /// A velocity column has other contents.
     NoVelocity,
 }
 
@@ -330,7 +330,7 @@ const SPOILT: [Spoilt; 31] = [
 ];
 
 impl Spoilt {
-    /// Whether `found` is this fault in `samples` samples and no other.
+    /// Whether `found` is exactly this fault, in `samples` samples.
     fn is(self, samples: usize, found: &[ChannelFault]) -> bool {
         let about = |count: usize, part: f64| {
             count as f64 >= part * samples as f64 && count as f64 <= samples as f64 / part
@@ -362,7 +362,7 @@ impl Spoilt {
             }
         };
         match self {
-            // What is no larger than what the specimen does at its turns may pass.
+            // A spike no larger than the specimen's force at its turns may go unnoticed.
             Self::ForceSpikes(_, size) => {
                 all(Channel::Force, &spikes, if size > 2.0 { 0.95 } else { 0.5 })
             }
@@ -418,7 +418,7 @@ impl Spoilt {
     }
 }
 
-/// How many samples have the fault.
+/// The number of samples with the fault.
 fn spoilt_samples(kind: ChannelFaultKind) -> usize {
     match kind {
         ChannelFaultKind::Spikes { samples, .. }
@@ -429,7 +429,7 @@ fn spoilt_samples(kind: ChannelFaultKind) -> usize {
     }
 }
 
-/// Starts of `count` stretches of `length` samples, none near another or an end.
+/// Starts of `count` stretches of `length` samples, none close to another or to an end.
 fn places(count: usize, length: usize, samples: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let room = samples / (count + 1);
     assert!(room > 2 * length + 8);
@@ -439,7 +439,7 @@ fn places(count: usize, length: usize, samples: usize, random: &mut ChaCha8Rng) 
 }
 
 impl Spoilt {
-    /// The spoilt recording, and how many samples are spoilt.
+    /// The spoilt recording, and the number of spoilt samples.
     fn of(self, clean: &Clean, seed: u64) -> (Recording, usize) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut c = clean.clone();
@@ -569,8 +569,8 @@ impl Spoilt {
     }
 }
 
-/// Every fault, in recordings of every physics: found in the channel that it is in, with about as many samples, and
-/// nothing else said. The gate tries every third of them, one after the other.
+/// Every fault, in recordings of every physics, is found in its channel, with about the right number of samples, and nothing else
+/// is reported. The gate tries every third of them.
 #[test]
 fn faults_are_found_counted_and_nothing_else_is() {
     every_fault_in_every_physics(3);
@@ -592,7 +592,7 @@ fn every_fault_in_every_physics(step: usize) {
             if (which + number) % step > 0 {
                 continue;
             }
-            // A force that is early by less than its memory lasts looks like more damping; so does it under a tone.
+            // A force that is early by less than its memory lasts looks like more damping. So does an early force with a tone.
             let remembers = matches!(
                 hides,
                 Hides::Tone
@@ -603,7 +603,7 @@ fn every_fault_in_every_physics(step: usize) {
                             | HiddenEffect::Drift { .. },
                     )
             );
-            // Spikes of the tone's size are lost in it.
+            // Spikes of the tone's size disappear in it.
             let lost = matches!((hides, spoilt), (Hides::Tone, Spoilt::ForceSpikes(_, 1.0)));
             if lost || remembers && matches!(spoilt, Spoilt::Early(_)) {
                 continue;
@@ -628,7 +628,7 @@ fn every_fault_in_every_physics(step: usize) {
     );
 }
 
-/// Samples that were taken at uneven times, and say so: the channels are interpolated.
+/// Samples at uneven times, which the time column states: the channels are interpolated.
 #[test]
 fn samples_at_uneven_times_are_interpolated() {
     for part in [0.1, 0.4] {
@@ -669,7 +669,7 @@ fn samples_at_uneven_times_are_interpolated() {
     }
 }
 
-/// What is concluded of a recording: verdict and families.
+/// The conclusion about a recording: verdict and families.
 fn concluded(recording: &Recording) -> (Verdict, Vec<String>, Vec<String>) {
     let result = trace(std::slice::from_ref(recording), &[], &|_| ())
         .unwrap()
@@ -686,7 +686,7 @@ fn concluded(recording: &Recording) -> (Verdict, Vec<String>, Vec<String>) {
     (result.verdict, families, faults.collect())
 }
 
-/// Physics is not invented from faults: what is found in a spoilt recording is what is found in the clean one.
+/// Faults create no physics: a spoilt recording gives the same result as the clean one.
 #[test]
 fn faults_do_not_become_physics() {
     let blocks: Vec<TestBlock> = [

@@ -1,4 +1,4 @@
-//! Forces that a current sets: late and in steps, steady from one recording to the next, and not at all.
+//! Forces that a current controls: with delay and in steps, constant within a recording, and not at all.
 
 use mesh_damper_identify::known_terms::known_terms;
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
@@ -15,12 +15,12 @@ use rand_distr::{Distribution, Normal};
 
 /// Hz.
 const RATE: f64 = 500.0;
-/// Calls of the specimen to a sample.
+/// Calls of the specimen per sample.
 const CALLS: usize = 8;
-/// Of the force, over its RMS.
+/// Noise of the force over its RMS.
 const NOISE: f64 = 4e-3;
 
-/// At an ampere.
+/// At one ampere.
 const STIFFNESS: f64 = 0.8;
 const YIELDS: f64 = 0.03;
 const SPEED: f64 = 0.6;
@@ -139,7 +139,7 @@ fn a_current_in_steps_is_found_with_its_lag() {
     assert_eq!(found.model.controls[0].range, [0.0, 1.0]);
 }
 
-/// Three currents are fitted and the fourth is predicted, which lies between them; the law alone knows of no current.
+/// Three currents are fitted, and the fourth, which lies between them, is predicted. The law alone does not know the current.
 #[test]
 fn a_current_that_is_steady_in_each_recording_is_the_same_thing() {
     let at = |current: f64, seed| recorded(controlled(1.0, held(current)), &blocks(), seed);
@@ -149,7 +149,7 @@ fn a_current_that_is_steady_in_each_recording_is_the_same_thing() {
     assert_eq!(families(result), ["control_input"], "{:?}", result.verdict);
     assert!(result.baseline.nrmse_held_out > 10.0 * NOISE);
     assert!(result.on_target.nrmse_held_out < 2.0 * NOISE);
-    // Nothing changes within a recording, so that nothing is late.
+    // Nothing changes within a recording, so no lag can be found.
     assert!(!result.effects[0].parameters.contains_key("lag"));
 
     let beyond = traced(&fitted, &[at(1.5, 5)]);
@@ -165,7 +165,7 @@ fn a_current_on_which_nothing_depends_is_none() {
     assert_eq!(result.verdict, Verdict::None, "{:?}", families(&result));
 }
 
-/// Its place in the model is not that in the recording: another column stands before it.
+/// Its place in the model differs from that in the recording: another column stands before it.
 #[test]
 fn a_column_is_known_by_its_name() {
     let test = |seed: u64| {
@@ -193,7 +193,7 @@ fn a_column_is_known_by_its_name() {
     assert!(refused.to_string().contains("current_A"), "{refused}");
 }
 
-/// An input that is known stands where the model has it, whatever the columns' order, and no recording may lack it.
+/// A known input stands where the model has it, whatever the columns' order, and every recording needs it.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_known_input_stays_and_must_be_there() {
@@ -233,7 +233,7 @@ fn a_known_input_stays_and_must_be_there() {
     );
 }
 
-/// What is the same in all that is fitted says nothing of what another value does.
+/// An input that is constant in all fitted recordings shows nothing about other values.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_current_that_was_never_another_is_said_to_be_another() {
@@ -245,7 +245,7 @@ fn a_current_that_was_never_another_is_said_to_be_another() {
     assert!(said, "{:?}", result.warnings);
 }
 
-/// What one of the recordings lacks cannot be looked at, and that is said.
+/// An input that one of the recordings lacks cannot be used, and the trace says so.
 #[test]
 fn a_column_that_a_recording_lacks_is_not_looked_at() {
     let test = |seed| recorded(controlled(1.0, steps(seed)), &blocks(), seed);

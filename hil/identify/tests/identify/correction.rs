@@ -1,4 +1,4 @@
-//! The correction without a name, on specimens with effects that no family has: fitted on one programme, compared on another.
+//! The residual table, on specimens with effects of no family: fitted on one programme, compared on another.
 
 use mesh_damper_identify::correction::{depends_on, fit};
 use mesh_damper_model::Model;
@@ -22,7 +22,7 @@ fn corrected(hidden: impl Fn() -> Hidden) -> Option<Model> {
     fitted.map(|(model, _)| model)
 }
 
-/// What is remembered, and the error at other amplitudes and frequencies over the noise.
+/// The memory, and the error at other amplitudes and frequencies over the noise.
 fn held_out(hidden: impl Fn() -> Hidden) -> (Option<Remembered>, f64) {
     let model = corrected(&hidden).expect("there is something to correct");
     let held = record(&held(), hidden(), 2);
@@ -34,7 +34,7 @@ fn held_out(hidden: impl Fn() -> Hidden) -> (Option<Remembered>, f64) {
     (memory.map(|memory| memory.of), identified)
 }
 
-/// A force that depends on nothing but the moment.
+/// A force that depends only on the present moment.
 fn momentary(force: fn(&Sample) -> f64) -> impl Fn() -> Hidden {
     move || Box::new(force)
 }
@@ -64,7 +64,8 @@ fn a_force_of_displacement_and_velocity_needs_no_memory() {
     }
 }
 
-/// Along a curve, and over a width, that the search doesn't begin with: 1.8 and 2.1 times the noise where it stays with those.
+/// Along a curve, and over a width, with which the search does not begin: 1.8 and 2.1 times the noise if the search stays with its
+/// starts.
 #[test]
 fn friction_that_fades_with_speed_is_followed() {
     type Case = (fn(&Sample) -> f64, f64);
@@ -102,7 +103,7 @@ fn creep_is_remembered_as_age() {
     assert!(error < 4.0, "{error} times the noise");
 }
 
-/// Where the cycles of a block show nothing of it, time is not what it is.
+/// If the cycles of a block do not show it, it is not a change over time.
 #[test]
 fn how_long_a_test_has_run_is_remembered_only_where_it_is_seen() {
     let creeping = momentary(|s| -0.02 * (1.0 + s.time / 2.0).ln());
@@ -141,7 +142,7 @@ fn a_relaxation_that_stiffens_is_remembered_as_lag() {
         })
     });
     assert!(matches!(memory, Some(Remembered::Lag { .. })), "{memory:?}");
-    // 30 without.
+    // 30 without the table.
     assert!(error < 5.5, "{error} times the noise");
 }
 
@@ -155,7 +156,7 @@ fn softening_by_the_largest_displacement_is_remembered() {
         })
     });
     assert_eq!(memory, Some(Remembered::Largest));
-    // 21 without.
+    // 21 without the table.
     assert!(error < 8.0, "{error} times the noise");
 }
 
@@ -172,11 +173,11 @@ fn softening_by_heat_is_remembered_as_travel() {
         matches!(memory, Some(Remembered::Travel { .. })),
         "{memory:?}"
     );
-    // 19 without.
+    // 19 without the table.
     assert!(error < 8.0, "{error} times the noise");
 }
 
-/// The other test begins anew, and its cycles are of another length.
+/// The other test starts again, and its cycles have another length.
 #[test]
 fn a_zero_that_drifts_is_remembered_as_age() {
     let (memory, error) = held_out(momentary(|s| 0.004 * s.time));
@@ -184,7 +185,7 @@ fn a_zero_that_drifts_is_remembered_as_age() {
     assert!(error < 1.5, "{error} times the noise");
 }
 
-/// The other test begins warm and cools down.
+/// The other test starts warm and cools down.
 #[test]
 fn a_load_cell_that_warms_stands_over_temperature() {
     let warms = |time: f64| Some(20.0 + 15.0 * (1.0 - (-time / 8.0).exp()));
@@ -198,7 +199,7 @@ fn a_load_cell_that_warms_stands_over_temperature() {
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
     let memory = model.correction.unwrap().memory.unwrap();
     assert_eq!(memory.of, Remembered::Temperature);
-    // 65 without.
+    // 65 without the table.
     assert!(error < 3.0, "{error} times the noise");
 }
 
@@ -223,12 +224,12 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
         let recordings = [record(&fitted(), hidden, 1)];
         let found = fit(&recordings, &start(), |_, _| true, |_, _| Ok(true)).unwrap();
         let (model, choice) = found.expect("there is something to correct");
-        // A line could have any stiffness that eq 13 gives up.
+        // A line could absorb any stiffness that eq 13 gives up.
         for node in &model.law {
             let true_k1 = tables::interpolate(DENSITY, node.amplitude).k1;
             assert!((node.k1 - true_k1).abs() < 0.2 * true_k1, "{node:?}");
         }
-        // Of what is left without it.
+        // Relative to the error without the table.
         let without = Model {
             correction: None,
             ..model
@@ -239,7 +240,7 @@ fn friction_at_one_place_is_told_from_an_elastic_force_there() {
     }
 }
 
-/// Where the force jumps, a table that is a straight line from node to node does not.
+/// At a jump of the force, a table that is a straight line from node to node has no jump.
 #[test]
 fn what_touches_beyond_an_edge_has_it() {
     let one = |s: &Sample| {
@@ -264,7 +265,7 @@ fn what_touches_beyond_an_edge_has_it() {
         if let Some(low) = low {
             assert!((below - low).abs() < 1e-3, "{below} mm");
         }
-        // Of the second 18 without its edges.
+        // 18 for the second without its edges.
         assert!(error < 2.2, "{error} times the noise");
     }
 }
@@ -285,7 +286,7 @@ fn friction_that_grows_with_frequency_stands_over_it() {
     let held = record(&held(), growing(), 2);
     let force = predict_embedded(&model, &held).unwrap();
     let error = nrmse(&force, &held.force, |_| true) / NOISE;
-    // 27 without the correction that eq 13 was fitted beside.
+    // 27 without the correction with which eq 13 was fitted.
     assert!(error < 4.0, "{error} times the noise");
 }
 
@@ -294,7 +295,7 @@ fn nothing_is_corrected_where_nothing_is_missing() {
     assert_eq!(corrected(momentary(|_| 0.0)), None);
 }
 
-/// However far the motion goes, the correction adds no more than its largest cells.
+/// However large the motion, the correction adds no more than its largest cells.
 #[test]
 fn the_correction_is_bounded_outside_the_data() {
     let model = corrected(momentary(|s| 0.3 * s.displacement * s.velocity)).unwrap();

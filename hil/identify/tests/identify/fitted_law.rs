@@ -1,4 +1,4 @@
-//! What identification fits is what the crate runs: the errors that a fit is chosen by are those of the law that comes of it.
+//! The crate runs exactly the law that identification fits: the errors that guide a fit are those of the resulting law.
 
 use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::families::{Entry, Form};
@@ -13,12 +13,12 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::hidden::{self, block, record_at};
 
-/// Every two forms that may stand beside each other, with the linear part fitted. A spring in series is left out: while it
-/// is fitted how it gives way is taken as known.
+/// Every two forms that may be in one model, with the linear part fitted. A spring in series is left out: its deflection is held
+/// fixed while it is fitted.
 #[test]
 fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     let warms = |time: f64| Some(20.0 + 3.0 * time);
-    // Something of everything, and of nothing alone.
+    // A little of everything, and nothing alone.
     let hidden = Box::new(|s: &hidden::Sample| {
         let tone = 0.05 * (std::f64::consts::TAU * 41.0 * s.time + 1.0).sin();
         let warm = -0.01 * (s.temperature - 20.0) * s.law;
@@ -41,10 +41,10 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
         reference: 20.0,
         is_known: false,
     };
-    // Late by whole ticks and a part of one.
+    // Delayed by whole ticks and a fraction of one.
     let shapes = |form: Form, law: &Solution| match form.name {
         "delay" => vec![6.7e-3],
-        // A slow one shows the amplitude before long into the next, where a fit has that of each row throughout.
+        // A slow filter carries the amplitude of one block into the next, where a fit uses the amplitude of each row throughout.
         "force_filter" => vec![60.0],
         _ => Screen::at(&rows, &extent, law).starts(term(form))[0]
             .shapes
@@ -55,7 +55,7 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
         .collect();
     for &first in &forms {
         let problem = Problem::new(&rows, &extent, &[term(first)]);
-        // What scales eq 13 is searched.
+        // The sizes of terms that scale eq 13 are searched.
         let with_first = match first.entry {
             Entry::Scales(_) => problem.solve_from(&alone, &shapes(first, &alone)),
             _ => problem.solve_at(&alone, &shapes(first, &alone)),
@@ -84,7 +84,7 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     }
 }
 
-/// A force that grows with the cube of next to no displacement asks for more than the crate takes: the fit ends at what it takes.
+/// A force proportional to the cube of a tiny displacement would need more than the crate's range: the fit ends at that range.
 #[test]
 fn a_coefficient_ends_where_the_crate_does() {
     let time = (0..4000).map(|index| f64::from(index) / 500.0);

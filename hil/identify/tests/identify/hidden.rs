@@ -1,4 +1,4 @@
-//! Specimens with an effect that no family has, and tests of them.
+//! Specimens with an effect of no family, and tests of them.
 
 use std::f64::consts::TAU;
 
@@ -13,10 +13,10 @@ use rand_chacha::ChaCha8Rng;
 pub const RATE: f64 = 500.0;
 /// g/cm³
 pub const DENSITY: f64 = 3.0;
-/// Of the force, over its RMS.
+/// Noise of the force over its RMS.
 pub const NOISE: f64 = 0.004;
 
-/// What a specimen's force may depend on.
+/// The quantities that a specimen's force may depend on.
 pub struct Sample {
     /// s
     pub time: f64,
@@ -34,7 +34,7 @@ pub struct Sample {
     pub temperature: f64,
 }
 
-/// Force beside eq 13, kN, with its memory.
+/// Force in addition to eq 13, kN, with its memory.
 pub type Hidden = Box<dyn FnMut(&Sample) -> f64>;
 
 pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
@@ -55,12 +55,12 @@ pub fn fitted() -> Vec<TestBlock> {
         .collect()
 }
 
-/// A test of a specimen whose eq 13 is tabulated over amplitude.
+/// A test of a specimen with eq 13 tabulated over amplitude.
 pub fn record(blocks: &[TestBlock], hidden: Hidden, seed: u64) -> Trajectory {
     record_at(|_| None, blocks, hidden, seed)
 }
 
-/// The same at a temperature in °C, if any is measured, that depends on the time in s.
+/// The same with a temperature in °C over the time in s, if one is measured.
 pub fn record_at(
     temperature: impl Fn(f64) -> Option<f64>,
     blocks: &[TestBlock],
@@ -108,7 +108,7 @@ pub fn record_at(
     Trajectory::new("test", 1.0 / RATE, &displacement, force, None, temperature)
 }
 
-/// The published law at the fitted amplitudes, off as a fit is that puts an unknown effect into eq 13.
+/// The published law at the fitted amplitudes, with the errors of a fit that absorbs an unknown effect into eq 13.
 pub fn start() -> Model {
     let node = |amplitude| {
         let law = tables::interpolate(DENSITY, amplitude);

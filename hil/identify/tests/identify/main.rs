@@ -1,4 +1,4 @@
-//! What is found of specimens and channels that are known, and of recordings made elsewhere.
+//! Traces of specimens and channels with a known truth, and of recordings made elsewhere.
 
 mod any_motion;
 mod channel_faults;

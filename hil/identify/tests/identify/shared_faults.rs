@@ -1,4 +1,4 @@
-//! What is wrong with the channels of a rig is wrong in all of its recordings.
+//! A channel fault of a rig is present in all of its recordings.
 
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::{Trace, trace};
@@ -7,12 +7,12 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::hidden::{self, Hidden, Sample, block, fitted, record};
 
-/// Evenly spread over ±1, as if at random.
+/// Evenly spread over ±1, like random numbers.
 fn noise(index: usize) -> f64 {
     (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) as i64 as f64 / i64::MAX as f64
 }
 
-/// The channels of a test at 500 Hz, with the displacement `off` by so many mm and the force `early` by so many samples.
+/// The channels of a test at 500 Hz, with the displacement `off` by a number of mm and the force `early` by a number of samples.
 fn recording(name: &str, clean: &Trajectory, off: f64, early: usize) -> Recording {
     let count = clean.len() - early;
     Recording::new(
@@ -20,7 +20,7 @@ fn recording(name: &str, clean: &Trajectory, off: f64, early: usize) -> Recordin
         (0..count)
             .map(|index| index as f64 / hidden::RATE)
             .collect(),
-        // With noise of some µm, which the motion is estimated from.
+        // With noise of some µm, from which the motion is estimated.
         (0..count)
             .map(|index| clean.motion.displacement[index] + off + 1e-4 * noise(index))
             .collect(),
@@ -29,7 +29,7 @@ fn recording(name: &str, clean: &Trajectory, off: f64, early: usize) -> Recordin
     .unwrap()
 }
 
-/// A test that is fitted and one of other amplitudes and frequencies.
+/// A fitted test, and one with other amplitudes and frequencies.
 fn tests(hidden: fn() -> Hidden) -> [Trajectory; 2] {
     let other = [block(0.12, 3.0, 8), block(0.18, 1.5, 6)];
     [record(&fitted(), hidden(), 1), record(&other, hidden(), 2)]
@@ -39,7 +39,7 @@ fn traced(fitted: Recording, held_out: Recording) -> Trace {
     trace(&[fitted], &[held_out], &|_| ()).unwrap()
 }
 
-/// What is left of what is held out where nothing is wrong.
+/// The error on the held-out test if nothing is wrong.
 fn error_of_clean(fitted: &Trajectory, other: &Trajectory) -> f64 {
     let trace = traced(
         recording("fitted", fitted, 0.0, 0),
@@ -61,7 +61,7 @@ fn asymmetry() -> Hidden {
     Box::new(|s: &Sample| 3.0 * s.displacement.powi(2))
 }
 
-/// The law depends on amplitude, and each recording by itself says when the force comes to half a tick at best.
+/// The law depends on amplitude, and a single recording shows the delay of the force to half a tick at best.
 #[test]
 fn a_force_that_is_early_is_moved_alike_in_all() {
     let [fitted, other] = tests(nothing);
@@ -95,12 +95,12 @@ fn a_force_that_comes_in_time_is_not_moved_because_another_is_early() {
     assert_eq!(trace.recordings[1].trajectory.late, 0.0);
 }
 
-/// Asymmetry has a mean force too, and is none of a zero that was left in.
+/// Asymmetry also has a mean force, which is not due to a zero that was left in.
 #[test]
 fn a_zero_of_the_displacement_is_no_physics() {
     let [fitted, other] = tests(asymmetry);
     let clean = error_of_clean(&fitted, &other);
-    // The least is that only of the other test, which moves less.
+    // The smallest offset is in the other test only, which moves less.
     for off in [0.0095, 0.03, -0.08] {
         let trace = traced(
             recording("fitted", &fitted, off, 0),
@@ -116,7 +116,7 @@ fn a_zero_of_the_displacement_is_no_physics() {
     }
 }
 
-/// A motion that fades, or is wider to one side at times, is about its zero all the same.
+/// A motion that fades, or that is wider on one side at times, is still about its zero.
 #[test]
 fn an_uneven_motion_has_no_other_zero() {
     let clean = record(&fitted(), nothing(), 1);
@@ -137,7 +137,7 @@ fn an_uneven_motion_has_no_other_zero() {
     assert_eq!([clean.centre, fading.centre], [0.0; 2]);
 }
 
-/// A specimen that is held off its rest has the force of that.
+/// A specimen that is held away from its rest position has the force of that position.
 #[test]
 fn a_preload_is_no_zero() {
     let held = record(&fitted(), Box::new(|_| 0.2), 1);

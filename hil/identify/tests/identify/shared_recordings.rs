@@ -1,4 +1,4 @@
-//! The trace on the recordings that are kept beside the repository. Left out, and said so, where they are not.
+//! The trace on the recordings that are kept next to the repository. If they are absent, the tests are skipped and say so.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -8,13 +8,13 @@ use mesh_damper_identify::trace::{Trace, trace};
 use mesh_damper_recording::Recording;
 use serde_json::Value;
 
-/// The folder of the recordings, or `None` with a line that says what was left out.
+/// The folder of the recordings, or `None` with a line that says which tests are skipped.
 pub fn recordings() -> Option<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/recordings");
     if folder.is_dir() {
         return Some(folder);
     }
-    // Past the test harness, which keeps what passing tests print to itself.
+    // Written past the test harness, which hides the output of passing tests.
     let said = writeln!(
         std::io::stderr(),
         "left out: there are no recordings in ../shared/recordings beside the repository"
@@ -36,7 +36,7 @@ fn families(trace: &Trace) -> Vec<&str> {
         .collect()
 }
 
-/// Families of the key that this tracer knows.
+/// The families in the answer key that this tracer knows.
 const KNOWN: [&str; 10] = [
     "none",
     "offset",
@@ -96,9 +96,9 @@ fn labelled_recordings_are_named_and_predicted_to_their_noise() {
     assert_eq!(tried, 11);
 }
 
-/// Fitted on all conditions but one. At 2 mm, 5 Hz it is only by all blocks that a branch that slips is told from a spring in series, which
-/// leaves 0.4 of the error there. What such a damper's oil does is a slider's with a slope, and so either name is true of it: a slider
-/// is a dashpot that yields at once.
+/// Fitted on all conditions but one. At 2 mm, 5 Hz only all blocks together distinguish a branch that slips from a spring in
+/// series, which leaves 0.4 of the error there. The oil of such a damper acts like a slider with a slope. So either name is
+/// correct: a slider is a dashpot that yields at once.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
@@ -138,7 +138,7 @@ fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
         };
         let preferred = &result.effects[..1];
         assert!(has(preferred, &["stick_slip", "yielding"]), "{preferred:?}");
-        // A spring in series may be said to do as well; the law has none.
+        // The report may say that a spring in series does equally well; the law has none.
         let series = ["compliance", "delay"];
         let mut in_law = traced.model.effects.iter();
         assert!(!in_law.any(|effect| series.contains(&effect.family.name())));

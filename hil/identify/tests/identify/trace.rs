@@ -1,4 +1,4 @@
-//! The trace on recordings whose truth is known: coefficients, effects, verdicts and intervals.
+//! The trace on recordings with a known truth: coefficients, effects, verdicts and intervals.
 
 mod confirmed;
 mod elements;
@@ -47,7 +47,7 @@ const OTHERS: [(f64, f64, u32); 2] = [(0.12, 2.5, 8), (0.18, 1.25, 6)];
 /// One sample of clean motion: time s, displacement mm, velocity mm/s, acceleration mm/s².
 type Sample = (f64, f64, f64, f64);
 
-/// Sines that follow each other at full amplitude. Every block lasts a whole number of samples.
+/// Consecutive sines at full amplitude. Every block lasts a whole number of samples.
 fn motion(blocks: &[(f64, f64, u32)]) -> Vec<Sample> {
     let mut samples = Vec::new();
     for &(amplitude, frequency, cycles) in blocks {
@@ -69,7 +69,7 @@ fn law(&(_, y, v, _): &Sample) -> f64 {
     K1 * y + K3 * y.powi(3) + C * v.abs().powf(ALPHA) * v.signum()
 }
 
-/// Records eq 13 and `effect` with `noise` as a part of the RMS force.
+/// Records eq 13 and `effect` with `noise` as a fraction of the RMS force.
 fn record(
     name: &str,
     blocks: &[(f64, f64, u32)],
@@ -114,7 +114,7 @@ fn families(trace: &Trace) -> Vec<&str> {
         .collect()
 }
 
-/// A slider of stiffness `k` and slip limit `x`, written on its own.
+/// A slider of stiffness `k` and slip limit `x`, written independently.
 fn slider(k: f64, x: f64) -> impl FnMut(&Sample) -> f64 {
     let mut anchor = 0.0_f64;
     move |&(_, y, _, _)| {
@@ -123,7 +123,7 @@ fn slider(k: f64, x: f64) -> impl FnMut(&Sample) -> f64 {
     }
 }
 
-/// A Maxwell branch of stiffness `k` and time `tau`, by ten Euler steps a tick along a straight line: 1 % of a step of 2 ms
+/// A Maxwell branch of stiffness `k` and time `tau`, by ten Euler steps per tick along a straight line: 1 % of a step of 2 ms
 /// against 60 ms is 0.02 %.
 fn branch(k: f64, tau: f64) -> impl FnMut(&Sample) -> f64 {
     let (mut force, mut before) = (0.0, None);
@@ -233,7 +233,7 @@ fn each_effect_is_named_and_measured() {
     );
 }
 
-/// The blocks of small amplitude are mostly noise then, which says nothing against an effect that shows in the others.
+/// The blocks of small amplitude then consist mostly of noise, which is no evidence against an effect that shows in the others.
 #[test]
 fn an_effect_is_named_in_much_noise() {
     let trace = traced(0.03, 5, || |&(_, y, ..): &Sample| 1500.0 * y.powi(5));
@@ -290,7 +290,7 @@ fn coefficients_over_amplitude_are_taken_when_the_data_ask_for_them() {
     );
 }
 
-/// Of a law that is another one elsewhere this is said, and of one that is not it isn't, however small the force there.
+/// If a law differs elsewhere the report says so; otherwise it does not, however small the force there.
 #[test]
 fn a_law_that_errs_elsewhere_is_said_to() {
     const SMALL: [(f64, f64, u32); 2] = [(0.02, 2.5, 8), (0.02, 1.25, 6)];
@@ -319,7 +319,7 @@ fn trace_of(fitted: Recording, held: Recording) -> Trace {
     trace(&[fitted], &[held], &|_| ()).unwrap()
 }
 
-/// With no recording held out, cycles of every block and one whole block are, and no fit sees them.
+/// If no recording is held out, cycles of every block and one whole block are, and no fit uses them.
 #[test]
 fn without_a_held_out_recording_whole_cycles_are_held_out() {
     let fitted = record("fitted", &BLOCKS, 0.004, 21, |s| -2.0 * s.1 * s.1);
@@ -344,7 +344,7 @@ fn without_a_held_out_recording_whole_cycles_are_held_out() {
     assert_eq!(families(&trace), ["asymmetry"]);
 }
 
-/// A held-out recording that is the fitted one run on is scored on what follows only.
+/// A held-out recording that continues the fitted one is scored only on the continuation.
 #[test]
 fn the_same_test_run_on_is_scored_where_it_is_new() {
     let long = record("long", &[(0.1, 2.0, 60)], 0.004, 31, |s| {
@@ -366,8 +366,8 @@ fn the_same_test_run_on_is_scored_where_it_is_new() {
     assert!(trace.result.augmented.nrmse_held_out < 1.3 * 0.004);
 }
 
-/// Whatever the force that is held out is like, the verdict and every coefficient come out the same, and only the errors that
-/// are reported differ; of a named effect and of a correction without a name.
+/// Whatever the held-out force is, the verdict and every coefficient stay the same, and only the reported errors differ. This holds
+/// for a named effect and for a residual table.
 #[test]
 fn nothing_that_is_held_out_reaches_the_law_of_a_named_effect() {
     nothing_that_is_held_out_reaches_the_law(|s| 0.004 * s.2 * s.2.abs());
@@ -392,7 +392,7 @@ fn nothing_that_is_held_out_reaches_the_law(effect: fn(&Sample) -> f64) {
     let errors = |trace: &Trace| trace.result.augmented.nrmse_held_out;
     assert!(errors(&blind) > 1.5 * errors(&known));
 
-    // The same within one recording, by what the first trace held out of it.
+    // The same within one recording, with the samples that the first trace held out.
     let whole = trace(std::slice::from_ref(&fitted), &[], &|_| ()).unwrap();
     let mut changed = fitted;
     for (force, role) in changed.force.iter_mut().zip(&whole.recordings[0].roles) {
@@ -405,7 +405,7 @@ fn nothing_that_is_held_out_reaches_the_law(effect: fn(&Sample) -> f64) {
     assert_eq!(whole.result.verdict, again.result.verdict);
 }
 
-/// A test that sets out downwards instead of upwards is the same test.
+/// A test that starts downwards instead of upwards gives the same result.
 #[test]
 fn the_verdict_does_not_depend_on_the_direction() {
     let mirrored = |recording: &Recording| {
@@ -429,7 +429,7 @@ fn the_verdict_does_not_depend_on_the_direction() {
     assert_eq!(blocks(&turned), BLOCKS.len());
 }
 
-/// The answer is about physics, not about units: everything scaled, the same family and the scaled parameter.
+/// The answer does not depend on the units: with everything scaled, the trace finds the same family and the scaled parameter.
 #[test]
 fn the_verdict_does_not_depend_on_the_scale() {
     let scaled = |recording: &Recording| {
@@ -449,7 +449,7 @@ fn the_verdict_does_not_depend_on_the_scale() {
     assert!((limit - 40.0 * 0.04).abs() < 0.03 * 1.6, "{limit}");
 }
 
-/// 90 % intervals of an effect's parameters hold the truth about nine times in ten.
+/// 90 % intervals of an effect's parameters contain the truth about nine times in ten.
 #[test]
 fn intervals_hold_the_truth() {
     let runs = 100;
@@ -476,7 +476,7 @@ fn intervals_hold_the_truth() {
         sizes += usize::from((value.sizes[0] - 0.9).abs() < terms[0].sizes[0]);
         shapes += usize::from((value.shapes[0] / 0.04).ln().abs() < terms[0].shapes[0].ln());
     }
-    // Of 100 at 90 %: 90 ± 3; beyond three deviations either way the intervals are wrong.
+    // 90 of 100 are expected, with a deviation of 3; beyond three deviations either way the intervals are wrong.
     assert!((80..=99).contains(&sizes), "stiffness: {sizes} of {runs}");
     assert!(
         (80..=99).contains(&shapes),
@@ -510,7 +510,7 @@ fn recordings_that_contradict_each_other_are_refused() {
     assert!(trace(&[one], &[elsewhere], &|_| ()).is_ok());
 }
 
-/// One whose sign is turned among several contradicts them no more once it is turned back.
+/// A recording with a reversed sign among several no longer contradicts the others once the sign is corrected.
 #[test]
 fn a_turned_sign_is_turned_back_and_said() {
     let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
@@ -528,7 +528,7 @@ fn a_turned_sign_is_turned_back_and_said() {
             .iter()
             .any(|warning| warning.starts_with(said))
     );
-    // The same motion with the force turned is the same recording again.
+    // The same motion with the force's sign reversed back is the same recording.
     let copy = with_force(&one, "copy", |f| -f);
     let error = trace(&[one], &[copy], &|_| ()).unwrap_err().to_string();
     assert!(

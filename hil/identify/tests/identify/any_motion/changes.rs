@@ -1,4 +1,4 @@
-//! What changes in the course of a test and is no effect of the specimen, or none that is listed.
+//! Changes during a test that are no effect of the specimen, or no listed effect.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 
 use super::{RATE, random, recorded, rms, steps, traced};
 
-/// A zero that steps in the middle of a test is no effect of the specimen, and hides none.
+/// A step of the zero in the middle of a test is no effect of the specimen, and hides none.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_zero_that_steps_is_moved_back() {
@@ -59,8 +59,8 @@ fn a_zero_that_steps_is_moved_back() {
     assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
 }
 
-/// A specimen that warms as it works softens with the swell of a modulated sine: at a frequency of the motion, which no tone from without
-/// has.
+/// A specimen that warms up as it works softens with the swell of a modulated sine. The change has a frequency of the motion, which
+/// no outside tone has.
 #[test]
 fn what_swells_with_the_motion_is_no_tone() {
     let (carrier, swell, depth) = (3.0, 0.1, 0.35);
@@ -106,7 +106,7 @@ fn what_swells_with_the_motion_is_no_tone() {
     }
 }
 
-/// The mean force of a specimen that is stiffer on one side changes with the amplitude: that is no step of a zero.
+/// The mean force of a specimen that is stiffer on one side changes with the amplitude. That is not a step of the zero.
 #[test]
 fn a_mean_that_changes_with_the_amplitude_is_no_step_of_the_zero() {
     let sines = |time: f64| {
@@ -121,7 +121,7 @@ fn a_mean_that_changes_with_the_amplitude_is_no_step_of_the_zero() {
         }
         recording
     };
-    // Of the list, and of no list.
+    // A listed effect and an unlisted one.
     for power in [2, 1] {
         let result = traced(test(2.0, power, 1), test(2.0, power, 2));
         let told = |warning: &String| warning.contains("the zero of the force");

@@ -1,4 +1,4 @@
-//! A force that comes through a channel which makes it late, beside a mass.
+//! A force channel with a delay, together with a mass.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,8 @@ use rand_distr::{Distribution, Normal};
 
 use super::{law, random, rms, traced};
 
-/// A law with a mass of 40 kg along noise up to 12 Hz at 2 kHz, whose force, by time, comes through `channel` with noise of a thousandth.
+/// A law with a mass of 40 kg along noise up to 12 Hz at 2 kHz. Its force over time passes through `channel` and has noise of a
+/// thousandth.
 fn massive(seed: u64, channel: impl Fn(&dyn Fn(f64) -> f64, f64) -> Vec<f64>) -> Recording {
     let (motion, law) = (random(seed), law());
     let rate = 2000.0;
@@ -30,8 +31,8 @@ fn massive(seed: u64, channel: impl Fn(&dyn Fn(f64) -> f64, f64) -> Vec<f64>) ->
     Recording::new("behind a channel", time, displacement, force).unwrap()
 }
 
-/// Ten seconds of x″ + √2·ω·x′ + ω²·x = ω²·force at `rate`, by Runge and Kutta's steps of a twentieth of a sample, after a tenth of a second
-/// in which the start has faded.
+/// Ten seconds of x″ + √2·ω·x′ + ω²·x = ω²·force at `rate`, by Runge–Kutta steps of a twentieth of a sample, after a tenth of a
+/// second in which the start fades.
 fn low_passed(force: &dyn Fn(f64) -> f64, rate: f64, corner: f64) -> Vec<f64> {
     let (parts, lead) = (20, 200);
     let step = 1.0 / (rate * f64::from(parts));
@@ -59,7 +60,7 @@ fn low_passed(force: &dyn Fn(f64) -> f64, rate: f64, corner: f64) -> Vec<f64> {
     all[lead as usize..].to_vec()
 }
 
-/// The families found, and a parameter by its name; NaN where none has it.
+/// The families found, and a function for a parameter by its name; NaN if none has it.
 fn found(result: &TraceResult) -> (Vec<&str>, impl Fn(&str) -> f64) {
     let effects = result.effects.iter();
     let mut families: Vec<&str> = effects.map(|effect| effect.family.as_str()).collect();
@@ -72,7 +73,7 @@ fn found(result: &TraceResult) -> (Vec<&str>, impl Fn(&str) -> f64) {
     (families, value)
 }
 
-/// A low-pass shows what changes fast weaker, which beside a mere delay is taken for more of a mass.
+/// A low-pass attenuates fast changes. With a mere delay in the law, that would look like a larger mass.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_force_behind_a_low_pass_leaves_the_mass_as_it_is() {
@@ -87,7 +88,7 @@ fn a_force_behind_a_low_pass_leaves_the_mass_as_it_is() {
     }
 }
 
-/// What is late by one time at all frequencies is a delay of that time.
+/// A force with the same delay at all frequencies is found as that delay.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_mere_delay_stays_one() {

@@ -1,4 +1,4 @@
-//! A dashpot that yields, under random motion: it is named, and so are a slider and a Maxwell branch, which it may be.
+//! A dashpot that yields, under random motion, is named. So are a slider and a Maxwell branch, which are its limits.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_recording::Recording;
@@ -9,12 +9,12 @@ use rand_distr::{Distribution, Normal};
 
 use super::{DURATION, RATE, law, rms, tones};
 
-/// Calls of the specimen to a sample.
+/// Calls of the specimen per sample.
 const CALLS: usize = 8;
-/// Of the force, over its RMS.
+/// Noise of the force over its RMS.
 const NOISE: f64 = 5e-3;
 
-/// A specimen that hides `effect`, under noise of 0.3 to 12 Hz.
+/// A specimen with the hidden effect `effect`, under noise of 0.3 to 12 Hz.
 fn recorded(effect: HiddenEffect, seed: u64) -> Recording {
     let mut random = StdRng::seed_from_u64(seed);
     let tones = tones(&mut random);
@@ -77,7 +77,7 @@ fn it_is_named_and_has_its_parameters() {
         let part = found(name) / truth;
         assert!((part - 1.0).abs() < 0.03, "{name}: {} {truth}", found(name));
     }
-    // Beside the noise of the force there is the error of the velocity, where |v|^α is steep.
+    // In addition to the noise of the force there is the error of the velocity, where |v|^α is steep.
     let [before, after] = [
         result.baseline.nrmse_held_out,
         result.augmented.nrmse_held_out,
@@ -85,7 +85,7 @@ fn it_is_named_and_has_its_parameters() {
     assert!(before > 0.1 && after < 2.0 * NOISE, "{before} {after}");
 }
 
-/// It does as well on them, with two more parameters.
+/// The general form does equally well on them, with two more parameters.
 #[test]
 fn what_it_is_at_its_ends_keeps_its_name() {
     let slider = HiddenEffect::StickSlip {

@@ -1,4 +1,4 @@
-//! An effect is confirmed beside something that is on no list, and what only resembles one is not.
+//! An effect is confirmed although an unlisted effect is present, and a mere resemblance is not confirmed.
 
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::rule::Rule;
@@ -6,7 +6,7 @@ use mesh_damper_identify::trace::trace;
 
 use super::{BLOCKS, OTHERS, Sample, families, record, slider, traced};
 
-/// A force of nothing listed: friction of which the motion's place and the clock decide the sign.
+/// An unlisted force: friction whose sign depends on the place of the motion and on the clock.
 fn nameless(size: f64) -> impl Fn(&Sample) -> f64 {
     move |&(time, y, v, _)| size * (v / 3.0).tanh() * (40.0 * y).sin() * (3.0 * time).cos()
 }
@@ -49,7 +49,7 @@ fn what_has_no_name_gets_none() {
     assert!(result.remainder.is_some());
 }
 
-/// A drag that grows with v² is nearly what a dashpot is, at any one speed.
+/// A drag proportional to v² is nearly a dashpot at any single speed.
 #[test]
 fn a_dashpot_is_not_confirmed_for_a_drag() {
     let trace = traced(0.004, 5, || {
@@ -71,7 +71,7 @@ fn a_dashpot_is_not_confirmed_for_a_drag() {
     }
 }
 
-/// Of one frequency a dashpot and a Maxwell branch leave the same, beside whatever else there is.
+/// At a single frequency a dashpot and a Maxwell branch leave the same error, whatever else is present.
 #[test]
 fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     let blocks: [(f64, f64, u32); 4] = [0.05, 0.1, 0.15, 0.2].map(|amplitude| (amplitude, 5.0, 10));
@@ -111,7 +111,7 @@ fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     );
 }
 
-/// A specimen whose slider has come off before the test that is held out.
+/// A specimen whose slider came off before the held-out test.
 #[test]
 fn a_name_that_conditions_confirm_and_another_test_does_not_is_none() {
     let fitted = record("fitted", &BLOCKS, 0.004, 10, slider(0.9, 0.03));
@@ -141,7 +141,7 @@ fn a_name_that_conditions_confirm_and_another_test_does_not_is_none() {
     );
 }
 
-/// A mass on a spring of its own is nearly a mass, as long as the motion is slow.
+/// A mass on a separate spring is nearly a plain mass as long as the motion is slow.
 #[test]
 fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
     let blocks = [1.0, 2.5, 5.0, 7.5, 10.0].map(|hertz| (0.1, hertz, (4.0 + 2.0 * hertz) as u32));
@@ -174,7 +174,7 @@ fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
     let left = result.remainder.as_ref().expect("of what was held out");
     assert!(left.held_out && left.times_noise > 1.5, "{left:?}");
     assert_eq!(left.nrmse, result.augmented.nrmse_held_out);
-    // The law stays as it was fitted: what is held out decides nothing of it.
+    // The law stays as fitted: held-out samples decide nothing about it.
     assert!(result.adopted);
     assert!(!on_a_spring.model.effects.is_empty());
 }

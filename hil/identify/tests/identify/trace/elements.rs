@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::{Sample, branch, families, traced};
 
-/// A Prony series of two terms, as the source has it of its material, is one effect with both branches.
+/// A Prony series of two terms, with the source's values for its material, is one effect with both branches.
 #[test]
 fn two_branches_are_one_relaxation() {
     let trace = traced(0.004, 8, || {

@@ -1,4 +1,4 @@
-//! What a user knows of a specimen: another law than eq 13, and effects that it has.
+//! A user's knowledge of a specimen: another law than eq 13, and known effects.
 
 use super::*;
 use mesh_damper_identify::known_terms::known_terms;
@@ -6,7 +6,7 @@ use mesh_damper_identify::trace::{Sought, trace_for};
 use mesh_damper_model::{AddedEffect, LawNode, Model};
 
 fn traced_for(sought: &Sought, force: impl Fn() -> Box<dyn FnMut(&Sample) -> f64>) -> Trace {
-    // The law that `record` adds is taken off.
+    // Subtracts the law that `record` adds.
     let own = |mut force: Box<dyn FnMut(&Sample) -> f64>| {
         move |sample: &Sample| force(sample) - law(sample)
     };
@@ -45,13 +45,13 @@ fn effects_are_sought_beside_a_spring_and_a_dashpot() {
     }
 }
 
-/// What gives way in series is fitted by what the crate runs, which knows of k3 and α.
+/// A spring in series is fitted with the crate's computation, which includes k3 and α.
 #[test]
 fn a_spring_in_series_leaves_the_law_as_it_is_made() {
-    // x' = (k·(y − x) − kx·x)/c of a Zener body, in steps a hundredth of the tick.
+    // x' = (k·(y − x) − kx·x)/c of a Zener body, in steps of a hundredth of the tick.
     let (series, k1, c) = (3.0, 2.0, 0.05);
     let sought = Sought {
-        // A Maxwell branch beside a spring is the same.
+        // A Maxwell branch parallel to a spring is the same.
         families: vec![Family::named("compliance").unwrap()],
         ..beside(BaseLaw::Linear)
     };
@@ -100,7 +100,7 @@ fn nothing_is_found_where_nothing_beside_the_law_is() {
         Box::new(|&(_, y, v, _)| 2.0 * y + 0.02 * v)
     });
     assert_eq!(found.result.verdict, Verdict::None);
-    // Beside no law nothing that is listed is a spring.
+    // Without a base law, no listed effect is a plain spring.
     let found = traced_for(&beside(BaseLaw::None), || Box::new(|&(_, y, _, _)| 2.0 * y));
     assert_ne!(found.result.verdict, Verdict::None);
 }
@@ -117,7 +117,7 @@ fn mass(kilograms: f64) -> impl Fn(&Sample) -> f64 {
     move |&(_, _, _, a)| 1e-6 * kilograms * a
 }
 
-/// The law with a slider is known of one test; in the next the specimen carries a mass as well.
+/// The law with a slider is known from one test; in the next the specimen also carries a mass.
 #[test]
 fn what_is_known_stays_and_more_is_found() {
     let slides = || {
@@ -155,7 +155,7 @@ fn what_is_known_stays_and_more_is_found() {
     assert_near(limit(&same.model), 0.04, "slip limit");
 }
 
-/// Where the data show nothing of it, it is in the law all the same, as far as they let it.
+/// If the data do not show the effect, it still stays in the law, within the limits of the data.
 #[test]
 fn what_is_known_is_not_dropped() {
     let effect = AddedEffect {

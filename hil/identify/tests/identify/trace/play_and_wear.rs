@@ -1,14 +1,15 @@
-//! Damping that knows a direction, a slider behind a play, and what degrades: each by a few lines of its own.
+//! Damping that depends on the direction, a slider behind a play, and elements that degrade, each simulated by a few independent
+//! lines.
 
 use mesh_damper_identify::trace::Trace;
 use mesh_damper_identify::trace::result::Verdict;
 
 use super::{ALPHA, C, Sample, families, traced};
 
-/// Of the force, over its RMS.
+/// Noise of the force over its RMS.
 const NOISE: f64 = 0.004;
 
-/// The only effect that was found is of `family`, with each of `parameters` within a part of the truth.
+/// The only effect found is of `family`, with each of `parameters` within a fraction of the truth.
 fn is_found(trace: &Trace, family: &str, parameters: &[(&str, f64, f64)]) {
     let result = &trace.result;
     assert_eq!(families(trace), [family], "{:?}", result.verdict);
@@ -27,7 +28,7 @@ fn is_found(trace: &Trace, family: &str, parameters: &[(&str, f64, f64)]) {
     assert!(left < 1.3 * NOISE, "{family}: {left}");
 }
 
-/// What is measured of the law too is as exact as without: the mean of both directions.
+/// The law's coefficients are as exact as without the effect: they are the mean of both directions.
 #[test]
 fn damping_that_differs_between_the_directions_is_named() {
     for (seed, difference) in [(31, 0.3), (32, -0.08)] {
@@ -40,7 +41,7 @@ fn damping_that_differs_between_the_directions_is_named() {
     }
 }
 
-/// The play is carried along by the slider, whose place is kept.
+/// The slider, whose place is stored, carries the play along.
 fn backlash(k: f64, x: f64, s: f64) -> impl FnMut(&Sample) -> f64 {
     let mut slider = None;
     move |&(_, y, _, _)| {
@@ -63,7 +64,7 @@ fn friction_behind_a_play_is_named() {
     is_found(&trace, "backlash", &truth);
 }
 
-/// The secant to the farthest that it has been, and a parabola within, of the share `p`.
+/// The secant to the farthest displacement so far, and a parabola within, with the share `p`.
 fn worn_spring(k: f64, m0: f64, p: f64) -> impl FnMut(&Sample) -> f64 {
     let mut farthest = 0.0;
     move |&(_, y, _, _)| {
@@ -92,11 +93,11 @@ fn a_spring_that_degrades_and_pinches_is_named() {
     is_found(&trace, "degradation", &truth);
 }
 
-/// The slider's place is kept, and what it dissipates added up on the way from sample to sample, in tenths.
+/// The slider's place is stored, and its dissipated energy is summed on the way from sample to sample, in tenths.
 fn worn_slider(k: f64, x: f64, d: f64, e0: f64) -> impl FnMut(&Sample) -> f64 {
     let (mut energy, mut begun) = (0.0, None);
     move |&(_, y, _, _)| {
-        // Where the damper was, and where the slider is.
+        // The place of the damper, and that of the slider.
         let (from, mut slider): (f64, f64) = begun.unwrap_or((y, y));
         for part in 1..=10 {
             let y = from + (y - from) * f64::from(part) / 10.0;
@@ -121,7 +122,7 @@ fn a_slider_that_weakens_is_named() {
     is_found(&trace, "degradation", &truth);
 }
 
-/// One that does not weaken keeps its name, and so does one without a play.
+/// A slider that does not weaken keeps its name, and so does one without a play.
 #[test]
 fn a_slider_that_does_not_wear_is_a_slider() {
     for seed in [37, 38] {

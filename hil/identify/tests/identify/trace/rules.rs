@@ -1,4 +1,4 @@
-//! The rules that reject what a trace tried are said by name.
+//! The report names the rules by which a trace rejects candidates.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;
@@ -7,7 +7,7 @@ use mesh_damper_model::Family;
 
 use super::{slider, traced};
 
-/// A slider is found at the first step; at the second the law with it is noise-limited.
+/// A slider is found at the first step; at the second step the law with it is noise-limited.
 #[test]
 fn every_candidate_that_is_not_in_the_law_has_its_rule() {
     let result = traced(0.004, 1, || slider(0.9, 0.03)).result;
@@ -37,7 +37,7 @@ fn every_candidate_that_is_not_in_the_law_has_its_rule() {
     }
 }
 
-/// A force that is of nothing listed: the search's best leaves too much.
+/// An unlisted force: the best law of the search leaves too large an error.
 #[test]
 fn effects_that_do_not_explain_a_recording_are_rejected_by_a_rule() {
     let result = traced(0.004, 2, || {
@@ -57,7 +57,7 @@ fn effects_that_do_not_explain_a_recording_are_rejected_by_a_rule() {
     );
 }
 
-/// What the specimen cannot have is not sought, and what it may have is sought alone.
+/// Excluded effects are not searched for, and a list of permitted effects limits the search.
 #[test]
 fn only_what_is_sought_is_tried() {
     let slides =

@@ -11,7 +11,7 @@ fn warming(first: f64, last: f64, samples: usize) -> Vec<f64> {
     (0..samples).map(at).collect()
 }
 
-/// What the law loses is `lost` per degree of its elastic and of its damping force.
+/// The law loses the fractions `lost` of its elastic and of its damping force per degree.
 fn traced_warm(lost: [f64; 2]) -> Trace {
     let warm = |name, blocks: &[(f64, f64, u32)], seed, first, last| {
         let temperature = warming(first, last, motion(blocks).len());
@@ -31,7 +31,7 @@ fn traced_warm(lost: [f64; 2]) -> Trace {
         recording
     };
     let fitted = warm("fitted", &BLOCKS, 1, 20.0, 45.0);
-    // It begins warm and cools down.
+    // It starts warm and cools down.
     let held = warm("held", &OTHERS, 2, 45.0, 30.0);
     trace(&[fitted], &[held], &|_| ()).unwrap()
 }
@@ -46,11 +46,11 @@ fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
         let [Some(beta), damping] = told else {
             panic!("{lost:?}: {parameters:?}")
         };
-        // One number says it where both are the same.
+        // A single number appears if both are equal.
         assert_eq!(damping.is_none(), lost[0] == lost[1], "{lost:?}");
         for (estimate, truth) in [beta, damping.unwrap_or(beta)].into_iter().zip(lost) {
             let off = (estimate.value - truth).abs();
-            // The intervals hold in nine of ten.
+            // The intervals hold in nine of ten cases.
             let half = 0.5 * (estimate.high - estimate.low);
             assert!(off < 2.0 * half && half < 5e-4, "{lost:?}: {estimate:?}");
         }
@@ -59,7 +59,7 @@ fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
     }
 }
 
-/// The cycles run at each sample of a test.
+/// The cycle count at each sample of a test.
 fn cycles_run(blocks: &[(f64, f64, u32)]) -> Vec<f64> {
     let mut run = 0.0;
     let mut all = Vec::new();
@@ -72,7 +72,7 @@ fn cycles_run(blocks: &[(f64, f64, u32)]) -> Vec<f64> {
     all
 }
 
-/// In the end eq 13's elastic and damping force have changed by these parts of themselves, after 12 cycles by 63 % of that.
+/// In the end, the elastic and damping forces of eq 13 have changed by these fractions; after 12 cycles by 63 % of that.
 fn traced_drifting(change: [f64; 2]) -> Trace {
     let drifting = |name, blocks: &[(f64, f64, u32)], seed| {
         let mut run = cycles_run(blocks).into_iter();
@@ -100,7 +100,7 @@ fn what_the_cycles_take_of_stiffness_and_of_friction_is_told_apart() {
         for (name, truth) in told {
             let estimate = &parameters[name];
             let off = (estimate.value - truth).abs();
-            // The intervals hold in nine of ten.
+            // The intervals hold in nine of ten cases.
             let half = 0.5 * (estimate.high - estimate.low);
             assert!(off < 2.0 * half, "{change:?}: {name} {estimate:?}");
             let narrow = if name == "cycles" { 2.0 } else { 0.03 };
@@ -111,8 +111,8 @@ fn what_the_cycles_take_of_stiffness_and_of_friction_is_told_apart() {
     }
 }
 
-/// In blocks that come in order of their frequency a stiffness that depends on frequency seems to settle from block to block, but
-/// within a block it stands still.
+/// In blocks in order of their frequency, a stiffness that depends on frequency seems to settle from block to block, but within a
+/// block it stands still.
 #[test]
 fn what_depends_on_frequency_is_no_drift() {
     const RISING: [(f64, f64, u32); 5] = [
