@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::cost::{Cost, Costs, Score};
 use super::{Number, numbers};
 
-/// All numbers in Markdown, with what those that are tuned cost.
+/// All numbers in Markdown, with the costs of the tuned ones.
 pub fn table(costs: &Costs) -> String {
     let mut page = String::from(
         "# The numbers that decide\n\n\
@@ -95,7 +95,7 @@ fn in_words(value: &Value) -> String {
 mod tests {
     use super::*;
 
-    /// What is measured is the page's own.
+    /// The measured values come from the page itself.
     #[test]
     fn the_page_in_the_tree_has_every_number_as_it_is() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/numbers.md");
