@@ -1,4 +1,4 @@
-//! Gives the linker the names of the interrupts of an emulated board: none. The package of a chip's registers brings its own.
+//! Gives the linker the interrupt names of an emulated board, which has none. The package of a chip's registers brings its own.
 
 fn main() {
     println!("cargo::rerun-if-changed=src/emulated/device.x");

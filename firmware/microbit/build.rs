@@ -1,4 +1,4 @@
-//! Links the images by cortex-m-rt's script. It includes the memory.x of the folder that cargo runs the linker in, the
+//! Links the images with cortex-m-rt's script. The script includes the memory.x of the folder in which cargo runs the linker, the
 //! workspace's.
 
 fn main() {

@@ -1,124 +1,124 @@
-//! What the images need of a board, and nothing more.
+//! The requirements of the images on a board.
 
 use mesh_damper::effects::CONTROLS;
 use mesh_damper::rig::{Actuator, Sensors, Wiring};
 
-/// A board. Its memories are not here: they stand in the `memory.x` that the linker finds in the working directory.
+/// A board. Its memories are not described here: they are in the `memory.x` that the linker finds in the working directory.
 pub trait Board: 'static {
     /// Clock of the core's SysTick timer, MHz: `bench` counts with it.
     const SYSTICK: u32;
     /// Bytes to and from the harness.
     type Link: Link;
-    /// Where log messages go.
+    /// Channel of log messages.
     type Log: Log;
     /// ADC, DAC and enable line.
     type Converters: Converters;
 
-    /// Clocks and pins, before anything else of an image, with the actuator disabled. What it takes of the chip's peripherals, the
-    /// other parts of the board find in a static of the board's. By default there is nothing to do.
+    /// Sets up clocks and pins before anything else in an image, with the actuator disabled. It stores the chip's peripherals that
+    /// it takes in a static of the board, where the other parts of the board find them. By default there is nothing to do.
     #[inline]
     fn prepare() {}
 
-    /// The end of an image: of one that did what it was for, or that failed.
+    /// Ends the image, after success or failure.
     fn exit(success: bool) -> !;
 
-    /// Restarts, as after its supply came: somebody new is at the other end of the link. By default it ends.
+    /// Restarts as after power-on: the other end of the link is new. By default it ends.
     fn reset() -> ! {
         Self::exit(false)
     }
 }
 
-/// A board that gives the rig its ticks by itself: by SysTick, at the rate that it is set up for.
+/// A board that generates the rig's ticks itself: with SysTick, at the rate of the rig's setup.
 #[cfg(target_os = "none")]
 pub trait OwnTimer: Board {
     /// The serial port to the harness.
     type Port: Port;
-    /// Rate of the counter that [`OwnTimer::clock`] reads, Hz, at least the tick rate. It judges whether ticks are in time, and runs
-    /// apart from SysTick.
+    /// Rate of the counter that [`OwnTimer::clock`] reads, Hz, at least the tick rate. It checks whether ticks are in time, and
+    /// runs independently of SysTick.
     const CLOCK: u32;
 
-    /// Starts the counter. The image does so once, before the first tick.
+    /// Starts the counter. The image calls this once, before the first tick.
     fn start_clock();
 
-    /// What the counter reads; it wraps at 2³².
+    /// The counter's value; it wraps at 2³².
     fn clock() -> u32;
 
-    /// Waits for the next interrupt, or for less.
+    /// Waits for the next interrupt, or shorter.
     #[inline]
     fn wait() {
         cortex_m::asm::wfi();
     }
 }
 
-/// Bytes to and from the harness: [`crate::PortLink`] over a serial port, say.
+/// Bytes to and from the harness: for example [`crate::PortLink`] over a serial port.
 pub trait Link {
-    /// Opens the link. An image does so once, and again to say why it ends.
+    /// Opens the link. An image calls this once, and again to report why it ends.
     fn open() -> Self;
 
-    /// Waits for what comes next: one frame or more. None where nothing has come for so long that a harness would have asked.
+    /// Waits for the next data: one frame or more. Empty if nothing arrived for so long that a harness would have asked.
     fn receive<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8];
 
-    /// Sends bytes in one piece.
+    /// Sends bytes without interruption.
     fn send(&mut self, bytes: &[u8]);
 }
 
-/// A serial port, asked byte by byte.
+/// A serial port, polled byte by byte.
 pub trait Port {
     /// Opens it.
     fn open() -> Self;
 
-    /// A byte that has come.
+    /// The next received byte, if there is one.
     fn take(&mut self) -> Option<u8>;
 
-    /// Sends a byte, or says that there is no room yet.
+    /// Sends a byte, or reports that there is no room yet.
     fn put(&mut self, byte: u8) -> bool;
 }
 
-/// The log's channel: RTT, say.
+/// The log's channel, for example RTT.
 pub trait Log {
     /// Opens the channel, at the first message.
     fn open() -> Self;
 
-    /// Sends a message in one piece, or says that it could not.
+    /// Sends a message without interruption, or reports that it could not.
     fn send(&mut self, message: &[u8]) -> bool;
 }
 
-/// The rig's sensors and its actuator: parts on a bus, as [`mesh_damper::adc`] and [`mesh_damper::dac`] drive them, or what a chip
-/// has by itself.
+/// The rig's sensors and its actuator: parts on a bus, driven by [`mesh_damper::adc`] and [`mesh_damper::dac`], or built into the
+/// chip.
 pub trait Converters {
-    /// Displacement and force, and what controls the specimen.
+    /// Displacement, force and the control inputs of the specimen.
     type Sensors: Sensors + 'static;
-    /// What drives the actuator, and the line that enables it.
+    /// The driver of the actuator, and the line that enables it.
     type Actuator: Actuator + 'static;
 
-    /// Opens them at the scales of `wiring`; none where one of them does not answer. The image does so once.
+    /// Opens them at the scales of `wiring`; none if one of them does not answer. The image calls this once.
     fn open(wiring: &Wiring) -> Option<(Self::Sensors, Self::Actuator)>;
 
-    /// A tick without a rig, of a board that gives its ticks itself. Converters that are simulated let their time pass.
+    /// A tick without a rig, on a board that generates its ticks itself. Simulated converters let their time pass.
     #[inline]
     fn idle() {}
 
-    /// Temperature of the specimen, °C, on a board that gives its ticks itself. Where nobody measures it, 20.
+    /// Temperature of the specimen, °C, on a board that generates its ticks itself. 20 if it is not measured.
     fn temperature() -> f32 {
         20.0
     }
 }
 
-/// Converters whose specimen is the harness: each request for a tick carries the codes that its sensors deliver and its control inputs,
-/// and the answer the code that its actuator gets.
+/// Converters whose specimen is simulated by the harness. Each request for a tick carries the codes of its sensors and its control
+/// inputs, and the answer carries the code for its actuator.
 pub trait Harnessed: Converters {
-    /// Codes of displacement and force that the sensors are to give at this tick. Converters that are wired to a specimen have their own.
+    /// Codes of displacement and force for the sensors at this tick. Converters wired to a specimen have their own.
     fn sense(displacement: u16, force: u16);
 
-    /// Control inputs that `sensors` are to give at this tick, in the units of the law's effects. Converters that measure them, or
-    /// whose specimen has none, have nothing to do.
+    /// Control inputs for `sensors` at this tick, in the units of the law's effects. Converters that measure them, or whose
+    /// specimen has none, do nothing here.
     #[inline]
     fn control(_sensors: &mut Self::Sensors, _controls: [f32; CONTROLS]) {}
 
-    /// Level of the input that says stop, from now until the next tick. Converters that are wired to one have their own.
+    /// Level of the stop input, from now until the next tick. Converters that are wired to one have their own.
     #[inline]
     fn trip(_tripped: bool) {}
 
-    /// Code that the actuator was given, and the level of the enable line.
+    /// The code given to the actuator, and the level of the enable line.
     fn driven() -> (u16, bool);
 }

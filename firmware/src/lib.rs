@@ -1,13 +1,13 @@
 //! The images, for any board.
 //!
-//! | image | what it is | made of a board by |
+//! | image | content | made for a board by |
 //! |---|---|---|
 //! | `firmware` | the crate's rig controller, driven tick by tick over a link | `rig_image!`, feature `rig` |
-//! | `own-timer` | the same on the board's own timer, which sends telemetry | `own_timer_image!`, feature `own-timer` |
+//! | `own-timer` | the same on the board's own timer, sending telemetry | `own_timer_image!`, feature `own-timer` |
 //! | `bench` | counts instructions in an emulator | `bench_image!`, feature `bench` |
-//! | `static-law`, `running-law`, `damper`, `constructors` | one use of the crate each, to be sized | `size_image!`, feature `sizes` |
+//! | `static-law`, `running-law`, `damper`, `constructors` | one use of the crate each, for its size | `size_image!`, feature `sizes` |
 //!
-//! A [`Board`] is what differs between boards. `emulated` has the parts of one in QEMU.
+//! A [`Board`] contains the differences between boards. `emulated` has the parts of one in QEMU.
 #![no_std]
 
 #[cfg(feature = "bench")]

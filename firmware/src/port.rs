@@ -4,12 +4,12 @@ use mesh_damper::frame::{Extent, extent};
 
 use crate::board::{Link, Port};
 
-/// Times that the port is asked before a line counts as idle within a frame: longer than any gap between two bytes of one.
+/// Polls of the port before a line counts as idle within a frame: longer than any gap between two bytes of one.
 const IDLE: u32 = 2_000_000;
-/// The same between two frames, some seconds: a harness that asks for ticks has more of them by then.
+/// The same between two frames, some seconds: a harness that requests ticks sends more within that time.
 const SILENT: u32 = 20_000_000;
 
-/// Drops the first `junk` of `came` bytes; how many are left.
+/// Drops the first `junk` of `came` bytes; returns the number of remaining bytes.
 fn drop_first(buffer: &mut [u8], came: usize, junk: usize) -> usize {
     let left = came.saturating_sub(junk);
     for at in 0..left {
@@ -21,7 +21,8 @@ fn drop_first(buffer: &mut [u8], came: usize, junk: usize) -> usize {
     left
 }
 
-/// Adds `byte` to the `came` bytes of a frame that has begun in `buffer`, and drops what can be none. Says whether the frame is whole.
+/// Adds `byte` to the `came` bytes of an incomplete frame in `buffer`, and drops bytes that cannot belong to one. Returns whether
+/// the frame is complete.
 pub(crate) fn add(byte: u8, buffer: &mut [u8], came: &mut usize) -> bool {
     if let Some(place) = buffer.get_mut(*came) {
         *place = byte;
@@ -36,7 +37,7 @@ pub(crate) fn add(byte: u8, buffer: &mut [u8], came: &mut usize) -> bool {
     }
 }
 
-/// The link over a serial port, which is asked again and again.
+/// The link over a serial port, by polling.
 pub struct PortLink<P>(P);
 
 impl<P: Port> Link for PortLink<P> {
@@ -44,7 +45,7 @@ impl<P: Port> Link for PortLink<P> {
         Self(P::open())
     }
 
-    /// A frame; or what came before the line was idle, which is none.
+    /// A frame; or the bytes before the line was idle, which are no frame.
     fn receive<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         let mut came = 0;
         let mut waited = 0;

@@ -1,6 +1,6 @@
-//! How much of the stack was used.
+//! The amount of stack that was used.
 
-/// What cortex-m-rt fills the stack with before `main`.
+/// The value with which cortex-m-rt fills the stack before `main`.
 pub const PAINT: u32 = 0xCCCC_CCCC;
 
 unsafe extern "C" {
@@ -14,16 +14,16 @@ pub fn used() -> u32 {
     (top as u32).wrapping_sub(deepest())
 }
 
-/// The lowest word that the stack may have, where the variables end.
+/// The lowest possible word of the stack, at the end of the variables.
 pub fn lowest() -> *mut u32 {
     (&raw const _stack_end).cast_mut()
 }
 
-/// Address of the lowest word that was used.
+/// Address of the lowest used word.
 pub fn deepest() -> u32 {
     let mut word = lowest().cast_const();
     let top = &raw const _stack_start;
-    // SAFETY: from the linker's end of the variables to the beginning of the stack it is memory of nobody else.
+    // SAFETY: from the linker's end of the variables to the beginning of the stack, nobody else uses the memory.
     while word < top && unsafe { word.read_volatile() } == PAINT {
         word = word.wrapping_add(1);
     }

@@ -1,4 +1,4 @@
-//! Every function of the library in C, on this machine and on an emulated Cortex-M4F; and what the library defines.
+//! Every function of the library in C, on this machine and on an emulated Cortex-M4F; and the symbols that the library defines.
 
 mod build;
 
@@ -11,11 +11,11 @@ use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
 
-/// What [`write_packs`] writes.
+/// The packs of [`write_packs`].
 const PACKS: [&str; 4] = ["mount", "linear", "active", "silent"];
 
-/// Writes the packs of the checks: a demo's model, a linear law, the same with a dashpot below 0, and a pack of version 6, which says
-/// nothing of itself.
+/// Writes the packs of the checks: a demo's model, a linear law, the same with a dashpot below 0, and a pack of version 6, which
+/// has no description.
 fn write_packs(folder: &Path) {
     let mount = ModelFile::read(build::example().join("model.json")).unwrap();
     let settings = ExportSettings {
@@ -126,7 +126,7 @@ fn symbols(on: On, archive: &Path, flag: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// What a C program links beside it stays its C library's and its compiler's: none of their names is defined.
+/// A C program links its own C library and compiler support: the library defines none of their names.
 #[test]
 fn the_library_defines_what_its_header_declares_and_nothing_else() {
     for on in On::BOTH.into_iter().filter(|on| can(*on)) {
@@ -134,13 +134,13 @@ fn the_library_defines_what_its_header_declares_and_nothing_else() {
         let declared = declared();
         assert!(declared.len() > 30, "{declared:?}");
         assert_eq!(symbols(on, &archive, "--defined-only"), declared, "{on:?}");
-        // Nothing that could panic was linked.
+        // No code that could panic was linked.
         let all = run(Command::new(on.tool("nm")).arg(&archive));
         assert!(!all.contains("panic"), "{on:?}: {all}");
     }
 }
 
-/// In a linked image, functions that both the library and the program call come out of newlib and libgcc.
+/// In a linked image, functions that both the library and the program call come from newlib and libgcc.
 #[test]
 fn a_program_has_its_own_c_librarys_functions() {
     if !can(On::Emulator) {

@@ -1,4 +1,5 @@
-//! The example in C: its law is what the model beside it exports, and in the emulator it prints what the crate computes.
+//! The example in C: its law equals the export of the model next to it, and in the emulator it prints the values that the crate
+//! computes.
 
 mod build;
 
@@ -32,7 +33,7 @@ fn the_law_in_the_tree_is_what_its_model_exports() {
     }
 }
 
-/// What the example does, by the crate.
+/// The expected output of the example, from the crate.
 fn expected() -> String {
     let mut law = FastLaw::<8>::EMPTY;
     decode(
@@ -115,7 +116,7 @@ fn it_refuses_a_law_for_another_tick_rate_than_its_timers() {
     );
 }
 
-/// The program of the page, in its first block of C, prints the force that the page says.
+/// The program of the page, in its first block of C, prints the force that the page states.
 #[test]
 fn the_pages_program_gives_the_force_that_the_page_says() {
     if !can(On::Host) {

@@ -1,5 +1,5 @@
-//! A law in C gives the force of the crate, bit for bit, on this machine and on an emulated Cortex-M4F; so does a demo's model, from
-//! its recording to the image.
+//! A law in C gives the force of the crate, bit for bit, on this machine and on an emulated Cortex-M4F. The same holds for a demo's
+//! model, from its recording to the image.
 
 mod build;
 #[allow(dead_code, reason = "the rate is the trajectory's here")]
@@ -18,7 +18,7 @@ use mesh_damper_model::{LawNode, MAX_EFFECTS, Model};
 use mesh_damper_recording::trajectory::Trajectory;
 use typical::{two_sines, typical};
 
-/// The forces that a program in C gives for the motion of `trajectory`.
+/// The forces of a program in C for the motion of `trajectory`.
 fn forces_in_c(on: On, file: &ModelFile, trajectory: &Trajectory) -> Vec<f32> {
     let folder = tempfile::tempdir().unwrap();
     let settings = ExportSettings::at(1.0 / trajectory.tick, "mount");
@@ -66,7 +66,7 @@ fn record(motion: &Motion<f32>) -> Vec<u8> {
     .collect()
 }
 
-/// The forces are `predict`'s, bit for bit, and there are some.
+/// The forces equal those of `predict`, bit for bit, and there are some.
 fn are_predicts(on: On, file: &ModelFile, trajectory: &Trajectory) {
     let predicted = predict_embedded(&file.model(), trajectory).unwrap();
     let forces = forces_in_c(on, file, trajectory);

@@ -1,10 +1,10 @@
-//! The header in the tree is what the crate generates: `BLESS=1 cargo test -p mesh-damper-c --test header` writes it again.
+//! The header in the tree equals the generated one: `BLESS=1 cargo test -p mesh-damper-c --test header` writes it again.
 
 use std::path::Path;
 
 use cbindgen::{Config, DocumentationStyle, EnumConfig, Language, LayoutConfig, RenameRule};
 
-/// What stands before everything: which of two constants is this target's, and how a struct is aligned.
+/// The beginning of the header: it selects between the two constants for this target, and the alignment of a struct.
 const BEFORE: &str = r#"
 /* Which sizes are this target's. */
 #if UINTPTR_MAX == 0xFFFFFFFFu

@@ -106,10 +106,10 @@ fn each_setting_of_a_rig_reaches_its_field() {
     assert_eq!(RigSettings::from(&in_crate), in_c);
 }
 
-/// What `defaults` writes.
+/// The settings that `defaults` writes.
 fn written<T>(defaults: unsafe extern "C" fn(*mut T) -> Error) -> T {
     let mut settings = MaybeUninit::uninit();
-    // SAFETY: it is memory for them, and they are written where that is said.
+    // SAFETY: it is memory for them, and they are written if the call reports success.
     unsafe {
         assert_eq!(defaults(settings.as_mut_ptr()), Error::None);
         settings.assume_init()

@@ -1,4 +1,4 @@
-//! What law and one effect from a pack take in C: flash, RAM, stack and instructions, as the page says.
+//! The size of the law and one effect from a pack in C: flash, RAM, stack and instructions, as on the page.
 
 mod build;
 
@@ -7,7 +7,7 @@ use mesh_damper_link::image::sections;
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::ModelFile;
 
-/// The row of `docs/c.md` that begins with `what`, without it.
+/// The row of `docs/c.md` that begins with `what`, without that cell.
 fn row(what: &str) -> Vec<u64> {
     let page = std::fs::read_to_string(here().join("../../docs/c.md")).unwrap();
     let row = page
@@ -24,7 +24,7 @@ fn law_and_one_effect_take_what_the_page_says() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    // The law of the images in Rust, so that the rows can be compared: the very bytes of their pack.
+    // The law of the images in Rust, so that the rows can be compared: the same bytes as their pack.
     let model = here().join("../../examples/own-timer/src/mount.json");
     let settings = ExportSettings::at(10_000.0, "stick_slip");
     let export = Export::new(&ModelFile::read(model).unwrap(), &settings).unwrap();
@@ -60,7 +60,7 @@ fn law_and_one_effect_take_what_the_page_says() {
     let page = row("law and stick-slip from a pack, in C");
     assert_eq!(page.len(), found.len());
     for (page, found) in page.iter().zip(found) {
-        // Another version of the compiler or of newlib makes a little of it.
+        // Another version of the compiler or of newlib changes it a little.
         assert!(
             found.abs_diff(*page) * 20 <= *page,
             "{found} instead of {page}: {takes:?} {said}"

@@ -1,4 +1,4 @@
-//! What an FMU of one model holds: the resources that its library reads, and the GUID that is made of them.
+//! The contents of an FMU for one model: the resources that its library reads, and the GUID made from them.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -16,47 +16,47 @@ use crate::refusal::{Refusal, finite};
 
 /// The model among the resources.
 pub const MODEL: &str = "model.json";
-/// Beside it, how the model is run.
+/// The settings of the model, next to it.
 pub const SETTINGS: &str = "fmu.json";
 /// Longest resource that is read, bytes. A model with a residual table has some tens of kilobytes.
 const LONGEST: u64 = 16 << 20;
-/// Slowest and fastest tick, Hz: those of an export.
+/// Slowest and fastest tick rate, Hz: those of an export.
 const TICK_RATES: [f64; 2] = mesh_damper_model::export::TICK_RATES;
 
-/// How a model is run.
+/// The settings of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// For people.
+    /// A name for people.
     pub name: String,
     /// Ticks per second, Hz.
     pub tick_rate: f64,
-    /// Amplitude that the law is taken at at first, mm; `None` where it does not change with it.
+    /// Initial amplitude of the law, mm; `None` if the law does not depend on it.
     pub amplitude: Option<f64>,
     /// Temperature at the start, °C.
     pub temperature: f64,
-    /// Of the specimen, g/cm³, where it is known.
+    /// Density of the specimen, g/cm³, if known.
     pub density: Option<f64>,
-    /// Of this export.
+    /// Revision of this export.
     pub revision: u32,
 }
 
-/// A model, how it is run, and the GUID of both.
+/// A model, its settings, and the GUID of both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contents {
     /// The model.
     pub file: ModelFile,
-    /// How it is run.
+    /// Its settings.
     pub settings: Settings,
-    /// Of this library's version, model and settings, in braces.
+    /// GUID from this library's version, model and settings, in braces.
     pub guid: String,
 }
 
 impl Contents {
-    /// Of an export at `tick_rate` Hz, and the bytes of [`MODEL`] and of [`SETTINGS`].
+    /// From an export at `tick_rate` Hz, and the bytes of [`MODEL`] and of [`SETTINGS`].
     ///
     /// # Panics
-    /// Never: numbers and names are JSON.
+    /// Never: numbers and names are valid JSON.
     pub fn of_export(file: &ModelFile, export: &Export, tick_rate: f64) -> (Self, [Vec<u8>; 2]) {
         let info = export.info();
         let settings = Settings {
@@ -80,10 +80,10 @@ impl Contents {
         (contents, resources)
     }
 
-    /// Of the resources in `folder`, which must be those of the `guid`.
+    /// From the resources in `folder`, which must match the `guid`.
     ///
     /// # Errors
-    /// A resource that is missing, too long, damaged, or of another FMU.
+    /// A resource is missing, too long, damaged, or from another FMU.
     pub fn read(folder: &Path, guid: &str) -> Result<Self, Refusal> {
         let resources = [read(&folder.join(MODEL))?, read(&folder.join(SETTINGS))?];
         let contents = Self::of(&folder.join(MODEL).display().to_string(), &resources)?;
@@ -156,7 +156,7 @@ fn read(path: &Path) -> Result<Vec<u8>, Refusal> {
     Ok(bytes)
 }
 
-/// Of the library's version and the resources.
+/// GUID from the library's version and the resources.
 fn guid(resources: &[Vec<u8>; 2]) -> String {
     let mut hash = Sha256::new();
     hash.update(MARK);

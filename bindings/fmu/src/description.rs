@@ -1,4 +1,4 @@
-//! `modelDescription.xml` of an FMU of one model.
+//! `modelDescription.xml` of an FMU for one model.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use crate::{IDENTIFIER, functions};
 /// The description of an FMU with these `contents`.
 ///
 /// # Errors
-/// A control input that has the name of another variable.
+/// A control input has the name of another variable.
 pub fn description(contents: &Contents) -> Result<String, Refusal> {
     let variables = variables(contents)?;
     let settings = &contents.settings;
@@ -121,7 +121,7 @@ fn scalar(xml: &mut String, variable: &Variable) {
             "causality=\"input\" variability=\"continuous\"",
             format!("Real start=\"{start:?}\""),
         ),
-        // A law that remembers is evaluated on ticks, and its force is one from tick to tick.
+        // A law with memory is evaluated at ticks, and its force is constant from tick to tick.
         Kind::Output => (
             "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
             "Real".into(),
@@ -156,7 +156,7 @@ fn scalar(xml: &mut String, variable: &Variable) {
     );
 }
 
-/// As the value of an attribute. A control character that XML 1.0 has no place for becomes a question mark.
+/// As the value of an attribute. A control character that XML 1.0 does not allow becomes a question mark.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for sign in text.chars() {

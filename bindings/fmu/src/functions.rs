@@ -1,9 +1,9 @@
-//! The functions of FMI 2.0 for co-simulation. Unsafe code stands here and in the folder alone: it reads and writes what a caller
-//! points to, after a check for NULL.
+//! The functions of FMI 2.0 for co-simulation. Only this file and the folder contain unsafe code: it reads and writes the caller's
+//! memory, after a check for NULL.
 //!
 //! # Safety
-//! Of every function: a pointer is NULL, or points to as much as the standard says, for as long as the call takes. Handles of
-//! instances and states may be anything: they are numbers that are looked up.
+//! For every function: a pointer is NULL, or points to the amount of data that the standard requires, for the duration of the call.
+//! Handles of instances and states may have any value: they are numbers that are looked up.
 
 mod boundary;
 mod states;
@@ -24,12 +24,12 @@ use crate::handles;
 use crate::refusal::Refusal;
 use crate::types::{Boolean, Callbacks, Component, FALSE, Status};
 
-/// The only category of log messages beside warnings.
+/// The only category of log messages in addition to warnings.
 pub const ERRORS: &CStr = c"logStatusError";
 /// The category of warnings.
 pub const WARNINGS: &CStr = c"logStatusWarning";
 
-/// The platform that this library's types are of.
+/// The platform of this library's types.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
@@ -41,7 +41,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// Turns warnings on or off, of the categories that are named, or of all where none is. Errors are always said.
+/// Turns warnings on or off, for the named categories, or for all if none is named. Errors are always logged.
 ///
 /// # Safety
 /// As the module says.
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     })
 }
 
-/// An instance of the model in the resources; NULL where there can be none, which the logger is given the reason of.
+/// An instance of the model in the resources; NULL on failure, with the reason sent to the logger.
 ///
 /// # Safety
 /// As the module says.
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// Lets go of an instance and of its saved states. NULL and a handle that is none are ignored.
+/// Releases an instance and its saved states. NULL and invalid handles are ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2FreeInstance(c: Component) {
     drop(handles::remove(c.addr()));
@@ -128,7 +128,7 @@ pub extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// The inputs that follow are those at the start.
+/// The following inputs are those at the start.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2EnterInitializationMode(c: Component) -> Status {
     call(c, |shared| shared.instance().enter_initialization())
@@ -140,13 +140,13 @@ pub extern "C" fn fmi2ExitInitializationMode(c: Component) -> Status {
     call(c, |shared| shared.instance().exit_initialization())
 }
 
-/// No more steps.
+/// Ends the steps.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Terminate(c: Component) -> Status {
     call(c, |shared| shared.instance().terminate())
 }
 
-/// As it was instantiated.
+/// Returns to the state after instantiation.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Reset(c: Component) -> Status {
     call(c, |shared| {
@@ -155,7 +155,7 @@ pub extern "C" fn fmi2Reset(c: Component) -> Status {
     })
 }
 
-/// A step from `point` by `size` s: the law is evaluated on each tick of it but that of `point`.
+/// A step from `point` by `size` s: it evaluates the law at each tick of the step except that of `point`.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2DoStep(
     c: Component,

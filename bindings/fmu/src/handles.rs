@@ -1,4 +1,4 @@
-//! The instances by their handles. A handle is a number that is never given twice, so that one that was freed or made up is seen.
+//! The instances by their handles. A handle is a number that is never reused, so that a freed or invented handle is detected.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,11 +8,11 @@ use crate::functions::Shared;
 static INSTANCES: Mutex<(usize, BTreeMap<usize, Arc<Shared>>)> = Mutex::new((0, BTreeMap::new()));
 
 fn instances() -> MutexGuard<'static, (usize, BTreeMap<usize, Arc<Shared>>)> {
-    // Nothing that holds it panics between two changes.
+    // No holder of the lock panics between two changes.
     INSTANCES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Keeps an instance, and gives its handle, which is not 0.
+/// Stores an instance, and returns its handle, which is not 0.
 pub fn keep(shared: Shared) -> usize {
     let mut all = instances();
     all.0 += 1;
@@ -26,7 +26,7 @@ pub fn get(handle: usize) -> Option<Arc<Shared>> {
     instances().1.get(&handle).cloned()
 }
 
-/// Lets go of the instance of a handle.
+/// Releases the instance of a handle.
 pub fn remove(handle: usize) -> Option<Arc<Shared>> {
     instances().1.remove(&handle)
 }

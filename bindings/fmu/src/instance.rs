@@ -1,6 +1,6 @@
-//! An instance: what may be called when, and a step.
+//! An instance: the permitted order of calls, and a step.
 //!
-//! A call that is refused changes nothing, so that a master may mend it and go on.
+//! A refused call changes nothing, so that a master may correct it and continue.
 
 mod evaluate;
 mod saved;
@@ -21,7 +21,7 @@ use evaluate::evaluate;
 
 /// Newtons in a kilonewton, the unit of models.
 const N_PER_KN: f64 = 1e3;
-/// How far a time may lie from a tick, in ticks: what a master's sums of steps round off.
+/// Largest distance of a time from a tick, in ticks: the rounding of a master's sums of steps.
 const ROUNDED: f64 = 1e-3;
 /// Most ticks of one step: a day at 10 kHz.
 const MOST_TICKS: f64 = 1e9;
@@ -33,7 +33,7 @@ pub struct Instance {
     variables: BTreeMap<ValueReference, Variable>,
     model: Model,
     law: AugmentedLaw<f64, MAX_EFFECTS>,
-    /// Amplitude that the law is at, mm.
+    /// Present amplitude of the law, mm.
     law_amplitude: f64,
     state: State,
     saved: BTreeMap<usize, Box<State>>,
@@ -41,13 +41,13 @@ pub struct Instance {
     has_left_range: bool,
 }
 
-/// Where an input stands among the values that are set.
+/// The index of an input among the settable values.
 fn place(reference: ValueReference) -> Option<usize> {
     usize::try_from(reference).ok().filter(|it| *it < INPUTS)
 }
 
 impl Instance {
-    /// At its start values.
+    /// With its start values.
     ///
     /// # Errors
     /// A model that cannot run at the tick rate.
@@ -104,17 +104,17 @@ impl Instance {
         }
     }
 
-    /// What it was made of.
+    /// Its contents.
     pub fn contents(&self) -> &Contents {
         &self.contents
     }
 
-    /// What was called last of what is called in order.
+    /// The phase in the order of calls.
     pub fn phase(&self) -> Phase {
         self.state.phase
     }
 
-    /// Whether the motion left the operating range since this was asked last.
+    /// Whether the motion left the operating range since the last query.
     pub fn take_left_range(&mut self) -> bool {
         std::mem::take(&mut self.has_left_range)
     }
@@ -142,7 +142,7 @@ impl Instance {
     /// `fmi2SetupExperiment`: times in s.
     ///
     /// # Errors
-    /// Called later, a time that is no number, or a stop before the start.
+    /// It was called too late, a time is NaN, or the stop is before the start.
     pub fn set_up(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.expect("fmi2SetupExperiment", &[Phase::Instantiated])?;
         let start = finite("startTime", start)?;
@@ -182,7 +182,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2ExitInitializationMode`: the first tick, of the inputs as they are.
+    /// `fmi2ExitInitializationMode`: the first tick, with the present inputs.
     ///
     /// # Errors
     /// Called out of order.
@@ -204,7 +204,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2Reset`: as it was instantiated. Saved states stay.
+    /// `fmi2Reset`: the state after instantiation. Saved states stay.
     pub fn reset(&mut self) {
         let amplitude = self.contents.settings.amplitude.unwrap_or_default();
         self.state = Self::at_start(&self.variables, &self.law, amplitude);
@@ -219,7 +219,7 @@ impl Instance {
     /// `fmi2DoStep` from `point` by `size`, both in s.
     ///
     /// # Errors
-    /// Called out of order, a point that is not where the last step ended, or a size that is no whole number of ticks.
+    /// Called out of order, a point other than the end of the last step, or a size that is no whole number of ticks.
     pub fn step(&mut self, point: f64, size: f64) -> Result<(), Refusal> {
         self.expect("fmi2DoStep", &[Phase::Stepping])?;
         finite("currentCommunicationPoint", point)?;
@@ -279,7 +279,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The law at the amplitude that is set, where that is another than its own.
+    /// The law at the set amplitude, if that differs from its present one.
     fn law_at_amplitude(&self) -> Result<Option<Law<f64>>, Refusal> {
         let amplitude = self.state.amplitude;
         if amplitude == self.law_amplitude {
@@ -291,7 +291,7 @@ impl Instance {
         Ok(Some(law))
     }
 
-    /// Puts the law at the amplitude that is set.
+    /// Changes the law to the set amplitude.
     fn take_amplitude(&mut self) -> Result<(), Refusal> {
         if let Some(law) = self.law_at_amplitude()? {
             self.law.set_law(law);
@@ -300,7 +300,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Evaluates the law `after` s from where the inputs were set.
+    /// Evaluates the law `after` s from the time at which the inputs were set.
     fn tick(&mut self, after: f64) {
         let was_within = self.state.is_within;
         evaluate(

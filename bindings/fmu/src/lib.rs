@@ -5,19 +5,19 @@
 //!
 //! | file | for |
 //! |---|---|
-//! | `contents.rs` | what an FMU of one model holds: its resources, and the GUID that is made of them |
+//! | `contents.rs` | the contents of an FMU for one model: its resources, and the GUID made from them |
 //! | `variables.rs` | the variables of a model and their value references |
-//! | `units.rs` | their units by SI base units |
+//! | `units.rs` | their units in SI base units |
 //! | `description.rs` | `modelDescription.xml` |
-//! | `location.rs` | the folder that a resource location names |
-//! | `instance.rs`, `instance/` | an instance: what may be called when, a step, values, saved states |
-//! | `state.rs` | all that changes in an instance, and its bytes |
-//! | `refusal.rs` | why a call is refused |
+//! | `location.rs` | the folder of a resource location |
+//! | `instance.rs`, `instance/` | an instance: the order of calls, a step, values, saved states |
+//! | `state.rs` | everything that changes in an instance, and its bytes |
+//! | `refusal.rs` | the reason why a call is refused |
 //! | `handles.rs` | the instances by their handles |
 //! | `types.rs` | the types of the standard's header |
-//! | `functions.rs`, `functions/` | the functions of the standard. Unsafe code stands there alone |
+//! | `functions.rs`, `functions/` | the functions of the standard, with all unsafe code |
 //!
-//! At the boundary units are those of the SI; inside they are mm, s and kN.
+//! At the boundary the units are SI units; inside they are mm, s and kN.
 
 pub mod contents;
 pub mod description;
@@ -34,10 +34,10 @@ pub mod variables;
 /// Name of the library's file without its ending, as the description's `modelIdentifier`.
 pub const IDENTIFIER: &str = "mesh_damper_fmu";
 
-/// Stands in every build of the library: a packer sees by it whether a file is one, and of the same version.
+/// Present in every build of the library: with it a packer checks whether a file is this library, and of the same version.
 pub const MARK: &str = concat!("mesh-damper-fmu ", env!("CARGO_PKG_VERSION"), " layout 1");
 
-/// [`MARK`] where a packer finds it, whether anything else needs it or not.
+/// [`MARK`] in a place where a packer finds it, even if nothing else uses it.
 #[used]
 static MARKED: [u8; MARK.len()] = {
     let mut bytes = [0; MARK.len()];

@@ -1,4 +1,4 @@
-//! The folder that the resource location of an FMU names.
+//! The folder of an FMU's resource location.
 
 use std::path::PathBuf;
 
@@ -6,10 +6,10 @@ use percent_encoding::percent_decode_str;
 
 use crate::refusal::Refusal;
 
-/// The folder of a `file:` URI without a host, or of this one.
+/// The folder of a `file:` URI without a host, or on this host.
 ///
 /// # Errors
-/// Another scheme or host, or percent signs that hide no UTF-8.
+/// Another scheme or host, or percent signs that do not encode UTF-8.
 pub fn folder(uri: &str) -> Result<PathBuf, Refusal> {
     let refused = |problem: &str| {
         Refusal::new(
@@ -41,7 +41,7 @@ pub fn folder(uri: &str) -> Result<PathBuf, Refusal> {
     let path = percent_decode_str(path)
         .decode_utf8()
         .map_err(|_| refused("not UTF-8 behind its percent signs"))?;
-    // /C:/fmu is C:/fmu where drives have letters.
+    // /C:/fmu is C:/fmu on systems with drive letters.
     let path = match path.as_bytes() {
         [b'/', letter, b':', ..] if cfg!(windows) && letter.is_ascii_alphabetic() => &path[1..],
         _ => &path,

@@ -1,4 +1,4 @@
-//! Why a call is refused: what was given, what is wrong with it, and how to mend it.
+//! The reason why a call is refused: the given value, the error, and the remedy.
 
 use std::fmt::Display;
 
@@ -7,14 +7,14 @@ use crate::types::Status;
 /// A call that changed nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// What the call returns.
+    /// The return value of the call.
     pub status: Status,
     /// For the logger, in one line.
     pub message: String,
 }
 
 impl Refusal {
-    /// `field` has a `value` that is wrong by `problem`; `remedy` mends it.
+    /// `field` has a `value` with this `problem`; `remedy` says how to correct it.
     pub fn new(field: &str, value: impl Display, problem: impl Display, remedy: &str) -> Self {
         Self {
             status: Status::Error,
@@ -22,7 +22,7 @@ impl Refusal {
         }
     }
 
-    /// The same where the standard has the master go on.
+    /// The same, with the status by which the standard lets the master continue.
     #[must_use]
     pub fn discarded(self) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Refusal {
         }
     }
 
-    /// Of a pointer that is null and may not be.
+    /// For a pointer that is null and may not be.
     pub fn null(field: &str) -> Self {
         Self::new(
             field,

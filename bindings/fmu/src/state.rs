@@ -1,6 +1,6 @@
-//! All that changes in an instance, and its bytes.
+//! Everything that changes in an instance, and its bytes.
 //!
-//! The bytes are 8 that name the format, 8 of the SHA-256 of the GUID, the state by `postcard`, and 8 of the SHA-256 of all
+//! The bytes are: 8 that name the format, 8 of the GUID's SHA-256, the state by `postcard`, and 8 of the SHA-256 of everything
 //! before. Floats keep every bit.
 
 use mesh_damper::effects::AugmentedState;
@@ -10,12 +10,12 @@ use sha2::{Digest as _, Sha256};
 use crate::refusal::Refusal;
 use crate::variables::INPUTS;
 
-/// What may be called, by the standard's names.
+/// The phase, by the standard's names: it determines the permitted calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// Start values may be set.
     Instantiated,
-    /// The first force is computed of the inputs as they are.
+    /// The first force is computed from the present inputs.
     Initialization,
     /// A step is complete, or none was made yet.
     Stepping,
@@ -34,7 +34,7 @@ pub struct State {
     pub(crate) stop: Option<f64>,
     /// Since the start.
     pub(crate) ticks: u64,
-    /// As they were set, in the units of their variables.
+    /// As set, in the units of their variables.
     pub(crate) inputs: [f64; INPUTS],
     /// Their first and second derivatives over time, for the next step.
     pub(crate) slopes: [[f64; 2]; INPUTS],
@@ -65,7 +65,7 @@ impl State {
     /// As bytes, for an FMU of this `guid`.
     ///
     /// # Errors
-    /// None that occurs: a state is numbers.
+    /// Never occurs: a state consists of numbers.
     pub fn to_bytes(&self, guid: &str) -> Result<Vec<u8>, Refusal> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(checksum(&[guid.as_bytes()]));
@@ -77,10 +77,10 @@ impl State {
         Ok(bytes)
     }
 
-    /// Of the bytes of [`State::to_bytes`].
+    /// From the bytes of [`State::to_bytes`].
     ///
     /// # Errors
-    /// Bytes that are no state, of another FMU, or damaged.
+    /// The bytes are no state, belong to another FMU, or are damaged.
     pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, Refusal> {
         let refused = |problem: &str| {
             let size = format_args!("{} bytes", bytes.len()).to_string();

@@ -1,10 +1,10 @@
-//! The types of the header `fmi2TypesPlatform.h` and `fmi2FunctionTypes.h`, with the names of Rust.
+//! The types of the headers `fmi2TypesPlatform.h` and `fmi2FunctionTypes.h`, with Rust names.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
-/// `fmi2Component`: a number that stands for an instance. Nothing lies at that address.
+/// `fmi2Component`: a number that identifies an instance. It is not the address of anything.
 pub type Component = *mut c_void;
-/// `fmi2FMUstate`: a number that stands for a saved state of an instance. Nothing lies at that address.
+/// `fmi2FMUstate`: a number that identifies a saved state of an instance. It is not the address of anything.
 pub type SavedState = *mut c_void;
 /// `fmi2ValueReference`
 pub type ValueReference = c_uint;
@@ -34,7 +34,7 @@ pub enum Status {
     Pending = 5,
 }
 
-/// `fmi2CallbackLogger`: environment, name of the instance, status, category, message as a format of `printf`.
+/// `fmi2CallbackLogger`: environment, name of the instance, status, category, message as a `printf` format.
 pub type Logger =
     unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
@@ -42,14 +42,14 @@ pub type Logger =
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Callbacks {
-    /// Takes messages.
+    /// Receives messages.
     pub logger: Option<Logger>,
-    /// Not used: the library allocates by itself.
+    /// Not used: the library allocates its own memory.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Not used.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Not used: no step is asynchronous.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    /// Goes back to the logger.
+    /// Passed back to the logger.
     pub environment: *mut c_void,
 }

@@ -1,15 +1,15 @@
-//! The units that variables of an FMU are in, by SI base units.
+//! The units of an FMU's variables, in SI base units.
 
-/// A unit by the SI's base units: a value v in it is `factor`·v + `offset` in those.
+/// A unit in SI base units: a value v in it is `factor`·v + `offset` in those.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// As the description names it.
+    /// Its name in the description.
     pub symbol: &'static str,
     /// Exponents of base units, by the attribute's name in a description.
     pub exponents: &'static [(&'static str, i32)],
-    /// See above.
+    /// As above.
     pub factor: f64,
-    /// See above.
+    /// As above.
     pub offset: f64,
 }
 
@@ -34,7 +34,7 @@ const AMPERE: &[(&str, i32)] = &[("A", 1)];
 const TESLA: &[(&str, i32)] = &[("kg", 1), ("s", -2), ("A", -1)];
 const KELVIN: &[(&str, i32)] = &[("K", 1)];
 
-/// The units that the description of an FMU defines. One that is not among them, of a control input, has a symbol alone.
+/// The units that the description of an FMU defines. A control input's unit that is not among them has only a symbol.
 pub const UNITS: &[Unit] = &[
     unit("m", METRE, 1.0),
     unit("mm", METRE, 1e-3),
@@ -63,7 +63,7 @@ pub const UNITS: &[Unit] = &[
     unit("mT", TESLA, 1e-3),
 ];
 
-/// The unit of this symbol.
+/// The unit with this symbol.
 pub fn by_symbol(symbol: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.symbol == symbol)
 }

@@ -1,4 +1,4 @@
-//! The variables of an FMU of a model, and the value references by which they are called.
+//! The variables of an FMU for a model, and their value references.
 
 use mesh_damper::effects::CONTROLS;
 
@@ -6,7 +6,8 @@ use crate::contents::Contents;
 use crate::refusal::Refusal;
 use crate::types::ValueReference;
 
-/// Inputs that there may be: the motion, the temperature, the cycles and the control inputs. Their value references are their places.
+/// Number of possible inputs: the motion, the temperature, the cycles and the control inputs. Their value references are their
+/// indices.
 pub const INPUTS: usize = FIRST_CONTROL + CONTROLS;
 /// Displacement, m.
 pub const DISPLACEMENT: usize = 0;
@@ -22,9 +23,9 @@ pub const CYCLES: usize = 4;
 pub const FIRST_CONTROL: usize = 5;
 /// Force, N.
 pub const FORCE: ValueReference = 16;
-/// Whether the motion lies within the one that the model was fitted on.
+/// Whether the motion is within the range on which the model was fitted.
 pub const WITHIN_RANGE: ValueReference = 17;
-/// Amplitude at which the law is taken, m.
+/// Amplitude of the law, m.
 pub const AMPLITUDE: ValueReference = 32;
 /// Ticks per second, Hz.
 pub const TICK_RATE: ValueReference = 33;
@@ -33,16 +34,16 @@ pub const REVISION: ValueReference = 34;
 /// Identity of the model.
 pub const IDENTITY: ValueReference = 35;
 
-/// What a variable is of.
+/// The kind of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A real input with its value at the start.
+    /// A real input with its start value.
     Input(f64),
     /// A real output.
     Output,
     /// A Boolean output.
     BooleanOutput,
-    /// A parameter that may change between steps: at the start, least and largest.
+    /// A parameter that may change between steps: start value, smallest and largest value.
     Parameter(f64, [f64; 2]),
     /// A real constant.
     Real(f64),
@@ -55,11 +56,11 @@ pub enum Kind {
 pub struct Variable {
     /// Value reference.
     pub reference: ValueReference,
-    /// As a master calls it.
+    /// Its name for a master.
     pub name: String,
-    /// Symbol of its unit; empty where it has none.
+    /// Symbol of its unit; empty without a unit.
     pub unit: String,
-    /// What it is of.
+    /// Its kind.
     pub kind: Kind,
     /// In a few words.
     pub description: String,
@@ -68,7 +69,7 @@ pub struct Variable {
 /// The variables of an FMU with these `contents`, in the order of the description.
 ///
 /// # Errors
-/// A control input that has the name of another variable.
+/// A control input has the name of another variable.
 pub fn variables(contents: &Contents) -> Result<Vec<Variable>, Refusal> {
     let model = contents.file.model();
     let range = contents.file.fitted_range();
@@ -135,7 +136,7 @@ pub fn variables(contents: &Contents) -> Result<Vec<Variable>, Refusal> {
     }
     for (place, control) in model.controls.iter().enumerate() {
         let [low, high] = control.range;
-        // A column's name ends in its unit.
+        // A column's name ends with its unit.
         let unit = control.name.rsplit_once('_').map_or("", |(_, unit)| unit);
         all.push(input(
             FIRST_CONTROL + place,
@@ -160,7 +161,7 @@ pub fn variables(contents: &Contents) -> Result<Vec<Variable>, Refusal> {
         "Whether displacement and velocity lie within those that the model was fitted on".into(),
     ));
     if let Some(amplitude) = contents.settings.amplitude {
-        // Metres, as they are multiplied back.
+        // In metres: they are multiplied back later.
         let ends = [model.law.first(), model.law.last()];
         let ends = ends.map(|node| node.map_or(amplitude, |node| node.amplitude) / MM_PER_M);
         all.push(variable(
@@ -207,5 +208,5 @@ pub fn variables(contents: &Contents) -> Result<Vec<Variable>, Refusal> {
     Ok(all)
 }
 
-/// What a metre is in the unit of models.
+/// Size of a metre in the unit of models.
 pub const MM_PER_M: f64 = 1e3;

@@ -37,7 +37,7 @@ impl<L: Link + 'static, C: Converters + 'static> OwnTimer for Mps2An386<L, C> {
         clock()
     }
 
-    /// The emulator's time, where it goes by instructions, jumps over every second interrupt of SysTick while the processor sleeps.
+    /// If the emulator's time follows the instructions, it jumps over every second interrupt of SysTick while the processor sleeps.
     fn wait() {
         idle();
     }

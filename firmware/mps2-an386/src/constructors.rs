@@ -1,4 +1,4 @@
-//! What constructors takes, on an MPS2+.
+//! The size of constructors, on an MPS2+.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What damper takes, on an MPS2+.
+//! The size of damper, on an MPS2+.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The rig controller on an MPS2+ whose link is memory that the harness sees too.
+//! The rig controller on an MPS2+, linked to the harness through shared memory.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What one_effect_static takes, on an MPS2+.
+//! The size of one_effect_static, on an MPS2+.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The rig controller on an MPS2+'s own timer, at its serial port, with a specimen simulated beside the emulator.
+//! The rig controller on an MPS2+'s own timer, at its serial port, with a specimen simulated outside the emulator.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What running_law takes, on an MPS2+.
+//! The size of running_law, on an MPS2+.
 #![no_std]
 #![no_main]
 

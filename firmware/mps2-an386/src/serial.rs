@@ -1,4 +1,4 @@
-//! The rig controller on an MPS2+ whose link is its serial port.
+//! The rig controller on an MPS2+, linked through its serial port.
 #![no_std]
 #![no_main]
 

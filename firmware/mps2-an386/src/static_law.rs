@@ -1,4 +1,4 @@
-//! What static_law takes, on an MPS2+.
+//! The size of static_law, on an MPS2+.
 #![no_std]
 #![no_main]
 

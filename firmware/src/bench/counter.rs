@@ -1,7 +1,7 @@
 //! Counts the instructions of a call.
 //!
-//! Under `-icount shift=10` an instruction takes 2¹⁰ ns of the emulator's time, in which the core's SysTick timer runs: at
-//! f MHz it falls by 1.024·f in one instruction. So the nearest whole number of instructions is the exact one.
+//! Under `-icount shift=10` an instruction takes 2¹⁰ ns of the emulator's time, in which the core's SysTick timer runs: at f MHz it
+//! falls by 1.024·f in one instruction. So the nearest whole number of instructions is the exact one.
 
 use core::fmt::{self, Write as _};
 use core::hint::black_box;
@@ -16,7 +16,7 @@ use crate::board::{Board, Link as _};
 /// Values of the timer, which counts down.
 const PERIOD: u32 = 1 << 24;
 
-/// A region with its context's type forgotten.
+/// A region without the type of its context.
 type Erased = extern "C" fn(*mut (), f32, f32) -> f32;
 
 /// Counts each call of a region.
@@ -49,7 +49,7 @@ extern "C" fn empty(_: &mut (), a: f32, _: f32) -> f32 {
 
 impl<B: Board> Meter for Counter<B> {
     fn call<C>(&mut self, region: Region<C>, context: &mut C, a: f32, b: f32) -> (u32, f32) {
-        // SAFETY: a reference to a sized type is passed as a pointer is, and it is given the reference that it expects.
+        // SAFETY: a reference to a sized type is passed like a pointer, and the function receives the reference that it expects.
         let erased = unsafe { core::mem::transmute::<Region<C>, Erased>(region) };
         let (ticks, result) = timed(black_box(erased), (&raw mut *context).cast(), a, b);
         let per_instruction = B::SYSTICK * 128;
@@ -72,7 +72,7 @@ impl<B: Board> Meter for Counter<B> {
     }
 }
 
-/// Ticks of the timer that one call takes. One function for all regions, so that all have the same overhead.
+/// Ticks of the timer during one call. One function serves all regions, so that all have the same overhead.
 #[inline(never)]
 fn timed(region: Erased, context: *mut (), a: f32, b: f32) -> (u32, f32) {
     let start = SYST::get_current();

@@ -1,4 +1,4 @@
-//! What the image does.
+//! The work of the image.
 
 use core::fmt::{Display, Write as _};
 
@@ -7,7 +7,7 @@ use super::output::Output;
 use super::{known, suite};
 use crate::board::{Board, Link as _};
 
-/// Counts everything that is of interest on the board's core.
+/// Counts all regions for the board's core.
 pub fn run<B: Board>() -> ! {
     B::prepare();
     let Some(peripherals) = cortex_m::Peripherals::take() else {
@@ -23,7 +23,7 @@ pub fn run<B: Board>() -> ! {
     B::exit(counted.is_ok())
 }
 
-/// Says what went wrong, and ends.
+/// Reports a failure, and ends.
 pub fn complain<B: Board>(fault: impl Display) -> ! {
     let _ = writeln!(Output(B::Link::open()), "{fault}");
     B::exit(false)

@@ -1,4 +1,4 @@
-//! Sequences of known length, which show that the counts are right.
+//! Sequences of known length, which show that the counts are correct.
 
 use core::arch::asm;
 

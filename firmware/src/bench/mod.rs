@@ -4,8 +4,7 @@
 //! name moment calls instructions least most checksum
 //! ```
 //!
-//! `instructions` is the sum over all calls, `checksum` that of their results; `moment` tells the calls apart that have
-//! different work to do.
+//! `instructions` is the sum over all calls, `checksum` that of their results; `moment` separates calls with different work.
 
 #[cfg(target_os = "none")]
 mod counter;

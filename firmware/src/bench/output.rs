@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::board::Link;
 
-/// Where lines go.
+/// Writes lines to a link.
 pub struct Output<L>(pub L);
 
 impl<L: Link> fmt::Write for Output<L> {

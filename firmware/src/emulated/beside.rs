@@ -1,7 +1,7 @@
-//! Converters of a board on its own timer, whose specimen is simulated beside the emulator.
+//! Converters of a board on its own timer, whose specimen is simulated outside the emulator.
 //!
-//! At each tick the emulator's standard output takes what the actuator has, and its standard input gives what the sensors deliver then.
-//! No time of the board passes between the two.
+//! At each tick the emulator's standard output receives the actuator's state, and its standard input delivers the sensors' values.
+//! No time of the board passes in between.
 //!
 //! ```text
 //! out   u16 code of the DAC   u8 level of the enable line   u8 0   u32 the board's clock
@@ -22,10 +22,10 @@ use super::semihosting::exit;
 use super::watchdog::Watchdog;
 use crate::board::{Converters, Harnessed as _};
 
-/// Bytes of what the sensors deliver.
+/// Bytes of the sensors' values.
 const DELIVERED: usize = 9 + 4 * CONTROLS;
 
-/// All three of a rig.
+/// All three converters of a rig.
 pub struct BesideConverters;
 
 type Simulated = <SimulatedConverters as Converters>::Sensors;
@@ -47,7 +47,7 @@ impl Converters for BesideConverters {
     }
 
     fn idle() {
-        // Nobody is there to take what it delivers.
+        // Nobody needs the values.
         Pipes::open().pass();
     }
 
@@ -60,7 +60,7 @@ impl Converters for BesideConverters {
 static OUTPUT: AtomicUsize = AtomicUsize::new(usize::MAX);
 static INPUT: AtomicUsize = AtomicUsize::new(usize::MAX);
 
-/// To and from who simulates the specimen.
+/// Pipes to and from the simulation of the specimen.
 struct Pipes {
     driven: File,
     delivered: File,
@@ -74,7 +74,8 @@ impl Pipes {
         }
     }
 
-    /// The specimen's way since the last tick, and what the sensors deliver. Where nobody simulates it any more, the emulator ends.
+    /// Sends the actuator's state since the last tick, and receives the sensors' values. If nobody simulates the specimen any more,
+    /// the emulator ends.
     fn pass(&mut self) -> [u8; DELIVERED] {
         let (code, enabled) = SimulatedConverters::driven();
         let [low, high] = code.to_le_bytes();
@@ -102,7 +103,7 @@ pub struct BesideSensors {
 }
 
 impl BesideSensors {
-    /// Into the wires; none of it where it is not all there.
+    /// Copies the values into the wires, or none of them if they are incomplete.
     fn take(&mut self, reader: &mut Reader<'_>) -> Option<()> {
         let (displacement, force) = (reader.u16()?, reader.u16()?);
         TEMPERATURE.store(reader.u32()?, Relaxed);

@@ -13,14 +13,14 @@ const RELOAD: usize = BASE + 0x8;
 /// Enabled, without an interrupt.
 const ENABLED: u32 = 1;
 
-/// Lets it count.
+/// Starts counting.
 pub fn start_clock() {
     write(RELOAD, u32::MAX);
     write(VALUE, u32::MAX);
     write(CONTROL, ENABLED);
 }
 
-/// What it has counted.
+/// Its count.
 #[inline]
 pub fn clock() -> u32 {
     !read(VALUE)

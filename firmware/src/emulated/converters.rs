@@ -1,5 +1,5 @@
-//! Converters of an emulated board, which has none: they answer the drivers as their datasheets say, with what the link delivers
-//! and for what it takes away.
+//! Converters of an emulated board, which has none: they answer the drivers according to their datasheets, with values from the
+//! link and for the link.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
@@ -14,17 +14,17 @@ use mesh_damper::rig::{SpiActuator, Wiring, WithControls, WithTrip};
 
 use crate::board::{Converters, Harnessed};
 
-/// What the sensors deliver at this tick, and what the actuator gets.
+/// The sensors' values at this tick, and the actuator's.
 struct Wires {
     /// Code of the ADC's channel 0.
     displacement: AtomicU16,
-    /// Of channel 1.
+    /// Code of channel 1.
     force: AtomicU16,
     /// Code of the DAC.
     command: AtomicU16,
     /// Level of the enable line.
     enabled: AtomicBool,
-    /// The input that says stop is active, and low.
+    /// Whether the stop input is active, and therefore low.
     tripped: AtomicBool,
 }
 
@@ -37,7 +37,7 @@ static WIRES: Wires = Wires {
     tripped: AtomicBool::new(false),
 };
 
-/// All three of a rig.
+/// All three converters of a rig.
 pub struct SimulatedConverters;
 
 impl Converters for SimulatedConverters {
@@ -87,7 +87,7 @@ impl Harnessed for SimulatedConverters {
     }
 }
 
-/// The frame of a transaction of one operation, which is all that the drivers do.
+/// The frame of a transaction with one operation; the drivers use no other kind.
 #[inline]
 fn one_frame(
     operations: &mut [Operation<'_, u8>],
@@ -111,7 +111,7 @@ fn one_frame(
 /// Address of the first channel's range.
 const FIRST_RANGE: u8 = 0x05;
 
-/// An ADS8688 that delivers codes whatever its ranges are.
+/// An ADS8688 that delivers codes independently of its ranges.
 pub struct Adc {
     /// The channel that the next frame converts.
     selected: u8,
@@ -127,7 +127,7 @@ impl SpiDevice for Adc {
     #[inline]
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         one_frame(operations, |sent| match sent {
-            // Conversion of the channel selected before; the command selects the next.
+            // Converts the channel selected before; the command selects the next.
             [command, _, _, _] => {
                 let wire = if self.selected == 0 {
                     &WIRES.displacement
@@ -138,7 +138,7 @@ impl SpiDevice for Adc {
                 let [high, low] = wire.load(Relaxed).to_be_bytes();
                 [0, 0, high, low]
             }
-            // A register takes what is written, and comes out in the last byte.
+            // A register stores the written value, and returns it in the last byte.
             [address, value, _] => {
                 let place = usize::from((address >> 1).wrapping_sub(FIRST_RANGE));
                 let Some(register) = self.ranges.get_mut(place) else {
@@ -157,7 +157,7 @@ impl SpiDevice for Adc {
 /// An AD5761R.
 pub struct Dac {
     control: u16,
-    /// What the next frame clocks out.
+    /// The output of the next frame.
     answer: u16,
 }
 

@@ -1,4 +1,4 @@
-//! Files of the emulator's host, by Arm's semihosting.
+//! Files of the emulator's host, through Arm's semihosting.
 
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -8,7 +8,7 @@ const SYS_OPEN: usize = 0x01;
 const SYS_WRITE: usize = 0x05;
 const SYS_READ: usize = 0x06;
 
-/// Way to open a file, as C's `fopen`.
+/// Mode for opening a file, as C's `fopen`.
 pub enum Mode {
     /// `rb`
     Read = 1,
@@ -16,7 +16,7 @@ pub enum Mode {
     Write = 5,
 }
 
-/// A file that is open.
+/// An open file.
 pub struct File(usize);
 
 #[inline]
@@ -25,14 +25,14 @@ fn call_with(operation: usize, arguments: &[usize]) -> usize {
 }
 
 impl File {
-    /// The file at `path`, which ends with a zero. One that cannot be opened fails when it is used.
+    /// The file at `path`, which ends with a zero. A file that cannot be opened fails at its first use.
     pub fn open(path: &core::ffi::CStr, mode: Mode) -> Self {
         let length = path.count_bytes();
         let arguments = [path.as_ptr() as usize, mode as usize, length];
         Self(call_with(SYS_OPEN, &arguments))
     }
 
-    /// The file at `path`, opened once for all who have this `handle`, which is [`usize::MAX`] before.
+    /// The file at `path`, opened once for all users of this `handle`, which is [`usize::MAX`] before.
     pub fn shared(handle: &AtomicUsize, path: &core::ffi::CStr, mode: Mode) -> Self {
         if handle.load(Relaxed) == usize::MAX {
             handle.store(Self::open(path, mode).0, Relaxed);
@@ -40,7 +40,7 @@ impl File {
         Self(handle.load(Relaxed))
     }
 
-    /// Waits for bytes and gives those that came; none at the file's end.
+    /// Waits for bytes and returns those that arrived; none at the end of the file.
     #[inline]
     pub fn read<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         let arguments = [self.0, buffer.as_mut_ptr() as usize, buffer.len()];
@@ -49,7 +49,7 @@ impl File {
         buffer.get(..came).unwrap_or_default()
     }
 
-    /// Writes all of `bytes`, or says that it could not.
+    /// Writes all of `bytes`, or reports that it could not.
     #[inline]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         let arguments = [self.0, bytes.as_ptr() as usize, bytes.len()];

@@ -1,4 +1,4 @@
-//! Link and log of an image in the emulator: the pipes that the harness gave the emulator.
+//! Link and log of an image in the emulator: the pipes between harness and emulator.
 
 use super::file::{File, Mode};
 use super::semihosting::exit;
@@ -18,7 +18,7 @@ impl Link for Pipes {
         }
     }
 
-    /// Nothing comes once the harness is gone, and the emulator ends with it.
+    /// Nothing arrives after the harness is gone, and the emulator ends with it.
     #[inline]
     fn receive<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         let bytes = self.requests.read(buffer);

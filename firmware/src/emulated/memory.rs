@@ -1,4 +1,4 @@
-//! Link of an image in the emulator through memory that the harness sees too.
+//! Link of an image in the emulator through memory shared with the harness.
 
 use core::ptr::{read_volatile, write_volatile};
 use core::slice;
@@ -15,14 +15,14 @@ use crate::shared_memory::{
 
 /// The PSRAM of an MPS2+ with AN386, and of one with AN500.
 const PSRAM: [usize; 2] = [0x2100_0000, 0x6000_0000];
-/// The processor's register that says what it is, and the bits of it that tell AN386's Cortex-M4 from AN500's Cortex-M7.
+/// The processor's identification register, and its bits that distinguish AN386's Cortex-M4 from AN500's Cortex-M7.
 const CPUID: *const u32 = 0xE000_ED00 as *const u32;
 const IS_M7: u32 = 3 << 4;
 
-/// The board's PSRAM, and the pipes by which each end wakes the other; or the pipes alone, where the harness does not look at the memory.
+/// The board's PSRAM, and the pipes with which each end wakes the other; or only the pipes, if the harness does not use the memory.
 pub struct SharedMemory {
     words: *mut u32,
-    /// The harness looks at the memory.
+    /// Whether the harness uses the memory.
     is_shared: bool,
     /// Requests taken, and answers sent.
     taken: u32,
@@ -33,9 +33,9 @@ pub struct SharedMemory {
 impl SharedMemory {
     #[inline]
     fn read(&self, at: usize) -> u32 {
-        // SAFETY: a word of the board's memory, as `open` found it, that only the harness and this link use.
+        // SAFETY: a word of the board's memory, found by `open`, that only the harness and this link use.
         let word = unsafe { read_volatile(self.words.add(at)) };
-        // What comes after this in the code does so in the emulator.
+        // Later code also runs later in the emulator.
         compiler_fence(SeqCst);
         word
     }
@@ -87,11 +87,11 @@ impl Link for SharedMemory {
         let length = (self.read(at + 1) as usize).min(LARGEST);
         self.taken = count;
         self.write(REQUESTS_TAKEN, count);
-        // SAFETY: bytes of a slot, which the harness leaves as it is until the next request is taken.
+        // SAFETY: bytes of a slot, which the harness does not change until the next request is taken.
         unsafe { slice::from_raw_parts(self.words.add(at + FRAME).cast(), length) }
     }
 
-    /// Not inlined: an answer is sent from more than one place.
+    /// Not inlined: answers are sent from more than one place.
     #[inline(never)]
     fn send(&mut self, bytes: &[u8]) {
         if !self.is_shared {
@@ -102,7 +102,7 @@ impl Link for SharedMemory {
         }
         let count = self.sent.wrapping_add(1);
         let at = slot(ANSWERS, count);
-        // SAFETY: bytes of a slot, which the harness does not look at until this answer is counted.
+        // SAFETY: bytes of a slot, which the harness does not read until this answer is counted.
         let place: &mut [u8] =
             unsafe { slice::from_raw_parts_mut(self.words.add(at + FRAME).cast(), bytes.len()) };
         place.copy_from_slice(bytes);

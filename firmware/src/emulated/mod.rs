@@ -1,4 +1,4 @@
-//! Parts of a board in QEMU: what stands in for the link, the log, the converters and the interrupts of a real one.
+//! Parts of a board in QEMU, in place of the link, the log, the converters and the interrupts of a real one.
 
 mod beside;
 mod clock;

@@ -4,10 +4,10 @@ use core::ptr::{
     read_volatile, with_exposed_provenance, with_exposed_provenance_mut, write_volatile,
 };
 
-/// What the register at `address` holds.
+/// The value of the register at `address`.
 #[inline]
 pub fn read(address: usize) -> u32 {
-    // SAFETY: the addresses given are registers of the board that are always there, each used by one file here.
+    // SAFETY: the given addresses are registers of the board that always exist, and each is used by one file here.
     unsafe { read_volatile(with_exposed_provenance(address)) }
 }
 

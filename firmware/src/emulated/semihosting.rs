@@ -1,4 +1,4 @@
-//! Calls of the emulator's host by Arm's semihosting, and an image's end.
+//! Calls to the emulator's host through Arm's semihosting, and the end of an image.
 
 use core::arch::asm;
 
@@ -7,11 +7,11 @@ const SYS_EXIT: usize = 0x18;
 const APPLICATION_EXIT: usize = 0x2_0026;
 const RUN_TIME_ERROR: usize = 0x2_0023;
 
-/// The host's `operation` on what `argument` is or points to, and what it gives.
+/// Calls the host's `operation` with `argument`, a value or an address, and returns its result.
 #[inline]
 pub fn call(operation: usize, argument: usize) -> usize {
     let result;
-    // SAFETY: the emulator reads what `argument` points to, writes to the buffer named there, and changes r0.
+    // SAFETY: the emulator reads the data at `argument`, writes to the buffer named there, and changes r0.
     unsafe {
         asm!("bkpt #0xab", inout("r0") operation => result, in("r1") argument, options(nostack));
     }

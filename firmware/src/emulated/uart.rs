@@ -3,13 +3,13 @@
 use super::register::{read, write};
 use crate::board::Port;
 
-/// UART 0, as the MPS2's memory map has it.
+/// UART 0, from the MPS2's memory map.
 const BASE: usize = 0x4000_4000;
 const DATA: usize = BASE;
 const STATE: usize = BASE + 0x4;
 const CONTROL: usize = BASE + 0x8;
 const DIVIDER: usize = BASE + 0x10;
-/// Bits of the state, and of the control register, which enables both ways.
+/// Bits of the state, and of the control register, which enables both directions.
 const TRANSMIT_FULL: u32 = 1;
 const RECEIVE_FULL: u32 = 2;
 const BOTH: u32 = 3;
@@ -23,7 +23,7 @@ impl Port for Uart {
     fn open() -> Self {
         write(DIVIDER, DIVISION);
         write(CONTROL, BOTH);
-        // The emulator offers a byte only after a read of this register has said that there is room.
+        // The emulator offers a byte only after a read of this register has reported room.
         read(DATA);
         Self(())
     }

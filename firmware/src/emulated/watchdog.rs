@@ -1,4 +1,4 @@
-//! The MPS2's watchdog: it restarts the board where no tick has done all it had to for too long.
+//! The MPS2's watchdog: it restarts the board if no tick has done all of its work for too long.
 
 use core::convert::Infallible;
 
@@ -14,13 +14,13 @@ const CLEAR: usize = BASE + 0xC;
 const LOCK: usize = BASE + 0xC00;
 /// Opens its registers.
 const KEY: u32 = 0x1ACC_E551;
-/// It interrupts, which counts as the restart here: the image does so at an exception that is not due.
+/// It interrupts, which counts as the restart here: the image restarts at an unexpected exception.
 const ENABLED: u32 = 3;
-/// 20 ms at 25 MHz: 200 ticks at 10 kHz. The actuator has gone less far by then than the limit of its speed gives for a demand that
-/// stands still.
+/// 20 ms at 25 MHz: 200 ticks at 10 kHz. Within that time the actuator moves less than the limit of its speed permits for a
+/// constant demand.
 const PATIENCE: u32 = 500_000;
 
-/// Its input, which is to toggle. It watches from the first edge on.
+/// Its input, which has to toggle. It watches from the first edge on.
 pub struct Watchdog {
     watching: bool,
 }
@@ -39,7 +39,7 @@ impl Watchdog {
             write(CONTROL, ENABLED);
             self.watching = true;
         }
-        // Back to the start.
+        // Restarts the countdown.
         write(CLEAR, 1);
     }
 }

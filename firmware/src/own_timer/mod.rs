@@ -1,8 +1,8 @@
 //! The rig controller on the board's own timer.
 //!
-//! SysTick's interrupt owns the rig: it does a tick, puts telemetry into a queue, and then carries out one request of the harness, if there
-//! is one. The main loop owns the serial port: it makes frames out of bytes and bytes out of frames. Neither waits for the other. Where the
-//! harness does not read, the main loop waits at the port, the queue fills, and telemetry is lost; ticks go on.
+//! SysTick's interrupt owns the rig: it runs a tick, queues telemetry, and then carries out one request of the harness, if there is
+//! one. The main loop owns the serial port: it converts between frames and bytes. Neither waits for the other. If the harness does
+//! not read, the main loop waits at the port, the queue fills up, and telemetry is lost; ticks continue.
 
 mod ticker;
 
@@ -24,16 +24,16 @@ pub use ticker::Ticker;
 
 /// Rows of telemetry that may wait for the port: at 1 kHz a quarter of a second.
 const ROWS: usize = 256;
-/// Requests under way, and one place that stays empty.
+/// Requests in progress, and one place that stays empty.
 const REQUESTS: usize = 2;
 /// Rate of the ticks before there is a rig, Hz.
 const IDLE_RATE: f32 = 1000.0;
-/// Part of a second after which a frame that has begun is given up: longer than any gap between two of its bytes.
+/// Fraction of a second after which an incomplete frame is given up: longer than any gap between two of its bytes.
 const PATIENCE: u32 = 20;
 
 type Bytes = Vec<u8, LARGEST>;
 
-/// What both sides work on. It belongs into a static.
+/// The state of both sides. It belongs into a static.
 pub struct Whole<B: OwnTimer> {
     rig: Memory<B>,
     channel: Channel<ROWS>,
@@ -43,7 +43,7 @@ pub struct Whole<B: OwnTimer> {
 }
 
 impl<B: OwnTimer> Whole<B> {
-    /// Nothing in it yet.
+    /// Initially empty.
     #[expect(clippy::new_without_default, reason = "of use in a static alone")]
     pub const fn new() -> Self {
         Self {
@@ -56,34 +56,34 @@ impl<B: OwnTimer> Whole<B> {
     }
 }
 
-/// From the start to the interrupt, which owns it once there is one.
+/// Passed from the start code to the interrupt, which then owns it.
 pub struct HandedOver<B: OwnTimer>(UnsafeCell<Option<Ticker<B>>>);
 
-// SAFETY: the start writes it before it lets SysTick interrupt, and only that interrupt touches it from then on.
+// SAFETY: the start code writes it before it enables SysTick's interrupt, and only that interrupt uses it from then on.
 unsafe impl<B: OwnTimer> Sync for HandedOver<B> {}
 
 impl<B: OwnTimer> HandedOver<B> {
-    /// Not yet.
+    /// Initially empty.
     #[expect(clippy::new_without_default, reason = "of use in a static alone")]
     pub const fn new() -> Self {
         Self(UnsafeCell::new(None))
     }
 
-    /// What SysTick's interrupt does.
+    /// The work of SysTick's interrupt.
     ///
     /// # Safety
-    /// From SysTick's interrupt alone.
+    /// Call it only from SysTick's interrupt.
     #[inline]
     pub unsafe fn tick(&self) {
-        // SAFETY: nobody else has it, as above.
+        // SAFETY: nobody else uses it, as above.
         if let Some(ticker) = unsafe { &mut *self.0.get() } {
             ticker.tick();
         }
     }
 }
 
-/// Counts of SysTick for ticks of `rate` Hz, less one; none where it does not give that rate to 1 part in 10 000, by which a recording's
-/// time would be wrong.
+/// SysTick counts for ticks of `rate` Hz, minus one. None if SysTick does not match that rate to 1 part in 10 000; a recording's
+/// time would be wrong by the difference.
 fn reload<B: OwnTimer>(rate: f32) -> Option<u32> {
     let clock = B::SYSTICK as f32 * 1e6;
     let counts = clock / rate;
@@ -92,13 +92,13 @@ fn reload<B: OwnTimer>(rate: f32) -> Option<u32> {
     ((2..=1 << 24).contains(&rounded) && error <= 1e-4 * counts).then(|| rounded - 1)
 }
 
-/// Lets SysTick interrupt `reload` counts and one after it did the last time.
+/// Makes SysTick interrupt `reload` counts and one after its last interrupt.
 fn set_timer(timer: &mut SYST, reload: u32) {
     timer.set_reload(reload);
     timer.clear_current();
 }
 
-/// Runs the board for ever.
+/// Runs the board forever.
 pub fn run<B: OwnTimer>(whole: &'static mut Whole<B>, handed_over: &'static HandedOver<B>) -> ! {
     B::prepare();
     let port = B::Port::open();
@@ -111,7 +111,7 @@ pub fn run<B: OwnTimer>(whole: &'static mut Whole<B>, handed_over: &'static Hand
     timer.set_clock_source(SystClkSource::Core);
     set_timer(&mut timer, reload::<B>(IDLE_RATE).unwrap_or((1 << 24) - 1));
     let ticker = Ticker::new(&mut whole.rig, recorder, requests, put_answer);
-    // SAFETY: SysTick does not interrupt yet, and the fence keeps this before what lets it.
+    // SAFETY: SysTick does not interrupt yet, and the fence orders this before it is enabled.
     unsafe { *handed_over.0.get() = Some(ticker) };
     compiler_fence(Release);
     timer.enable_interrupt();
@@ -135,7 +135,7 @@ pub fn run<B: OwnTimer>(whole: &'static mut Whole<B>, handed_over: &'static Hand
 /// The main loop's side.
 struct Talker<B: OwnTimer> {
     port: B::Port,
-    /// A frame that has begun to come, its bytes so far, and when the last one came.
+    /// An incomplete frame, its bytes so far, and the arrival time of the last one.
     begun: [u8; LARGEST],
     came: usize,
     last: u32,
@@ -158,7 +158,7 @@ impl<B: OwnTimer> Talker<B> {
     }
 
     fn receive(&mut self) {
-        // One that waits for its turn is not overtaken.
+        // A waiting request is not overtaken.
         while self.requests.ready() {
             let Some(byte) = self.port.take() else { break };
             self.last = B::clock();
@@ -177,7 +177,7 @@ impl<B: OwnTimer> Talker<B> {
     }
 }
 
-/// Waits for room: a port whose other end does not read takes nothing.
+/// Waits for room: a port accepts nothing if its other end does not read.
 fn send<B: OwnTimer>(port: &mut B::Port, bytes: &[u8]) {
     for byte in bytes {
         while !port.put(*byte) {
@@ -188,8 +188,9 @@ fn send<B: OwnTimer>(port: &mut B::Port, bytes: &[u8]) {
 
 /// The image of the rig controller on the board's own timer.
 ///
-/// A hard fault, an exception that is not due, or a panic restarts the board: its enable line is low then, and the harness learns it at its
-/// next request. Of a panic only the queues' remainders, of a division by their length, are left that the compiler cannot exclude.
+/// A hard fault, an unexpected exception, or a panic restarts the board: its enable line is low then, and the harness learns of it
+/// at its next request. The only remaining panics are the queues' remainders, of a division by their length, which the compiler
+/// cannot exclude.
 #[macro_export]
 macro_rules! own_timer_image {
     ($board:ty) => {
@@ -197,7 +198,7 @@ macro_rules! own_timer_image {
 
         #[cortex_m_rt::entry]
         fn main() -> ! {
-            // In a static, of which cortex-m-rt makes a reference: none of it passes through the stack.
+            // In a static, to which cortex-m-rt gives a reference: none of it passes through the stack.
             static mut WHOLE: $crate::own_timer::Whole<$board> = $crate::own_timer::Whole::new();
             $crate::own_timer::run(WHOLE, &TICKER)
         }

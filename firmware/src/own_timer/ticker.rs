@@ -1,4 +1,4 @@
-//! What the timer's interrupt does.
+//! The work of the timer's interrupt.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -12,7 +12,7 @@ use super::{Bytes, reload, set_timer};
 use crate::board::{Converters, OwnTimer};
 use crate::rig::{Controller, Memory, Turn, Turns};
 
-/// The rig, its telemetry and the requests to it.
+/// The rig, its telemetry and its requests.
 pub struct Ticker<B: OwnTimer> {
     controller: Controller<B>,
     recorder: Recorder<'static>,
@@ -20,12 +20,12 @@ pub struct Ticker<B: OwnTimer> {
     answers: Producer<'static, FrameBuffer>,
     turns: Turns,
     answer: &'static mut FrameBuffer,
-    /// Of the check of a pack that is under way, those that are done.
+    /// Number of completed slices of the current pack check.
     slices: u32,
 }
 
-/// Slices of a pack's check, one a tick, after which the harness learns that there are more: it takes a board that is silent for two
-/// seconds for lost, and a rig ticks 100 times a second at least.
+/// Slices of a pack's check, one per tick, after which the harness is told that there are more. The harness gives up a board that
+/// is silent for two seconds, and a rig ticks at least 100 times a second.
 const SLICES: u32 = 100;
 
 impl<B: OwnTimer> Ticker<B> {
@@ -47,7 +47,7 @@ impl<B: OwnTimer> Ticker<B> {
         }
     }
 
-    /// One tick, and after it one request.
+    /// One tick, and then one request.
     #[inline]
     pub(super) fn tick(&mut self) {
         let temperature = B::Converters::temperature();
@@ -63,7 +63,7 @@ impl<B: OwnTimer> Ticker<B> {
         }
     }
 
-    /// A slice of what a request asks for, and the answer once it is done, which it says.
+    /// Carries out a slice of a request, and writes the answer when the request is complete. Returns whether it is.
     #[inline(never)]
     fn answer(&mut self, bytes: &[u8]) -> bool {
         let Some(frame) = Frames(bytes).next() else {
@@ -93,7 +93,7 @@ impl<B: OwnTimer> Ticker<B> {
         let _ = self.answers.enqueue(self.answer.clone());
     }
 
-    /// Does what `frame` asks and writes the answer.
+    /// Carries out `frame` and writes the answer.
     fn carry_out(&mut self, frame: &Frame<'_>) -> Carried {
         let sequence = frame.header.sequence;
         match Request::read(frame) {
@@ -113,7 +113,7 @@ impl<B: OwnTimer> Ticker<B> {
                 };
                 let had_rig = self.controller.has_rig();
                 let carried = self.others(frame);
-                // A rig that runs keeps its ticks.
+                // A running rig keeps its ticks.
                 if !had_rig && self.controller.has_rig() {
                     // SAFETY: nobody else uses SysTick.
                     set_timer(&mut unsafe { cortex_m::Peripherals::steal() }.SYST, reload);
@@ -126,7 +126,7 @@ impl<B: OwnTimer> Ticker<B> {
                 let more =
                     answer.is_some_and(|answer| Answer::read(&answer) == Some(Answer::Done(false)));
                 self.slices = if more { self.slices + 1 } else { 0 };
-                // The next slice needs no question, for as long as nobody waits for too long.
+                // The next slice needs no further request, until somebody waits for too long.
                 if more && !self.slices.is_multiple_of(SLICES) {
                     Carried::InPart
                 } else {
@@ -146,12 +146,12 @@ impl<B: OwnTimer> Ticker<B> {
     }
 }
 
-/// How far a request is.
+/// The progress of a request.
 enum Carried {
-    /// Done, and its answer is written.
+    /// Complete, and its answer is written.
     Out,
-    /// More of it is to be done at the next tick.
+    /// The rest follows at the next tick.
     InPart,
-    /// It asks for nothing.
+    /// It requires nothing.
     Not,
 }

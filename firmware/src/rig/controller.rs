@@ -1,4 +1,4 @@
-//! What the image does when it is asked: one request, one answer.
+//! Carries out requests: one request, one answer.
 
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering::Relaxed;
@@ -42,36 +42,36 @@ pub type WiredRig<B> = Blocking<
     <Wired<B> as Converters>::Actuator,
 >;
 
-/// What a rig is made of: the image's own until there is one.
+/// The parts of a rig: they belong to the image until there is a rig.
 pub struct Parts<B: Board> {
     pub programme: &'static mut Programme<MAX_BLOCKS>,
     pub law: &'static mut RunningLaw<EFFECTS>,
-    /// What it is to follow in the place of the programme.
+    /// The stream to follow instead of the programme.
     pub stream: &'static mut Option<StreamConfig>,
-    /// Where it will be, and its controller.
+    /// The place for the rig and its controller.
     pub rig: &'static mut MaybeUninit<WiredRig<B>>,
     pub controller: &'static mut MaybeUninit<Excitation>,
 }
 
-/// Everything that requests act on.
+/// The state that requests act on.
 pub struct Controller<B: Board> {
     /// Until there is a rig.
     parts: Option<Parts<B>>,
     rig: Option<&'static mut WiredRig<B>>,
-    /// Of the rig, Hz; until there is one, that of the law's pack, where it said one.
+    /// Tick rate of the rig, Hz. Until there is a rig: the rate of the law's pack, if it states one.
     rate: Option<f32>,
-    /// Of the pack that came last.
+    /// Stamp of the last pack.
     #[cfg(feature = "own-timer")]
     stamp: Option<Stamp>,
     upload: &'static mut Upload,
     passivity: &'static mut Passivity<EFFECTS>,
-    /// Of the last tick, for the log.
+    /// Block of the last tick, for the log.
     block: Option<usize>,
     state: State,
 }
 
 impl<B: Board<Converters: Harnessed>> Controller<B> {
-    /// Does what `frame` asks and writes the answer; says no, and does nothing, where it asks for nothing.
+    /// Carries out `frame` and writes the answer. Returns false and does nothing if the frame requires nothing.
     #[inline]
     pub fn answer(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
         if let Some(sensors) = Sensors::read(frame)
@@ -83,8 +83,7 @@ impl<B: Board<Converters: Harnessed>> Controller<B> {
         self.answer_others(frame, answer)
     }
 
-    /// One tick of the rig. Not inlined, as little as [`Controller::answer_others`]: what one keeps on the stack is no
-    /// matter of the other.
+    /// One tick of the rig. Not inlined, like [`Controller::answer_others`], so that the two do not share one stack frame.
     #[inline(never)]
     fn tick(&mut self, sequence: u32, sensors: Sensors, answer: &mut FrameBuffer) {
         let Some(rig) = &mut self.rig else {
@@ -121,7 +120,7 @@ impl<B: Board> Controller<B> {
         }
     }
 
-    /// One tick of the rig on its own timer, at which the board's counter reads `clock`; none without a rig.
+    /// One tick of the rig on its own timer, with the board's counter at `clock`; none without a rig.
     #[cfg(feature = "own-timer")]
     #[inline]
     pub fn own_tick(&mut self, clock: u32, temperature: f32) -> Option<Telemetry> {
@@ -132,7 +131,7 @@ impl<B: Board> Controller<B> {
         Some(telemetry)
     }
 
-    /// Somebody is at the other end of the link.
+    /// Records that the other end of the link is alive.
     #[cfg(feature = "own-timer")]
     pub fn exchange(&mut self) {
         if let Some(rig) = &mut self.rig {
@@ -140,7 +139,7 @@ impl<B: Board> Controller<B> {
         }
     }
 
-    /// Nobody has asked for a tick for too long: a rig that runs stops.
+    /// No tick was requested for too long: a running rig stops.
     pub fn silent(&mut self) {
         if let Some(rig) = &mut self.rig
             && rig.state() == State::Running
@@ -150,7 +149,7 @@ impl<B: Board> Controller<B> {
         }
     }
 
-    /// Hz, of the rig that there is or of the one that was described, where it is known.
+    /// Tick rate of the rig, or of the described rig, if known, Hz.
     #[cfg(feature = "own-timer")]
     pub fn rate(&self) -> Option<f32> {
         match &self.parts {
@@ -168,7 +167,7 @@ impl<B: Board> Controller<B> {
         self.rig.is_some()
     }
 
-    /// What the board says of itself.
+    /// The board's description.
     #[cfg(feature = "own-timer")]
     pub fn about(&self, clock: u32) -> About {
         let rig = self.rig.as_ref();
@@ -184,11 +183,11 @@ impl<B: Board> Controller<B> {
         }
     }
 
-    /// Does what `frame` asks, where that is no tick, and writes the answer; says no, and does nothing, where it asks for nothing.
+    /// Carries out a `frame` other than a tick and writes the answer. Returns false and does nothing if the frame requires nothing.
     #[inline(never)]
     pub fn answer_others(&mut self, frame: &Frame<'_>, answer: &mut FrameBuffer) -> bool {
         let sequence = frame.header.sequence;
-        // Borrowed as it came: taken out, it would be on the stack twice.
+        // Borrowed as received: a copy would be on the stack as well.
         let request = Request::read(frame);
         let Some(request) = &request else {
             return false;
@@ -257,8 +256,8 @@ impl<B: Board> Controller<B> {
         Ok(true)
     }
 
-    /// The law of the pack that came: at once where there is no rig. Beside one a request does a slice of the check, and answers no as long as
-    /// there is more of it: a tick may be due between one and the next. The law is taken at the end of the cycle then.
+    /// Takes the law of the received pack. Without a rig it does so at once. With a rig, a request runs one slice of the check, and
+    /// the answer is no as long as there are more: a tick may be due in between. The law is then taken at the end of the cycle.
     #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
         let (upload, passivity) = (&mut *self.upload, &mut *self.passivity);
@@ -314,8 +313,8 @@ impl<B: Board> Controller<B> {
         }
     }
 
-    /// Whether the law is for the rate of the rig that is to be set up: it came before that was known. Not inlined: what it takes of the
-    /// stack is free again before the rig is made.
+    /// Whether the law is for the tick rate of the rig to set up: it arrived before that rate was known. Not inlined: its stack is
+    /// free again before the rig is made.
     #[inline(never)]
     fn check_rate(&mut self) -> Result<(), Refusal<'static>> {
         let Some(parts) = &self.parts else {
@@ -359,7 +358,7 @@ impl<B: Board> Controller<B> {
         Ok(true)
     }
 
-    /// Blocks, cycles, and why and when it stops.
+    /// Logs blocks, cycles, and the reason and time of a stop.
     #[inline]
     fn log(&mut self, telemetry: &Telemetry) {
         log::TICKS.store(telemetry.tick as u32, Relaxed);

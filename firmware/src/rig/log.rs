@@ -1,4 +1,4 @@
-//! Log messages, encoded by defmt, to the board's channel: what the image's logger does.
+//! Log messages, encoded by defmt, to the board's channel: the work of the image's logger.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -9,7 +9,7 @@ use crate::board::Log;
 
 /// Ticks of the rig so far: the time of the messages.
 pub static TICKS: AtomicU32 = AtomicU32::new(0);
-/// Messages that were too long or that the channel did not take.
+/// Messages that were too long or that the channel did not accept.
 pub static LOST: AtomicU32 = AtomicU32::new(0);
 
 defmt::timestamp!("{=u32}", TICKS.load(Relaxed));
@@ -17,15 +17,15 @@ defmt::timestamp!("{=u32}", TICKS.load(Relaxed));
 /// Longest message as encoded.
 const LONGEST: usize = 96;
 
-/// What only the logger touches, within the critical section that it takes.
+/// Data that only the logger uses, within its critical section.
 struct Owned<T>(UnsafeCell<T>);
 
-// SAFETY: as said above.
+// SAFETY: as stated above.
 unsafe impl<T> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
     /// # Safety
-    /// Within the critical section, and one borrow at a time.
+    /// Call it within the critical section, with one borrow at a time.
     #[expect(clippy::mut_from_ref, reason = "the caller's promise")]
     unsafe fn get(&self) -> &mut T {
         // SAFETY: the caller's promise.
@@ -33,7 +33,7 @@ impl<T> Owned<T> {
     }
 }
 
-/// The message under way.
+/// The current message.
 struct Message {
     bytes: [u8; LONGEST],
     length: usize,
@@ -48,9 +48,9 @@ static MESSAGE: Owned<Message> = Owned(UnsafeCell::new(Message {
 }));
 static INTERRUPTS: Owned<RestoreState> = Owned(UnsafeCell::new(RestoreState::invalid()));
 
-/// Takes a part of the message, from the encoder alone.
+/// Accepts a part of the message; only the encoder calls it.
 fn put(bytes: &[u8]) {
-    // SAFETY: the encoder runs within the critical section, and nobody has the message while it does.
+    // SAFETY: the encoder runs within the critical section, and nobody else uses the message then.
     let message = unsafe { MESSAGE.get() };
     for byte in bytes {
         match message.bytes.get_mut(message.length) {
@@ -61,7 +61,7 @@ fn put(bytes: &[u8]) {
     }
 }
 
-/// Where an image's messages go; open from the first one on.
+/// The channel of an image's messages; open from the first one on.
 pub struct Channel<L>(Owned<Option<L>>);
 
 impl<L> Channel<L> {
@@ -88,16 +88,16 @@ pub fn acquire() {
 /// Sends the message.
 ///
 /// # Safety
-/// After [`acquire`], once.
+/// Call it once after [`acquire`].
 #[inline]
 pub unsafe fn release<L: Log>(channel: &Channel<L>) {
-    // SAFETY: within the critical section that `acquire` took, until it is given back.
+    // SAFETY: within the critical section of `acquire`, until it is released.
     unsafe {
         ENCODER.get().end_frame(put);
         let message = MESSAGE.get();
         let channel = channel.0.get().get_or_insert_with(|| {
             let mut channel = L::open();
-            // Ends whatever the board itself has written there.
+            // Ends any output that the board itself has written there.
             channel.send(&[0]);
             channel
         });

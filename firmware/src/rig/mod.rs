@@ -7,7 +7,7 @@ pub mod log;
 use core::mem::MaybeUninit;
 
 use cortex_m as _;
-/// What [`rig_image!`](crate::rig_image) names.
+/// Names that [`rig_image!`](crate::rig_image) uses.
 #[doc(hidden)]
 pub use {defmt, mesh_damper::frame::FrameBuffer};
 
@@ -23,7 +23,7 @@ use crate::board::{Board, Harnessed, Link as _};
 pub(crate) use controller::Controller;
 use controller::{EFFECTS, Excitation, Parts, WiredRig};
 
-/// What the controller works on. It belongs into a static: none of it fits on a small stack.
+/// The controller's state. It belongs into a static: it would not fit on a small stack.
 pub struct Memory<B: Board> {
     programme: Programme<MAX_BLOCKS>,
     law: RunningLaw<EFFECTS>,
@@ -37,7 +37,7 @@ pub struct Memory<B: Board> {
 }
 
 impl<B: Board> Memory<B> {
-    /// Nothing in it yet.
+    /// Initially empty.
     #[expect(clippy::new_without_default, reason = "of use in a static alone")]
     pub const fn new() -> Self {
         Self {
@@ -54,22 +54,22 @@ impl<B: Board> Memory<B> {
     }
 }
 
-/// Which request an answer is due to.
+/// The request that an answer belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Turn {
-    /// One that has not been carried out.
+    /// A request that has not been carried out.
     New,
-    /// The one before: the same answer once more.
+    /// The previous request: the same answer is sent again.
     Repeated,
-    /// One that goes on with what a board before its restart did.
+    /// A request that continues the work of the board before its restart.
     Restarted,
-    /// Somebody new, who finds a board as after its supply came.
+    /// A new partner, for whom the board is as after power-on.
     Greeting,
-    /// None.
+    /// No request.
     Stale,
 }
 
-/// Both ends take turns. The request before is answered again with the same answer: it is not carried out twice.
+/// Both ends take turns. A repeated request gets the same answer again: it is not carried out twice.
 pub(crate) struct Turns {
     /// Number of the next request; none before the first one.
     next: Option<u32>,
@@ -92,7 +92,7 @@ impl Turns {
         }
     }
 
-    /// A request of this number has been carried out.
+    /// Records that the request with this number was carried out.
     #[inline]
     pub(crate) fn taken(&mut self, sequence: u32) {
         self.next = Some(sequence.wrapping_add(1));
@@ -100,7 +100,7 @@ impl Turns {
 }
 
 impl<B: Board> Memory<B> {
-    /// What answers requests, and what they and an answer to what is none are put into.
+    /// Answers requests, and holds the buffers for requests and for an answer to invalid ones.
     pub(crate) fn controller(
         &'static mut self,
     ) -> (
@@ -120,7 +120,7 @@ impl<B: Board> Memory<B> {
     }
 }
 
-/// Answers requests for ever, each in `answer`.
+/// Answers requests forever, each in `answer`.
 pub fn run<B: Board<Converters: Harnessed>>(
     memory: &'static mut Memory<B>,
     answer: &'static mut FrameBuffer,
@@ -164,15 +164,15 @@ pub fn run<B: Board<Converters: Harnessed>>(
 
 /// The image of the rig controller on a board: its entry, its handlers and its log.
 ///
-/// A hard fault, or an exception that is not due, ends the image at once: it would wait for ever otherwise, deaf to the harness's
-/// end. It links only where no panic can be reached.
+/// A hard fault, or an unexpected exception, ends the image at once: otherwise it would wait forever and not notice the harness's
+/// end. The image links only if no panic can be reached.
 #[macro_export]
 macro_rules! rig_image {
     ($board:ty) => {
         #[cortex_m_rt::entry]
         fn main() -> ! {
-            // In statics, of which cortex-m-rt makes references: none of it passes through the stack. The answer has one of
-            // its own: the compiler knows its address then, which saves 140 bytes of flash.
+            // In statics, to which cortex-m-rt gives references: none of it passes through the stack. The answer has a separate
+            // static: then the compiler knows its address, which saves 140 bytes of flash.
             static mut MEMORY: $crate::rig::Memory<$board> = $crate::rig::Memory::new();
             static mut ANSWER: $crate::rig::FrameBuffer = $crate::rig::FrameBuffer::new();
             $crate::rig::run(MEMORY, ANSWER)
@@ -181,7 +181,7 @@ macro_rules! rig_image {
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo) -> ! {
             unsafe extern "C" {
-                /// Defined nowhere: the image links only where no panic can be reached.
+                /// Defined nowhere: the image links only if no panic can be reached.
                 fn a_panic_can_be_reached() -> !;
             }
             // SAFETY: never linked.
@@ -192,7 +192,7 @@ macro_rules! rig_image {
     };
 }
 
-/// The handlers of an image with a rig, which `ends` where it cannot go on, and its log.
+/// The handlers and the log of an image with a rig; it `ends` if it cannot continue.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! rig_handlers {
@@ -215,7 +215,7 @@ macro_rules! rig_handlers {
             #[defmt::global_logger]
             struct Logger;
 
-            // SAFETY: what `acquire` takes, `release` gives back, and defmt does not nest them.
+            // SAFETY: `release` gives back the critical section of `acquire`, and defmt does not nest them.
             unsafe impl defmt::Logger for Logger {
                 fn acquire() {
                     log::acquire();

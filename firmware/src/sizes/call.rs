@@ -4,10 +4,10 @@ use core::arch::asm;
 
 use crate::stack::{PAINT, deepest, lowest};
 
-/// Bytes below the caller's own that are left as they are: what this function takes itself.
+/// Bytes below the caller's stack that are left unchanged: this function's own stack.
 const MARGIN: u32 = 64;
 
-/// Bytes of stack that `work` takes below its caller.
+/// Bytes of stack that `work` uses below its caller.
 #[inline(never)]
 pub fn stack_of(work: impl FnOnce()) -> u32 {
     let here: u32;
@@ -16,7 +16,7 @@ pub fn stack_of(work: impl FnOnce()) -> u32 {
     let end = (here - MARGIN) as *mut u32;
     let mut word = lowest();
     while word < end {
-        // SAFETY: from the linker's end of the variables to well below this call the stack is nobody's.
+        // SAFETY: nobody uses the stack from the linker's end of the variables to well below this call.
         unsafe { word.write_volatile(PAINT) };
         word = word.wrapping_add(1);
     }

@@ -23,7 +23,7 @@ type DamperLaw = StaticLaw<Effects>;
 type Running = RunningLaw<8>;
 type Blocks = Programme<16>;
 
-/// Says the stack of each.
+/// Reports the stack of each.
 pub fn constructors<B: Board>(link: &mut B::Link) -> Option<()> {
     let mut named = |name: &str, work: &mut dyn FnMut() -> Option<()>| {
         let mut done = None;

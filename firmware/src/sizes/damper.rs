@@ -12,7 +12,7 @@ use crate::board::{Board, Converters as _};
 
 static mut LAW: StaticLaw<Effects> = StaticLaw::empty();
 
-/// Fills the law where it is, connects the converters, and ticks.
+/// Fills the law in place, connects the converters, and ticks.
 pub fn damper<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;

@@ -1,7 +1,7 @@
-//! Small images, each of one use of the crate: what it takes of flash, RAM and stack.
+//! Small images, each with one use of the crate, to measure its flash, RAM and stack.
 //!
-//! An image says lines of `name bytes` over the board's link: the stack that it took. Flash and RAM are read off its file. No
-//! formatting is linked, which would take more than what is sized.
+//! An image sends lines of `name bytes` over the board's link with the stack that it used. Flash and RAM are read from its file. No
+//! formatting is linked: it would be larger than the measured code.
 
 mod call;
 mod constructors;
@@ -23,14 +23,14 @@ pub use one_effect::{one_effect_pack, one_effect_static};
 pub use running_law::running_law;
 pub use static_law::static_law;
 
-/// Ticks of the motion that a use is given.
+/// Ticks of the motion for a use.
 const TICKS: u16 = 300;
 
 /// The mixed damping law of 1.2 kN/mm, 30 kN/mm³, 0.1 kN·(s/mm)^0.3 with stick-slip of 1.2 kN/mm and 0.03 mm, for 10 kHz, as
 /// `hil export --format pack` writes it.
 const PACK: &[u8] = include_bytes!("stick_slip.mdcp");
 
-/// The motion of tick `n`: a triangle of 0.1 mm, as the compiler cannot foresee it.
+/// The motion of tick `n`: a triangle of 0.1 mm that the compiler cannot foresee.
 fn motion(n: u16) -> Motion<f32> {
     let phase = f32::from(n % 100) * 0.02 - 1.0;
     Motion {
@@ -40,7 +40,7 @@ fn motion(n: u16) -> Motion<f32> {
     }
 }
 
-/// Says how many bytes `name` takes.
+/// Sends the number of bytes that `name` takes.
 fn say(link: &mut impl Link, name: &str, bytes: u32) {
     let mut digits = [b'0'; 11];
     let mut rest = bytes;
@@ -59,7 +59,7 @@ fn say(link: &mut impl Link, name: &str, bytes: u32) {
     link.send(digits.get(first..).unwrap_or_default());
 }
 
-/// Does `work`, says the stack of the whole image by then, and ends.
+/// Runs `work`, sends the stack of the whole image so far, and ends.
 pub fn run<B: Board>(work: fn(&mut B::Link) -> Option<()>) -> ! {
     B::prepare();
     let mut link = B::Link::open();

@@ -1,4 +1,4 @@
-//! The mixed damping law with stick-slip of one element, in the two ways in which a firmware in Rust has it.
+//! The mixed damping law with stick-slip of one element, in the two forms for a firmware in Rust.
 
 use core::hint::black_box;
 
@@ -16,7 +16,7 @@ use crate::board::Board;
 static mut STATIC: StaticLaw<(StickSlip<f32>,)> = StaticLaw::empty();
 static mut FROM_PACK: RunningLaw<1> = RunningLaw::empty();
 
-/// Its type names the effect, and a host computed the table's seed.
+/// As a static type, with the table's seed computed on a host.
 pub fn one_effect_static<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut STATIC).as_mut() }?;
@@ -26,7 +26,7 @@ pub fn one_effect_static<B: Board>(_: &mut B::Link) -> Option<()> {
     Some(())
 }
 
-/// Read from a pack, which may hold any one effect.
+/// Read from a pack, which may contain any single effect.
 pub fn one_effect_pack<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut FROM_PACK).as_mut() }?;

@@ -10,7 +10,7 @@ use crate::board::Board;
 
 static mut LAW: RunningLaw<8> = RunningLaw::empty();
 
-/// Reads a pack into the law where it is, and ticks.
+/// Reads a pack into the law in place, and ticks.
 pub fn running_law<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;

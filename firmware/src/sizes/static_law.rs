@@ -1,4 +1,4 @@
-//! A firmware that knows its law: mixed damping law, stick-slip, and the results of each cycle.
+//! A firmware with a fixed law: mixed damping law, stick-slip, and the results of each cycle.
 
 use core::hint::black_box;
 
@@ -12,7 +12,7 @@ use mesh_damper::tick_law::TickLaw as _;
 use super::{TICKS, motion};
 use crate::board::Board;
 
-/// `PowerSeed::octave` and `PowerSeed::scale` of c = 0.1 and α = 0.3, as a host computed them.
+/// `PowerSeed::octave` and `PowerSeed::scale` for c = 0.1 and α = 0.3, computed on a host.
 const OCTAVE: [Segment; SEGMENTS] = [
     [0.54508185, 0.66045636, -0.2561416, 0.050603464],
     [0.50100243, 0.54300565, -0.18839642, 0.033300832],
@@ -65,7 +65,7 @@ pub(super) const SEED: PowerSeed = match PowerSeed::from_parts(OCTAVE, SCALE) {
 
 static mut LAW: StaticLaw<(StickSlip<f32>,)> = StaticLaw::empty();
 
-/// Fills the law where it is, and ticks.
+/// Fills the law in place, and ticks.
 pub fn static_law<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;

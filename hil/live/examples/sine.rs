@@ -1,4 +1,4 @@
-//! A sine at 10 kHz on the live page, for as many seconds as are given: `cargo run -p mesh-damper-live --example sine -- 60 8000`.
+//! A sine at 10 kHz on the live page, for the given number of seconds: `cargo run -p mesh-damper-live --example sine -- 60 8000`.
 
 use std::time::{Duration, Instant};
 

@@ -1,20 +1,20 @@
-//! Fewer samples that show the same: of every bucket those at which a channel is smallest or largest.
+//! Decimation that keeps peaks: it keeps the samples of every bucket at which a channel is smallest or largest.
 //!
-//! What is kept are samples as they were, with their own times and with all their channels. So no peak is lost, nothing moves in time, and
-//! force over displacement stays the loop that was measured. Of a bucket at most two samples a channel are kept, however long it is.
+//! The samples that remain are unchanged, with their own times and all their channels. So no peak is lost, nothing moves in time,
+//! and force over displacement stays the measured loop. A bucket leaves at most two samples per channel, however long it is.
 
 use crate::values::Sample;
 
 /// Channels of a sample.
 const CHANNELS: usize = 3;
-/// Samples that are kept of a bucket at most: the smallest and the largest of each channel.
+/// Most samples that remain of a bucket: the smallest and the largest of each channel.
 pub const MOST_KEPT: usize = 2 * CHANNELS;
 
 fn channels(sample: &Sample) -> [f32; CHANNELS] {
     [sample.displacement, sample.force, sample.law_force]
 }
 
-/// Decimates samples as they come.
+/// Decimates samples as they arrive.
 #[derive(Clone, Debug)]
 pub struct Decimator {
     length: usize,
@@ -22,7 +22,7 @@ pub struct Decimator {
 }
 
 impl Decimator {
-    /// With buckets of `length` samples; a length of 0 counts as 1, with which everything is kept.
+    /// With buckets of `length` samples. A length of 0 counts as 1, which keeps everything.
     pub fn new(length: usize) -> Self {
         let length = length.max(1);
         Self {
@@ -31,12 +31,12 @@ impl Decimator {
         }
     }
 
-    /// Samples of a bucket.
+    /// Samples in a bucket.
     pub fn length(&self) -> usize {
         self.length
     }
 
-    /// Takes one more sample, and says which of the bucket are kept where it is full.
+    /// Adds one sample. If the bucket is full, returns the samples that remain of it.
     pub fn push(&mut self, sample: &Sample) -> Kept {
         self.bucket.push(*sample);
         if self.bucket.len() < self.length {
@@ -45,7 +45,7 @@ impl Decimator {
         self.flush()
     }
 
-    /// What is kept of a bucket that is not full.
+    /// The samples that remain of an incomplete bucket.
     pub fn flush(&mut self) -> Kept {
         let kept = Kept::of(&self.bucket);
         self.bucket.clear();
@@ -53,7 +53,7 @@ impl Decimator {
     }
 }
 
-/// What is kept of one bucket, in the order of time.
+/// The samples that remain of one bucket, in the order of time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kept {
     samples: [Sample; MOST_KEPT],
@@ -61,8 +61,8 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// Of `bucket`: a value that is not a number is neither the smallest nor the largest, and where a channel has no other value it keeps
-    /// the first sample.
+    /// For `bucket`. NaN is neither the smallest nor the largest value; for a channel with no other value, the first sample is
+    /// kept.
     pub fn of(bucket: &[Sample]) -> Self {
         let mut places = [0; MOST_KEPT];
         for channel in 0..CHANNELS {
@@ -129,7 +129,7 @@ mod tests {
         kept
     }
 
-    /// Smallest and largest of a channel, of what is a number.
+    /// Smallest and largest value of a channel, ignoring NaN.
     fn extremes(samples: &[Sample], channel: usize) -> Option<(f32, f32)> {
         let values = samples.iter().map(|sample| channels(sample)[channel]);
         values
@@ -150,7 +150,7 @@ mod tests {
     }
 
     proptest! {
-        /// Of every bucket, for every channel: the smallest and the largest value are there.
+        /// For every bucket and every channel, the smallest and the largest value remain.
         #[test]
         fn the_extremes_of_every_bucket_are_kept(values in values(), length in 1_usize..60) {
             let samples = sampled(&values);
@@ -166,7 +166,7 @@ mod tests {
             }
         }
 
-        /// What is kept was measured: it has its own time, and its channels belong together. Time rises.
+        /// The remaining samples were measured: each has its own time, and its channels belong together. Time rises.
         #[test]
         fn what_is_kept_has_not_moved(values in values(), length in 1_usize..60) {
             let samples = sampled(&values);
@@ -179,7 +179,7 @@ mod tests {
             }
         }
 
-        /// However long it is, a bucket leaves at least one sample and at most two a channel.
+        /// However long it is, a bucket leaves at least one sample and at most two per channel.
         #[test]
         fn the_rate_is_bounded(values in values(), length in 1_usize..60) {
             let samples = sampled(&values);

@@ -1,23 +1,23 @@
-//! The binary messages of the page's WebSocket. `docs/live.md` describes them for whoever reads them with another program.
+//! The binary messages of the page's WebSocket. `docs/live.md` describes them for authors of other readers.
 //!
 //! All numbers are little-endian.
 //!
 //! | at | type | what |
-//! |---|---|---|
+//! | at | type | content |
 //! | 0 | 2 bytes | `MD` |
 //! | 2 | u8 | [`VERSION`] |
 //! | 3 | u8 | kind: 1 samples, 2 cycles |
 //! | 4 | u32 | rows |
 //! | 8 | u32 | columns |
-//! | 12 | u32 | samples that were dropped for this viewer so far |
+//! | 12 | u32 | samples dropped for this viewer so far |
 //! | 16 | f64 | s; the first column counts from here |
 //! | 24 | f32 | the columns one after the other, each with all its rows |
 //!
-//! A reader takes the columns that it knows: a later version may append some without another number.
+//! A reader uses the columns that it knows. A later version may append columns without a new version number.
 
 use crate::values::{CycleResult, Sample};
 
-/// Of the messages; goes up when what is there changes its place or meaning.
+/// Version of the messages; it rises when an existing part changes its place or meaning.
 pub const VERSION: u8 = 1;
 /// Bytes before the columns.
 pub const HEADER: usize = 24;
@@ -41,7 +41,7 @@ pub const CYCLE_COLUMNS: [&str; 13] = [
     "temperature_degC",
 ];
 
-/// The message with `samples`, for a viewer that has missed as many as `missed`.
+/// The message with `samples`, for a viewer that has missed `missed` samples.
 pub fn of_samples(samples: &[Sample], missed: u64) -> Vec<u8> {
     let start = samples.first().map_or(0.0, |sample| sample.time);
     message(1, samples, missed, start, |sample| {
@@ -121,7 +121,7 @@ mod tests {
             .step_by(4)
             .map(|at| float(&bytes, at))
             .collect();
-        // A million seconds after the start a tick is still where it was, within a part in 1e5 of it.
+        // A million seconds after the start, a tick is still at its place, within 1e-5 of its length.
         assert!((values[1] - 1e-4).abs() < 1e-9, "{values:?}");
         assert_eq!(values[0], 0.0);
         assert_eq!(values[2..], [0.5, -0.5, 2.0, 2.0, 3.0, 3.0]);

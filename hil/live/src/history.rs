@@ -1,11 +1,10 @@
-//! What a page that is opened late still gets, and what one that is slow has missed: rings of bounded length, with a place in each of them
-//! for every viewer.
+//! History for pages that open late or are slow: rings of bounded length, with a position in each of them for every viewer.
 
 use std::collections::VecDeque;
 
 use crate::values::{CycleResult, Event, Sample, State};
 
-/// How much is kept for pages that are opened late, or that are slow.
+/// The length of the history for pages that open late or are slow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Samples, after decimation.
@@ -14,12 +13,12 @@ pub struct Limits {
     pub cycles: usize,
     /// Events.
     pub events: usize,
-    /// By how many samples a page may be behind before it is brought forward, once it has what was there when it was opened.
+    /// Samples that a page may lag behind before it skips ahead, after it has received the history from before its opening.
     pub behind: usize,
 }
 
 impl Default for Limits {
-    /// 12 MiB of samples, which are 5 minutes of a sine at 10 kHz or more, and 4 MiB of cycles. A page may be half a minute behind.
+    /// 12 MiB of samples, which is 5 minutes of a sine at 10 kHz or more, and 4 MiB of cycles. A page may lag half a minute.
     fn default() -> Self {
         Self {
             samples: 1 << 19,
@@ -30,12 +29,12 @@ impl Default for Limits {
     }
 }
 
-/// The last so many items of a sequence.
+/// The last items of a sequence, up to a number.
 #[derive(Debug)]
 struct Ring<T> {
     items: VecDeque<T>,
     most: usize,
-    /// Number of the first one that is there.
+    /// Number of the first available item.
     first: u64,
 }
 
@@ -56,12 +55,12 @@ impl<T: Clone> Ring<T> {
         self.items.push_back(item);
     }
 
-    /// Number of the item that comes next.
+    /// Number of the next item.
     fn end(&self) -> u64 {
         self.first + self.items.len() as u64
     }
 
-    /// At most `most` items from the number `next` on, or from the first one that is there; and how many were passed over.
+    /// At most `most` items from number `next` on, or from the first available one; and the number of skipped items.
     fn take(&self, next: &mut u64, most: usize) -> (Vec<T>, u64) {
         let missed = self.first.saturating_sub(*next);
         *next = (*next).max(self.first);
@@ -72,7 +71,7 @@ impl<T: Clone> Ring<T> {
     }
 }
 
-/// Of one test.
+/// The history of one test.
 #[derive(Debug)]
 pub(crate) struct History {
     limits: Limits,
@@ -80,22 +79,22 @@ pub(crate) struct History {
     cycles: Ring<CycleResult>,
     events: Ring<Event>,
     state: State,
-    /// Goes up with every change of the state.
+    /// Rises with every change of the state.
     states: u64,
 }
 
-/// How far a viewer is.
+/// The position of a viewer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     sample: u64,
     cycle: u64,
     event: u64,
     state: u64,
-    /// Until it has passed this sample it is given what was there when it came, and may be behind as far as that goes.
+    /// Up to this sample the viewer receives the history from before its opening, and may lag by its length.
     joined: u64,
 }
 
-/// What a viewer was given and what not.
+/// Samples that a viewer received and missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
     /// Samples, after decimation, that were sent.
@@ -104,15 +103,15 @@ pub struct Seen {
     pub missed: u64,
 }
 
-/// What comes next for a viewer.
+/// The next part for a viewer.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     pub(crate) samples: Vec<Sample>,
-    /// Samples that were passed over right before these.
+    /// Samples that were skipped immediately before these.
     pub(crate) missed: u64,
     pub(crate) cycles: Vec<CycleResult>,
     pub(crate) events: Vec<Event>,
-    /// Where it has changed.
+    /// The state, if it has changed.
     pub(crate) state: Option<State>,
 }
 
@@ -158,7 +157,7 @@ impl History {
         self.states += 1;
     }
 
-    /// Of a viewer that comes now. What the rings have lost before is not missed by it.
+    /// For a viewer that starts now. Items that the rings lost before do not count as missed.
     pub(crate) fn join(&self) -> Place {
         Place {
             sample: self.samples.first,
@@ -169,7 +168,8 @@ impl History {
         }
     }
 
-    /// What comes after `place`, which moves on. Words come last, so that the state "finished" stands behind everything else.
+    /// The part after `place`, which moves on. Events and the state come last, so that the state "finished" follows everything
+    /// else.
     pub(crate) fn next(&self, place: &mut Place) -> Part {
         let mut missed = 0;
         let behind = self.samples.end().saturating_sub(place.sample);
@@ -209,8 +209,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whenever a viewer comes and however slow it is: every sample since it came was given to it once, in order, or is counted as
-        /// missed.
+        /// Whenever a viewer starts and however slow it is, it receives every sample since its start once, in order, or the sample
+        /// counts as missed.
         #[test]
         fn every_sample_is_given_once_or_counted(
             samples in 1_usize..50,
@@ -246,7 +246,7 @@ mod tests {
             prop_assert!(history.next(&mut place).is_empty());
         }
 
-        /// The rings never hold more than they may.
+        /// The rings never exceed their limits.
         #[test]
         fn memory_is_bounded(most in 0_usize..50, count in 0_u64..200) {
             let mut history = History::new(Limits { samples: most, ..Limits::default() });

@@ -1,10 +1,10 @@
 //! A test while it runs: a page in the browser, and health, cycles and events over MQTT.
 //!
-//! Whoever runs a test tells a [`Listener`] of it: every sample, the results of every cycle, every event, every change of state. Two
-//! listeners are here. [`LivePage`] serves a page on the loopback interface that draws them. [`MqttPublisher`] sends them to a broker.
-//! Neither of them ever waits for whoever looks: what cannot be delivered is dropped and counted.
+//! The program that runs a test informs a [`Listener`] about every sample, the results of every cycle, every event and every change
+//! of state. There are two listeners. [`LivePage`] serves a page on the loopback interface that plots them. [`MqttPublisher`] sends
+//! them to a broker. Neither of them ever waits for a viewer: it drops and counts items that it cannot deliver.
 //!
-//! Nothing here knows what a rig is. The values are those of `values.rs`, in s, mm, kN, J and °C.
+//! This crate does not know rigs. Its values are those of `values.rs`, in s, mm, kN, J and °C.
 //!
 //! ```
 //! use mesh_damper_live::{About, Limits, Listener, LivePage, Sample, State};

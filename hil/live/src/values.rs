@@ -1,28 +1,28 @@
-//! What a test says of itself while it runs.
+//! The data that a test reports while it runs.
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// What is run, said once.
+/// A description of the test, given once.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct About {
     /// In a few words.
     pub title: String,
-    /// The specimen, in words.
+    /// The specimen, as text.
     pub specimen: String,
-    /// The law beside it, in words.
+    /// The law for comparison, as text.
     pub law: String,
-    /// Samples per second that a listener is told of, Hz, above 0.
+    /// Samples per second for a listener, Hz, above 0.
     #[serde(rename = "sample_rate_Hz")]
     pub sample_rate: f64,
-    /// How long the test takes, s; none where that is not known.
+    /// Duration of the test, s; none if unknown.
     #[serde(rename = "duration_s")]
     pub duration: Option<f64>,
-    /// Whether there are cycles to come. A motion of any shape has none.
+    /// Whether cycles will follow. A motion of arbitrary shape has none.
     pub has_cycles: bool,
 }
 
-/// What was measured at one tick.
+/// The measurements of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// s since the start; rises from sample to sample.
@@ -31,21 +31,21 @@ pub struct Sample {
     pub displacement: f32,
     /// Measured, kN.
     pub force: f32,
-    /// Of the law, kN.
+    /// Force of the law, kN.
     pub law_force: f32,
 }
 
-/// The results of one cycle. The names that leave the process carry the units.
+/// The results of one cycle. The exported names carry the units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CycleResult {
-    /// When it ended, s since the start.
+    /// End of the cycle, s since the start.
     #[serde(rename = "time_s")]
     pub time: f64,
     /// Block of the test, from 0.
     pub block: u32,
     /// Number of the cycle, from 0.
     pub cycle: u32,
-    /// In a ramp: not a steady cycle.
+    /// Whether it belongs to a ramp and is not a steady cycle.
     pub ramp: bool,
     /// Half of the displacement's range, mm.
     #[serde(rename = "amplitude_mm")]
@@ -69,12 +69,12 @@ pub struct CycleResult {
     /// RMS of the law's error over the RMS of the measured force.
     #[serde(rename = "law_error")]
     pub error: f32,
-    /// Of the specimen, °C; not a number where nobody measures it, which JSON has as null.
+    /// Temperature of the specimen, °C; NaN if it is not measured, null in JSON.
     #[serde(rename = "temperature_degC")]
     pub temperature: f32,
 }
 
-/// Something that a monitor named.
+/// A cause that a monitor named.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Event {
     /// s since the start.
@@ -84,21 +84,21 @@ pub struct Event {
     pub cycle: u32,
     /// The name of the cause.
     pub cause: String,
-    /// What it may be as well.
+    /// The alternative cause.
     pub or: Option<String>,
-    /// Something is wrong. A run-in, for example, is not.
+    /// Whether this is a fault. A run-in, for example, is not.
     pub fault: bool,
-    /// In one sentence, with the evidence.
+    /// One sentence with the evidence.
     pub text: String,
 }
 
-/// How the test is.
+/// The state of the test.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum State {
     /// It has not begun.
     #[default]
     Waiting,
-    /// It goes on.
+    /// It is running.
     Running,
     /// It ran to its end.
     Finished {
@@ -109,23 +109,23 @@ pub enum State {
     Stopped {
         /// s since the start.
         time: f64,
-        /// Why, in words.
+        /// The reason, as text.
         cause: String,
     },
-    /// It could not go on.
+    /// It could not continue.
     BrokenOff {
-        /// Why, in words.
+        /// The reason, as text.
         cause: String,
     },
 }
 
 impl State {
-    /// Whether nothing more comes.
+    /// Whether nothing more follows.
     pub fn is_over(&self) -> bool {
         !matches!(self, Self::Waiting | Self::Running)
     }
 
-    /// As JSON: `state`, `time_s` and `cause`, the last two null where there are none.
+    /// As JSON: `state`, `time_s` and `cause`; the last two are null if absent.
     pub fn to_json(&self) -> Value {
         let (name, time, cause) = match self {
             Self::Waiting => ("waiting", None, None),
@@ -138,13 +138,13 @@ impl State {
     }
 }
 
-/// Who is told of a test while it runs. No method may wait.
+/// Receives the data of a test while it runs. No method may wait.
 pub trait Listener {
-    /// Every tick, or every so many of them.
+    /// Every tick, or every n-th tick.
     fn sample(&mut self, sample: &Sample);
     /// A cycle has ended.
     fn cycle(&mut self, cycle: &CycleResult);
-    /// A monitor named something.
+    /// A monitor named a cause.
     fn event(&mut self, event: &Event);
     /// The state has changed.
     fn state(&mut self, state: &State);

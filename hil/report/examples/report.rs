@@ -1,4 +1,4 @@
-//! The report of a trace on the simulated rig, as `report.html` in the folder that is named:
+//! Writes the report of a trace on the simulated rig as `report.html` into the given folder:
 //! `cargo run --release -p mesh-damper-report --example report -- OUT`.
 
 use std::error::Error;

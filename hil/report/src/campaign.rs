@@ -1,4 +1,4 @@
-//! What the fault campaign came to, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
+//! Results of the fault campaign, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
 
 use mesh_damper_rig::faults::{
     AttackOutcome, AttackSummary, Changing, Naming, Outcome, SlowOutcome, Summary,
@@ -7,7 +7,7 @@ use mesh_damper_rig::faults::{
 use super::palette::Colour;
 use super::picture::{Axis, Layer, Look, Mark, Panel, Picture};
 
-/// The first of a legend, the second, the third, and what must not be overlooked.
+/// The first, second and third entry of a legend, and the marks that must not be overlooked.
 const LOOKS: [(Colour, Mark); 4] = [
     (Colour::After, Mark::Disc),
     (Colour::Before, Mark::Cross),
@@ -15,10 +15,10 @@ const LOOKS: [(Colour, Mark); 4] = [
     (Colour::Ink, Mark::Triangle),
 ];
 
-/// A name, and the marks beside it: what each is of, by its place in the legend, and where it stands.
+/// A name with its marks: the entry in the legend, and the position.
 type Row = (String, Vec<(usize, f64)>);
 
-/// Cycles from a fault to its name, one row to a kind and size, one mark to a trial.
+/// Cycles from a fault until it is named, one row for each kind and size, one mark for each trial.
 pub fn found(summary: &Summary) -> String {
     let mark = |one: &Outcome| Some((usize::from(!(one.right || one.both)), one.cycles?));
     let rows = summary.kinds.iter().map(|kind| {
@@ -27,7 +27,7 @@ pub fn found(summary: &Summary) -> String {
             .iter()
             .filter(|one| one.trial.kind == kind.kind && one.trial.size == kind.size);
         let mut marks: Vec<_> = these.filter_map(mark).collect();
-        // What is named otherwise is few and must not be hidden.
+        // Trials with another name are few and must not be hidden.
         marks.sort_by_key(|(of, _)| *of);
         (format!("{:?} {}", kind.kind, kind.size), marks)
     });
@@ -39,10 +39,10 @@ pub fn found(summary: &Summary) -> String {
     )
 }
 
-/// Cycles from an attack to its name, one row to a kind and size, one mark to a trial. A trial that led to a hazardous state has its
-/// mark where the rig found it, or at the end of the row.
+/// Cycles from an attack until it is named, one row for each kind and size, one mark for each trial. A trial that led to a
+/// hazardous state has its mark where the rig found it, or at the end of the row.
 pub fn attacked(attacks: &AttackSummary) -> String {
-    /// Where what was found later, or not at all, is marked.
+    /// Position of marks for trials found later, or not at all.
     const LATE: f64 = 10.0;
     let mark = |one: &AttackOutcome| {
         let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
@@ -89,7 +89,7 @@ pub fn attacked(attacks: &AttackSummary) -> String {
     )
 }
 
-/// The law's error before a slow change and after it, one row to a change.
+/// The law's error before and after a slow change, one row for each change.
 pub fn followed(slow: &[SlowOutcome]) -> String {
     let rows = slow.iter().map(|one| {
         let what = match one.change.changing {
@@ -128,7 +128,7 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
     )
 }
 
-/// Rows downwards from the top, marks over the horizontal axis.
+/// Rows from the top down, marks over the horizontal axis.
 fn picture(
     title: &str,
     rows: &[Row],
@@ -159,7 +159,7 @@ fn picture(
         },
         layers: layers.collect(),
     };
-    // Beside the rows, and of each, px.
+    // Height in addition to the rows, and height of each row, px.
     let height = (126 + 23 * rows.len() as u32).max(1000);
     Picture::of(title, ((900, height), 14), panel).alone()
 }

@@ -8,11 +8,11 @@ use super::picture::{
     Axis, CURVE_POINTS, Dash, Layer, Look, Panel, Picture, Size, TIME_COLUMNS, envelope, thinned,
 };
 
-/// Names of the three forces, as the pictures have them.
+/// Names of the three forces in the pictures.
 pub const MEASURED: &str = "measured";
 /// The law alone.
 pub const BEFORE: &str = "before";
-/// The law with what was found.
+/// The law with the effects found.
 pub const AFTER: &str = "after";
 
 /// mm
@@ -25,12 +25,12 @@ pub fn force() -> Axis {
     Axis::new("force", "kN")
 }
 
-/// The law alone: dashed, so that its colour is not all that tells it.
+/// The law alone, dashed, so that its colour is not its only mark.
 pub fn before(points: Vec<(f64, f64)>) -> Layer {
     Layer::new(BEFORE, Colour::Before, Look::Line(Dash::Long), points)
 }
 
-/// The law with what was found.
+/// The law with the effects found.
 pub fn after(points: Vec<(f64, f64)>) -> Layer {
     Layer::new(AFTER, Colour::After, Look::Line(Dash::Solid), points)
 }

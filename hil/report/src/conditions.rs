@@ -1,4 +1,4 @@
-//! What each effect gains on each condition that was held out in turn, as a table whose colours say it at a glance.
+//! The gain of each effect on each condition that was held out in turn, as a table with colours.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use mesh_damper_identify::trace::result::{FoundEffect, HeldCondition, TraceResul
 use super::html::{Section, table};
 use super::text;
 
-/// The table, and what is said of each effect; nothing where no condition was held out in turn.
+/// The table, and the conclusion about each effect; `None` if no condition was held out in turn.
 pub(crate) fn gains(result: &TraceResult) -> Option<Section> {
     if result.conditions.is_empty() {
         return None;
@@ -54,14 +54,14 @@ fn cell(condition: &HeldCondition, family: &str) -> Markup {
     let Some(&without) = condition.nrmse_without.get(family) else {
         return html! { td { "–" } };
     };
-    // By a factor of two either way the colour is full.
+    // The colour is full at a factor of two either way.
     let gained = (without / condition.nrmse_with).log2().clamp(-1.0, 1.0);
     let colour = if gained > 0.0 {
         [33, 102, 172]
     } else {
         [178, 24, 43]
     };
-    // A hundredth either way is no difference.
+    // A hundredth either way counts as no difference.
     let sign = match gained {
         gained if gained > 0.01 => " ▲",
         gained if gained < -0.01 => " ▼",
@@ -70,7 +70,7 @@ fn cell(condition: &HeldCondition, family: &str) -> Markup {
     html! { td style=(shade(colour, gained.abs())) { (text::percent(without)) (sign) } }
 }
 
-/// A background between the page's and half of a colour, so that letters are read on it.
+/// A background between the page's colour and half of a colour, so that letters on it can be read.
 fn shade(colour: [u8; 3], part: f64) -> String {
     let [r, g, b] = colour;
     format!("background: rgba({r},{g},{b},{:.2})", 0.5 * part)
@@ -92,7 +92,7 @@ pub fn held_out(condition: &HeldCondition) -> String {
     }
 }
 
-/// Whether an effect is confirmed, and why not.
+/// Whether an effect is confirmed, with the reason if not.
 pub fn said(effect: &FoundEffect) -> String {
     let name = text::name(&effect.family);
     let Some(rule) = effect.unconfirmed_by else {

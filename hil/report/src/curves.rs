@@ -7,7 +7,7 @@ use super::picture::{CURVE_POINTS, Dash, Layer, Look, Panel as Drawn, Picture, S
 /// One named curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// As the legend has it.
+    /// Its name in the legend.
     pub name: &'static str,
     /// In order.
     pub points: Vec<(f64, f64)>,
@@ -16,7 +16,7 @@ pub struct Curve {
 /// A panel: its title and its curves, the measured one first.
 pub type Panel = (String, Vec<Curve>);
 
-/// What was measured lies broad and pale beneath the others.
+/// The measured curve is broad and pale, beneath the others.
 const LOOKS: [(Colour, Look); 5] = [
     (Colour::Measured, Look::Broad),
     (Colour::Before, Look::Line(Dash::Long)),
@@ -25,7 +25,7 @@ const LOOKS: [(Colour, Look); 5] = [
     (Colour::After, Look::Line(Dash::Solid)),
 ];
 
-/// Force over displacement, in panels in rows of three.
+/// Force over displacement, with panels in rows of three.
 pub fn panels(title: &str, panels: &[Panel]) -> String {
     let panel = |(title, curves): &Panel| Drawn {
         title: title.clone(),

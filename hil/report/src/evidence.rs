@@ -1,4 +1,4 @@
-//! The pictures of what is left: maps over displacement and velocity, spectra, and autocorrelation.
+//! The pictures of the residual: maps over displacement and velocity, spectra, and autocorrelation.
 
 use super::Series;
 use super::charts::{self, AFTER, BEFORE};
@@ -9,11 +9,11 @@ use super::text;
 
 use maud::{Markup, html};
 
-/// Decades of a spectrum: lines of an exactly silent channel would stretch the axis beyond use.
+/// Decades of a spectrum: the lines of an exactly silent channel would make the axis too long.
 const DECADES: f64 = 7.0;
 
-/// The force left over displacement and velocity, from −`scale` (blue) to `scale` (red) kN; the paper's colour where it is none, and
-/// nothing where the motion never was.
+/// The residual over displacement and velocity, from −`scale` (blue) to `scale` (red) kN. It has the paper's colour where it is 0,
+/// and is empty where the motion never was.
 pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
     let (y, v) = (map.displacement, map.velocity);
     let values = map.cells.iter().map(|cell| cell.unwrap_or(f64::NAN));
@@ -41,7 +41,7 @@ pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
     Picture::of(title, HALF, panel)
 }
 
-/// The colours of a map with what they stand for.
+/// The colours of a map with their values.
 pub fn map_key(scale: f64) -> Markup {
     const STEPS: i32 = 10;
     let end = text::number(scale);
@@ -58,7 +58,7 @@ pub fn map_key(scale: f64) -> Markup {
     }
 }
 
-/// Amplitude over frequency of what is left, on logarithmic axes: before, and `with_after` also after.
+/// Amplitude of the residual over frequency, on logarithmic axes: before, and with `with_after` also after.
 pub fn spectrum_chart(series: &[Series], with_after: bool, title: &str) -> Picture {
     let before = spectrum(series, Law::Before);
     let after = if with_after {
@@ -88,7 +88,7 @@ pub fn spectrum_chart(series: &[Series], with_after: bool, title: &str) -> Pictu
     Picture::of(title, HALF, panel)
 }
 
-/// The autocorrelation of what is left, with the band that white noise keeps to.
+/// The autocorrelation of the residual, with the band of white noise.
 pub fn autocorrelation_chart(found: &Autocorrelation) -> Picture {
     let points: Vec<(f64, f64)> = (1..)
         .map(f64::from)

@@ -1,4 +1,4 @@
-//! What a trace leaves, as a report needs it.
+//! Prepares the result of a trace for a report.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use mesh_damper_recording::cycles::FoundBlock;
 use super::{ReportData, Series, SeriesBlock};
 
 impl ReportData {
-    /// The report of `trace`, which it takes over, with `facts` about the test as pairs of a name and a text.
+    /// The report of `trace`, which it consumes, with `facts` about the test as pairs of a name and a text.
     pub fn of_trace(title: impl Into<String>, facts: Vec<(String, String)>, trace: Trace) -> Self {
         Self {
             title: title.into(),
@@ -24,7 +24,7 @@ impl ReportData {
     }
 }
 
-/// What the recordings' comments declare of specimen, device and excitation, as the facts of a report.
+/// The specimen, device and excitation declared in the recordings' comments, as the facts of a report.
 pub fn declared(recordings: &[Recording]) -> Vec<(String, String)> {
     ["specimen", "device", "excitation"]
         .into_iter()
@@ -59,8 +59,8 @@ impl Series {
     }
 }
 
-/// The last cycle that was held out as a whole, or else the last of the block; one that the block goes on after where
-/// there is one, as its loop closes.
+/// The last cycle that was held out completely, or else the last of the block. If possible, a cycle with a successor, so that its
+/// loop closes.
 fn representative(block: &FoundBlock, roles: &[Role]) -> Option<SeriesBlock> {
     let is_held_out = |cycle: &&Range<usize>| {
         roles

@@ -1,6 +1,6 @@
-//! What all pages have in common: head, contents, sections, figures and tables, in one file that loads nothing.
+//! The common parts of all pages: head, contents, sections, figures and tables, in one file that loads nothing.
 //!
-//! A page is complete without a script. With one its pictures can be zoomed and read.
+//! A page is complete without a script. With a script, a reader can zoom into its pictures and read values.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -48,7 +48,7 @@ impl Section {
     }
 }
 
-/// A page: its title, what stands first, its sections with a list of them, and what stands at its end. `scripts` are of this page alone.
+/// A page: its title, its beginning, its sections with a list of them, and its end. `scripts` belong to this page only.
 pub fn page(
     title: &str,
     first: Markup,
@@ -105,8 +105,8 @@ pub fn figure(caption: Markup, picture: &Picture) -> Markup {
     }
 }
 
-/// A table of rows of `tr`, which scrolls by itself where it is too wide. The caption says what it is, also to who does not see the
-/// heading above it.
+/// A table of rows of `tr`, which scrolls by itself if it is too wide. The caption describes it, also for readers who do not see
+/// the heading above it.
 pub fn table(caption: &str, head: Markup, body: Markup) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label=(caption) {

@@ -1,4 +1,4 @@
-//! `report.html`: what a trace found, or what became of the paper, in one file that opens anywhere and prints.
+//! `report.html`: the result of a trace, or of the recomputed paper, in one file that opens anywhere and can be printed.
 //!
 //! Pictures are SVG within the page; nothing is loaded from elsewhere.
 //!
@@ -8,8 +8,8 @@
 //! | [`batch`] | one page for many traces |
 //! | [`mod@paper`] | the report of the paper's claims |
 //! | [`campaign`], [`characterization`], [`curves`] | pictures of the fault campaign, of a characterization, of any curves |
-//! | [`conditions`] | what each effect gains on each condition held out |
-//! | `size` | the picture of what a trace takes |
+//! | [`conditions`] | the gain of each effect on each condition held out |
+//! | `size` | the picture of the memory and time of a trace |
 //! | [`over_time`] | the picture of values with their intervals over time |
 //! | [`transmissibility`] | the picture of a sweep |
 //! | [`text`] | numbers, names and verdicts in words |
@@ -66,21 +66,20 @@ pub use batch::{BatchEffect, BatchOutcome, BatchRow, batch_page};
 pub use from_trace::declared;
 pub use page::render;
 
-/// What a report is made from.
+/// The input of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReportData {
     /// The page's title.
     pub title: String,
-    /// What else is to be known of the test, as pairs of a name and a text, such as the effect that a demonstration
-    /// hid.
+    /// Further facts about the test, as pairs of a name and a text, for example the effect that a demonstration hid.
     pub facts: Vec<(String, String)>,
-    /// What was found.
+    /// The result.
     pub result: TraceResult,
-    /// The recordings, those held out included.
+    /// The recordings, including the held-out ones.
     pub series: Vec<Series>,
 }
 
-/// One recording with the forces that the law gave before and after.
+/// One recording with the forces of the law before and after.
 ///
 /// All channels have as many samples as `time`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,19 +96,19 @@ pub struct Series {
     pub force: Vec<f64>,
     /// The law alone, kN.
     pub before: Vec<f64>,
-    /// The law with what was found, kN.
+    /// The law with the effects found, kN.
     pub after: Vec<f64>,
-    /// Whether the force was measured, and not left out for a fault of a channel.
+    /// Whether the force was measured, and not excluded because of a channel fault.
     pub measured: Vec<bool>,
-    /// Its blocks in order; none where no cycle was found.
+    /// Its blocks in order; empty if no cycle was found.
     pub blocks: Vec<SeriesBlock>,
 }
 
-/// Cycles of like amplitude and frequency.
+/// Cycles of similar amplitude and frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesBlock {
-    /// The samples of one representative cycle, with the next one's first where the block goes on: the loop that is
-    /// drawn.
+    /// The samples of one representative cycle, for the drawn loop. They include the first sample of the next cycle if the block
+    /// continues.
     pub cycle: Range<usize>,
     /// The samples of each of its cycles, in order.
     pub cycles: Vec<Range<usize>>,
@@ -121,7 +120,7 @@ pub struct SeriesBlock {
     pub held_out: bool,
 }
 
-/// The loop of one block, measured and before and after, as an SVG file of its own.
+/// The loop of one block, measured and before and after, as a separate SVG file.
 pub fn loop_picture(series: &Series, block: &SeriesBlock) -> String {
     let title = format!("Loop: {}", page::condition(block));
     charts::loop_chart(series, &block.cycle, &title, picture::STANDALONE).alone()

@@ -1,4 +1,4 @@
-//! Values with their intervals over time or something else, a panel each, as one SVG.
+//! Values with their intervals over time or another quantity, one panel each, as one SVG.
 
 use super::palette::Colour;
 use super::picture::{Axis, Dash, Layer, Look, Mark, Panel as Drawn, Picture, SMALL};
@@ -6,15 +6,15 @@ use super::picture::{Axis, Dash, Layer, Look, Mark, Panel as Drawn, Picture, SMA
 /// One value over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Above it.
+    /// Text above the panel.
     pub title: String,
     /// Of its axis.
     pub name: String,
     /// Of its axis.
     pub unit: String,
-    /// Whether it changed: its title says so.
+    /// Whether the value changed: the title says so.
     pub changed: bool,
-    /// The chance that it is so of what did not change, in words, where that is known.
+    /// The chance of such a difference if nothing changed, as text, if known.
     pub p: Option<String>,
     /// In the order of time.
     pub values: Vec<Value>,
@@ -23,15 +23,15 @@ pub struct Panel {
 /// A value at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
-    /// Time, or what it is over; in any unit, the same for all.
+    /// Time or another abscissa; in any unit that is the same for all.
     pub time: f64,
     /// In the panel's unit.
     pub value: f64,
-    /// The ends of its interval, where it is known.
+    /// The ends of its interval, if known.
     pub interval: Option<(f64, f64)>,
 }
 
-/// Panels in rows of three, whose abscissa is `over`.
+/// Panels in rows of three, with the abscissa `over`.
 pub fn picture(title: &str, over: &str, panels: &[Panel]) -> String {
     let panel = |panel: &Panel| {
         let colour = if panel.changed {

@@ -14,7 +14,7 @@ use super::reasoning::{self, Evidence};
 use super::worst;
 use super::{ReportData, Series, SeriesBlock, text};
 
-/// Most loops that are drawn.
+/// Most loops in the pictures.
 const MOST_LOOPS: usize = 12;
 
 /// The report as one HTML file that needs no other.
@@ -52,7 +52,7 @@ pub fn render(data: &ReportData) -> String {
     page(&data.title, first, &sections, last, &[])
 }
 
-/// The recordings, what is declared of them, and what is wrong with them.
+/// The recordings, their declared data, and their faults.
 fn given(data: &ReportData) -> Section {
     let body = html! {
         @if !data.facts.is_empty() {
@@ -118,7 +118,7 @@ fn errors(result: &TraceResult) -> Section {
     )
 }
 
-/// What the curves' names stand for.
+/// The meaning of the curves' names.
 pub fn names(result: &TraceResult) -> [(&'static str, String); 2] {
     [
         (
@@ -168,8 +168,8 @@ fn loops(result: &TraceResult, series: &[Series]) -> Section {
     Section::new("Force–displacement loops", body)
 }
 
-/// At most [`MOST_LOOPS`] blocks in order, those held out before others. A single cycle is the way from block to block, and is drawn where
-/// there is nothing else: of a motion that does not repeat.
+/// At most [`MOST_LOOPS`] blocks in order, held-out blocks first. A single cycle is a transition between blocks. It is drawn only
+/// if there is nothing else, for a motion that does not repeat.
 fn chosen_blocks(series: &[Series]) -> Vec<(&Series, &SeriesBlock)> {
     let blocks = || {
         let each = series.iter();
@@ -322,7 +322,7 @@ fn recordings(data: &ReportData) -> Markup {
     table("The recordings", head, rows)
 }
 
-/// How much of a recording lies outside the motion that was fitted, and how far: what is held out there is extrapolated.
+/// How much of a recording lies outside the fitted motion, and how far: held-out samples there are extrapolated.
 fn outside_of(range: &FittedRange, series: &Series) -> String {
     let found = Extrapolation::of(range, &series.displacement, &series.velocity);
     let channels = [

@@ -1,12 +1,12 @@
 //! The colours of pages and pictures, on light paper and on dark.
 //!
-//! A picture carries the light ones as attributes, which every program that shows SVG understands. The dark ones replace them by
-//! [`rules`], where a screen asks for them: print stays light.
+//! A picture carries the light colours as attributes, which every program for SVG understands. On a dark screen, [`rules`] replace
+//! them by the dark ones; print stays light.
 
 use std::fmt::Write as _;
 
-/// A colour by what it stands for. Those of curves have hues of Okabe and Ito (2008), which remain distinct to the colour-blind, darkened
-/// or lightened to at least 3 : 1 against the paper, as WCAG 2.2 asks of graphics (1.4.11).
+/// A colour by its meaning. The hues of the curves are those of Okabe and Ito (2008), which remain distinct to the colour-blind.
+/// They are darkened or lightened to at least 3 : 1 against the paper, the contrast that WCAG 2.2 requires for graphics (1.4.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Colour {
     /// The page, and the ground of a picture.
@@ -17,21 +17,21 @@ pub enum Colour {
     Faint,
     /// Lines of a grid, and edges.
     Grid,
-    /// What was measured.
+    /// Measurements.
     Measured,
-    /// The law alone; what fails.
+    /// The law alone; failures.
     Before,
-    /// The law with what was found; links.
+    /// The law with the effects found; links.
     After,
-    /// Letters of what fails.
+    /// Letters of failures.
     Fails,
-    /// A third thing beside those two.
+    /// A third curve.
     Green,
-    /// A fourth.
+    /// A fourth curve.
     Pink,
-    /// A fifth.
+    /// A fifth curve.
     Yellow,
-    /// A sixth.
+    /// A sixth curve.
     Sky,
 }
 
@@ -98,11 +98,11 @@ impl Colour {
     }
 }
 
-/// Steps of a map's colours to either side of none.
+/// Steps of a map's colours on each side of zero.
 const STEPS: i32 = 10;
 
-/// The colour of `part`, from −1 (blue) to 1 (red), on light paper or on dark: that of the paper where it is 0, so that only what is there
-/// stands out. Its ends are ColorBrewer's RdBu, which the colour-blind can read.
+/// The colour of `part`, from −1 (blue) to 1 (red), on light paper or on dark. At 0 it is that of the paper, so that only nonzero
+/// values stand out. Its ends are ColorBrewer's RdBu, which the colour-blind can distinguish.
 pub fn shade(part: f64, dark: bool) -> String {
     shade_of(
         (part.clamp(-1.0, 1.0) * f64::from(STEPS)).round() as i32,
@@ -141,7 +141,7 @@ pub fn variables() -> String {
     )
 }
 
-/// Rules by which a picture is dark on a dark screen.
+/// Rules that make a picture dark on a dark screen.
 pub fn rules() -> String {
     let colours = Colour::ALL.map(|colour| (colour.light().to_owned(), colour.dark().to_owned()));
     let shades = (-STEPS..=STEPS).map(|step| (shade_of(step, false), shade_of(step, true)));

@@ -3,7 +3,7 @@
 use super::palette::Colour;
 use super::picture::{Axis, CURVE_POINTS, Dash, Layer, Look, Mark, Panel, Picture, SMALL, thinned};
 
-/// How the methods that the paper compares are drawn: colour, dashes and marks of each.
+/// The look of the methods that the paper compares: colour, dashes and marks of each.
 pub const TABLES: Style = Style(Colour::Measured, Dash::Solid, Mark::Disc);
 /// Of eq 20.
 pub const EQUATION: Style = Style(Colour::Before, Dash::Long, Mark::Square);
@@ -11,7 +11,7 @@ pub const EQUATION: Style = Style(Colour::Before, Dash::Long, Mark::Square);
 pub const SURFACES: Style = Style(Colour::After, Dash::Solid, Mark::Diamond);
 /// Of finite elements.
 pub const ELEMENTS: Style = Style(Colour::Green, Dash::Mixed, Mark::Triangle);
-/// Of what the text says.
+/// Statements of the text.
 pub const SAID: Style = Style(Colour::Pink, Dash::Short, Mark::Ring);
 /// One for each of the five densities or amplitudes.
 pub const SHADES: [Style; 5] = [
@@ -22,7 +22,7 @@ pub const SHADES: [Style; 5] = [
     Style(Colour::Ink, Dash::Dotted, Mark::Ring),
 ];
 
-/// A colour with the dashes and the mark that tell a curve as well.
+/// A colour with the dashes and the mark that also distinguish a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Style(Colour, Dash, Mark);
 
@@ -37,7 +37,7 @@ impl Style {
         self.layer(name, Look::Marks(self.2), &points)
     }
 
-    /// Points that a line joins.
+    /// Points joined by a line.
     pub fn both(self, name: impl Into<String>, points: Vec<(f64, f64)>) -> Layer {
         self.layer(name, Look::Both(self.2, self.1), &points)
     }
@@ -64,7 +64,7 @@ pub fn panel(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> 
     }
 }
 
-/// Each panel as a picture, which takes a row of its own where the page is narrow. The panel's title is its caption.
+/// Each panel as a picture, which takes a separate row if the page is narrow. The panel's title is its caption.
 pub fn panels(title: &str, all: Vec<Panel>) -> Vec<(String, Picture)> {
     let one = |mut panel: Panel| {
         let caption = match std::mem::take(&mut panel.title) {

@@ -1,4 +1,4 @@
-//! The page's way from what was given to what is left, in numbered steps that a reader can follow.
+//! The argument of the page, from the given data to the remainder, in numbered steps.
 
 use std::collections::BTreeMap;
 
@@ -13,18 +13,18 @@ use super::picture;
 use super::residual::{Autocorrelation, Law, Map};
 use super::{ReportData, text};
 
-/// What eq 13 leaves and what is left in the end, side by side in every map and spectrum.
+/// The residuals of eq 13 and of the final law, side by side in every map and spectrum.
 pub struct Evidence {
     before: Map,
     after: Map,
-    /// Of both maps, kN.
+    /// Scale of both maps, kN.
     scale: f64,
     white_after: Option<Autocorrelation>,
     white_before: Option<Autocorrelation>,
 }
 
 impl Evidence {
-    /// Of all recordings, those held out included.
+    /// For all recordings, including the held-out ones.
     pub fn of(data: &ReportData) -> Self {
         let before = Map::of(&data.series, Law::Before);
         Self {
@@ -36,7 +36,7 @@ impl Evidence {
         }
     }
 
-    /// What the law alone leaves.
+    /// The residual of the law alone.
     pub fn before(&self, data: &ReportData) -> Section {
         let result = &data.result;
         let error = result.baseline.nrmse_held_out;
@@ -67,7 +67,7 @@ impl Evidence {
         )
     }
 
-    /// What is left with what was found.
+    /// The residual with the effects found.
     pub fn after(&self, data: &ReportData) -> Section {
         let result = &data.result;
         let title = "Mean force left with what was found";
@@ -143,7 +143,7 @@ pub fn tried(result: &TraceResult) -> Section {
 /// One step.
 fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     let number = step[0].step;
-    // What stood before the step, judged likewise; the first step's is the law alone.
+    // The law before the step, judged in the same way; for the first step it is the law alone.
     let before: Vec<&Candidate> = result
         .candidates
         .iter()
@@ -190,7 +190,7 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     }
 }
 
-/// The rules that rejected candidates of a step, each with the names of what it rejected.
+/// The rules that rejected candidates of a step, each with the names of these candidates.
 fn rejected(shown: &[&Candidate]) -> BTreeMap<Rule, Vec<String>> {
     let mut rejected: BTreeMap<Rule, Vec<String>> = BTreeMap::new();
     for candidate in shown {
@@ -205,7 +205,7 @@ fn rejected(shown: &[&Candidate]) -> BTreeMap<Rule, Vec<String>> {
     rejected
 }
 
-/// The first of each family, as the search ranks them, and what was added.
+/// The first of each family in the ranking of the search, and those that were added.
 fn best_of_families(step: &[Candidate]) -> Vec<&Candidate> {
     let first = |place: usize| {
         let mut earlier = step[..place].iter();
@@ -217,7 +217,7 @@ fn best_of_families(step: &[Candidate]) -> Vec<&Candidate> {
         .collect()
 }
 
-/// The error at the end of the bars' tracks: at most twice the median, lest one bad fit squeeze all others.
+/// The error at the end of the bars: at most twice the median, so that one bad fit does not squeeze all others.
 fn longest_bar(shown: &[&Candidate], reference: Option<f64>) -> f64 {
     let mut errors: Vec<f64> = shown
         .iter()
@@ -233,7 +233,7 @@ fn longest_bar(shown: &[&Candidate], reference: Option<f64>) -> f64 {
         .max(f64::MIN_POSITIVE)
 }
 
-/// What a step added and the law has no more.
+/// Effects that a step added and the final law does not have.
 fn dropped(result: &TraceResult) -> Vec<String> {
     let kept = |family: &str| {
         let mut effects = result.effects.iter().chain(&result.unconfirmed);
@@ -250,7 +250,7 @@ fn dropped(result: &TraceResult) -> Vec<String> {
     names
 }
 
-/// What was found, in words, and what would settle what is open.
+/// The result in words, and the test that would settle open questions.
 pub fn concluded(result: &TraceResult) -> Markup {
     html! {
         @match result.verdict {

@@ -1,4 +1,4 @@
-//! What a law leaves of the force: where over displacement and velocity, at which frequencies, and whether it is white.
+//! The residual force of a law: its place over displacement and velocity, its frequencies, and whether it is white.
 
 use realfft::RealFftPlanner;
 
@@ -6,7 +6,7 @@ use super::Series;
 
 /// Cells of a map along either axis.
 pub const CELLS: usize = 25;
-/// Fewest samples that a cell of a map is drawn for.
+/// Fewest samples in a drawn cell of a map.
 const FEWEST: usize = 3;
 /// Samples of one spectrum; several are averaged.
 const SEGMENT: usize = 4096;
@@ -14,19 +14,19 @@ const SEGMENT: usize = 4096;
 const BANDS: usize = 160;
 /// Most lags of an autocorrelation.
 const MOST_LAGS: usize = 200;
-/// Lags that whiteness is tested on.
+/// Lags for the test of whiteness.
 const TESTED: usize = 20;
 
-/// Which law.
+/// The law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// The law alone.
     Before,
-    /// With what was found.
+    /// With the effects found.
     After,
 }
 
-/// Measured force less the law's at the samples that were measured, kN; 0 at others.
+/// Measured force minus the law's at the measured samples, kN; 0 at others.
 fn residual(series: &Series, law: Law) -> Vec<f64> {
     let predicted = match law {
         Law::Before => &series.before,
@@ -55,8 +55,8 @@ pub struct Map {
 }
 
 impl Map {
-    /// The map of what `law` leaves in all of `series`. Cells are finer at low velocities, where the motions of all
-    /// frequencies meet: they are even in the cube root of the velocity.
+    /// The map of the residual of `law` in all of `series`. Cells are finer at low velocities, where the motions of all frequencies
+    /// meet: they are even in the cube root of the velocity.
     pub fn of(series: &[Series], law: Law) -> Self {
         let largest = |channel: fn(&Series) -> &Vec<f64>| {
             let values = series.iter().flat_map(channel);
@@ -83,7 +83,7 @@ impl Map {
         }
     }
 
-    /// Magnitude that all but the most extreme hundredth of the cells stay below, kN.
+    /// Magnitude that all cells except the most extreme hundredth stay below, kN.
     pub fn scale(&self) -> f64 {
         let mut sizes: Vec<f64> = self.cells.iter().flatten().map(|cell| cell.abs()).collect();
         sizes.sort_by(f64::total_cmp);
@@ -95,11 +95,10 @@ impl Map {
     }
 }
 
-/// Frequency (Hz) and RMS amplitude (kN) of what `law` leaves, in bands of equal width on a logarithmic axis; empty bands
-/// are left out. Amplitudes are those of sines: white noise of deviation σ lies at about σ·√(3/4096), and a tone
-/// stands out of it.
+/// Frequency (Hz) and RMS amplitude (kN) of the residual of `law`, in bands of equal width on a logarithmic axis; empty bands are
+/// left out. Amplitudes are those of sines: white noise of deviation σ lies at about σ·√(3/4096), and a tone stands out from it.
 ///
-/// Windowed by Hann's, segments overlapping by half (Welch 1967), averaged over all of `series`.
+/// With a Hann window, segments that overlap by half (Welch 1967), averaged over all of `series`.
 pub fn spectrum(series: &[Series], law: Law) -> Vec<(f64, f64)> {
     let mut lines: Vec<(f64, f64)> = Vec::new();
     for one in series {
@@ -124,7 +123,7 @@ pub fn spectrum(series: &[Series], law: Law) -> Vec<(f64, f64)> {
                 .map(|(x, w)| x * w)
                 .collect();
             let mut output = transform.make_output_vec();
-            // Both are of the planned length.
+            // Both have the planned length.
             if transform.process(&mut input, &mut output).is_ok() {
                 power
                     .iter_mut()
@@ -173,22 +172,22 @@ fn banded(lines: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// How like itself what is left is some samples later.
+/// The correlation of the residual with itself some samples later.
 #[derive(Clone, Debug)]
 pub struct Autocorrelation {
     /// From lag 1 on.
     pub values: Vec<f64>,
     /// Nineteen in twenty values of white noise lie within ± this.
     pub white: f64,
-    /// Ljung and Box's sum (1978) over the first [`Autocorrelation::tested`] lags; white noise's is as large as the number
-    /// of lags, give or take the root of twice that.
+    /// Sum of Ljung and Box (1978) over the first [`Autocorrelation::tested`] lags; for white noise it is the number of lags, give
+    /// or take the root of twice that.
     pub ljung_box: f64,
-    /// How many lags are in the sum.
+    /// Number of lags in the sum.
     pub tested: usize,
 }
 
 impl Autocorrelation {
-    /// Of what `law` leaves in the longest of `series`; `None` where there are too few samples.
+    /// For the residual of `law` in the longest of `series`; `None` if there are too few samples.
     pub fn of(series: &[Series], law: Law) -> Option<Self> {
         let longest = series.iter().max_by_key(|one| one.time.len())?;
         let left = residual(longest, law);
@@ -224,8 +223,8 @@ impl Autocorrelation {
         })
     }
 
-    /// Whether white noise gives so large a sum at least once in a hundred times: the sum is then χ² distributed, whose
-    /// cube root is nearly normal (Wilson and Hilferty 1931).
+    /// Whether white noise gives a sum this large at least once in a hundred times. The sum is then χ² distributed, and its cube
+    /// root is nearly normal (Wilson and Hilferty 1931).
     pub fn is_white(&self) -> bool {
         let m = self.tested as f64;
         let normal =
@@ -241,7 +240,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution as _, StandardNormal};
 
-    /// Half a minute at 500 Hz whose law leaves noise, and before it also `extra` of displacement mm and time s.
+    /// Half a minute at 500 Hz. The residual of the law is noise, and before also `extra` of displacement mm and time s.
     fn series(extra: impl Fn(f64, f64) -> f64) -> [Series; 1] {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let time: Vec<f64> = (0..15_000).map(|i| f64::from(i) * 0.002).collect();

@@ -1,16 +1,16 @@
-//! What a trace takes over the number of rows, as one SVG: memory and processor time, both axes logarithmic.
+//! Memory and processor time of a trace over the number of rows, as one SVG with logarithmic axes.
 
 use mesh_damper_studies::size::{Measured, Motion, mebibytes, memory_limit};
 
 use super::palette::Colour;
 use super::picture::{Axis, Dash, Layer, Look, Mark, Panel, Picture};
 
-/// How each motion is drawn.
+/// The look of each motion.
 const LOOKS: [(Colour, Mark); 2] = [(Colour::After, Mark::Disc), (Colour::Before, Mark::Square)];
 /// Points of the line of the limit.
 const POINTS: usize = 60;
 
-/// The picture of what was measured, and of the limit of the memory.
+/// The picture of the measurements, and of the memory limit.
 pub fn picture(all: &[Measured]) -> String {
     let rows = Axis::new("rows", "").logarithmic();
     let ends = rows.ends(all.iter().map(|one| one.rows as f64));
@@ -77,7 +77,7 @@ mod tests {
             .flat_map(|motion| [10_000, 100_000, 1_000_000].map(|rows| measured(motion, rows)))
             .collect();
         let svg = picture(&all);
-        // A circle to each of one motion in both panels and the legend, a square to each of the other's.
+        // One circle for each point of one motion in both panels and the legend, one square for each of the other's.
         assert_eq!(svg.matches("<circle").count(), all.len() + 1);
         for said in ["limit", "blocks of sines", "random", "memory, MiB"] {
             assert!(svg.contains(said), "{said}");

@@ -1,12 +1,12 @@
-//! Whether a page is put together so that a screen reader, a keyboard and a parser find their way. What only a browser knows, such as
-//! contrast as it is seen, `.ci/report-page` looks at.
+//! Checks that a page is built so that a screen reader, a keyboard and a parser find their way. Properties that only a browser
+//! knows, such as visible contrast, are checked by `.ci/report-page`.
 
 use std::collections::BTreeMap;
 
-/// Elements that have no end.
+/// Elements without an end tag.
 const VOID: [&str; 4] = ["meta", "input", "br", "link"];
 
-/// A tag with its attributes; of an end the name begins with `/`.
+/// A tag with its attributes; the name of an end tag begins with `/`.
 struct Tag<'a> {
     name: &'a str,
     attributes: BTreeMap<&'a str, &'a str>,
@@ -20,7 +20,7 @@ impl Tag<'_> {
     }
 }
 
-/// The tags of a page in order, without what stands in scripts and style sheets.
+/// The tags of a page in order, without scripts and style sheets.
 fn tags(page: &str) -> Vec<Tag<'_>> {
     let mut tags: Vec<Tag<'_>> = Vec::new();
     let mut rest = page;
@@ -44,7 +44,7 @@ fn tags(page: &str) -> Vec<Tag<'_>> {
                 attributes.extend(written.split(' ').map(|name| (name, "")));
                 break;
             };
-            // Attributes without a value may stand before one with.
+            // Attributes without a value may precede one with a value.
             let (bare, name) = name.rsplit_once(' ').unwrap_or(("", name));
             attributes.extend(
                 bare.split(' ')
@@ -66,7 +66,7 @@ fn tags(page: &str) -> Vec<Tag<'_>> {
     tags
 }
 
-/// Panics where something is missing, or is in a wrong place.
+/// Panics if a part is missing, or is in the wrong place.
 pub fn check(page: &str) {
     let tags = tags(page);
     let of = |name: &'static str| tags.iter().filter(move |tag| tag.name == name);
@@ -75,7 +75,7 @@ pub fn check(page: &str) {
         assert_eq!(of(landmark).count(), 1, "{landmark}");
     }
     assert!(of("html").all(|tag| tag.has("lang", "en")));
-    // The first thing that a key reaches leads over the contents.
+    // The first element in tab order skips the contents.
     let first = of("a").next().unwrap();
     assert!(first.has("class", "skip") && first.has("href", "#report"));
 
@@ -143,7 +143,7 @@ pub fn check(page: &str) {
             _ => {}
         }
     }
-    // A curve is told apart by more than its colour: a dash, a width or a mark.
+    // A curve is distinguished by more than its colour: by a dash, a width or a mark.
     for panel in page.split("<g class=\"panel\"").skip(1) {
         let panel = panel.split("</svg>").next().unwrap();
         let strokes = panel.split("<g data-curve=\"").skip(1).filter_map(|layer| {
@@ -156,7 +156,7 @@ pub fn check(page: &str) {
         let mut looks: Vec<&str> = by_name.values().copied().collect();
         looks.sort_unstable();
         looks.dedup();
-        // Two thin lines over a long time lie above each other: there the legend parts them.
+        // Two thin lines over a long time overlap: there the legend separates them.
         let is_over_time = panel.contains("data-x=\"time");
         assert!(looks.len() == by_name.len() || is_over_time, "{by_name:?}");
     }

@@ -155,7 +155,7 @@ fn data() -> ReportData {
     }
 }
 
-/// Where the heading begins whose address begins so.
+/// The start of the heading whose address begins with this.
 fn heading(page: &str, id: &str) -> usize {
     page.find(&format!("<h2 id=\"s{id}")).unwrap()
 }
@@ -187,7 +187,7 @@ fn is_one_small_file_with_everything_in_it() {
     ] {
         assert!(page.contains(part), "{part}");
     }
-    // Nothing is fetched: neither by the page nor by the script in it.
+    // Neither the page nor its script fetches anything.
     for foreign in [
         "http://",
         "https://",
@@ -203,10 +203,10 @@ fn is_one_small_file_with_everything_in_it() {
         let own = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!own.contains(foreign), "{foreign}");
     }
-    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, three figures over amplitude and over
-    // frequency, those over cycles, and loops one above another.
+    // Nine loops; two maps, two spectra, an autocorrelation, the force over time; two backbones, three figures over amplitude and
+    // over frequency, those over cycles, and loops one above another.
     assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 2 + 3 + 3 + 2);
-    // Top to bottom as one would argue.
+    // In the order of an argument.
     let steps = [
         "1-what-was-given",
         "2-what-the",
@@ -231,7 +231,7 @@ fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
     let page = render(&data);
     let steps = heading(&page, "3-what-was-tried")..heading(&page, "4-what-was-found");
     assert_eq!(page[steps.clone()].matches(">relaxation</div>").count(), 1);
-    // Of the three shown the median is relaxation's, and twice that is the track's end.
+    // Of the three shown, relaxation has the median, and twice that is the end of the track.
     assert!(page[steps.clone()].contains("class=\"bar\" style=\"width:50.00%\""));
     assert!(page[steps].contains("class=\"bar\" style=\"width:100.00%\""));
 }
@@ -263,7 +263,7 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     assert!(render(&data).contains("a ramp and hold"));
 }
 
-/// What a reader must know before using the model is in the first line.
+/// The first line says whatever a reader must know before using the model.
 #[test]
 fn a_model_that_is_not_adopted_or_worse_elsewhere_says_so_first() {
     let mut result = data().result;
@@ -303,7 +303,7 @@ fn a_step_says_by_which_rule_each_family_was_rejected() {
     assert!(page.contains(Rule::TableWorthLittle.says()));
 }
 
-/// What was confirmed though something is left, by what it gains on each condition held out.
+/// Effects that were confirmed although the law is incomplete, with their gain on each condition held out.
 #[test]
 fn what_each_effect_gains_on_which_condition_is_a_table() {
     let mut data = data();
@@ -352,7 +352,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     }
 }
 
-/// Whether something is left beside them or not, and wherever that is.
+/// Whether there is a remainder in addition or not, and wherever it is.
 #[test]
 fn what_is_left_beside_rivals_is_said() {
     let mut data = data();
@@ -418,7 +418,7 @@ fn what_is_held_out_beyond_the_fitted_motion_is_said() {
     let inside = render(&data);
     assert!(inside.contains("outside the fitted motion"));
     assert!(!inside.contains("beyond"));
-    // Half as far again as the 0.2 mm that were fitted, at less than their speed.
+    // Half as far again as the fitted 0.2 mm, at less than the fitted speed.
     data.series[1] = series("tests/ring-3-held.csv", &[(0.3, 1.0)], true);
     let page = render(&data);
     assert!(page.contains("of the samples by displacement, up to 50.0 % beyond"));
@@ -427,7 +427,7 @@ fn what_is_held_out_beyond_the_fitted_motion_is_said() {
     assert!(!render(&data).contains("outside the fitted motion"));
 }
 
-/// What there is to draw of cycles depends on the motion, and what is missing is said.
+/// The pictures of cycles depend on the motion, and the page says which are missing.
 #[test]
 fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     let mut data = data();
@@ -447,7 +447,7 @@ fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     ] {
         assert!(all.contains(said), "{said}");
     }
-    // One block: its cycles stand one above another, and there is no curve over a condition.
+    // One block: its cycles are one above another, and there is no curve over a condition.
     data.series = vec![series("one.csv", &[(0.1, 2.0)], false)];
     let one = section(&data);
     assert_eq!(one.matches("<figure").count(), 2 + 2);
@@ -459,7 +459,7 @@ fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     ] {
         assert!(one.contains(said), "{said}");
     }
-    // No cycle is like the one before.
+    // No cycle resembles the one before.
     for block in &mut data.series[0].blocks {
         block.cycles.truncate(1);
     }

@@ -4,7 +4,7 @@ use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult, Verd
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_model::Family;
 
-/// `value` to three significant digits, with an exponent only where it is very large or very small.
+/// `value` to three significant digits, with an exponent only if it is very large or very small.
 pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -20,8 +20,8 @@ pub fn number(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
-/// What was set rather than measured: without zeros at its end, and rounded to two digits where that changes it by less
-/// than half a per cent.
+/// A value that was set rather than measured: without trailing zeros, and rounded to two digits if that changes it by less than
+/// half a per cent.
 pub fn nominal(value: f64) -> String {
     let two_digits: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     let close = (two_digits - value).abs() < 5e-3 * value.abs();
@@ -32,7 +32,7 @@ pub fn nominal(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// The ends of an interval and the value in it, with as many decimals as tell them apart.
+/// The ends of an interval and its value, with as many decimals as distinguish them.
 pub fn interval(low: f64, value: f64, high: f64) -> [String; 3] {
     let width = high - low;
     let decimals = 1.0 - width.log10().floor();
@@ -53,9 +53,9 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// A unit as a reader writes it: kN·s/mm, kN/mm².
+/// A unit in the notation for readers: kN·s/mm, kN/mm².
 pub fn unit(unit: &str) -> String {
-    // A pure number says what it is by its name.
+    // The name of a pure number is enough.
     if unit == "1" {
         return String::new();
     }
@@ -65,7 +65,7 @@ pub fn unit(unit: &str) -> String {
     let unit = unit.replace("alpha", "α");
     let mut characters = unit.chars().peekable();
     while let Some(character) = characters.next() {
-        // There is no raised α.
+        // There is no superscript α.
         let is_number = |next: &char| next.is_ascii_digit() || *next == '-';
         match (character, character.to_digit(10)) {
             ('^', _) if characters.peek().is_some_and(is_number) => is_raised = true,
@@ -83,12 +83,12 @@ pub fn unit(unit: &str) -> String {
 /// The digits of a power.
 const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
-/// `stick_slip` as `stick-slip`; several joined by `+` or `, ` as they are.
+/// `stick_slip` as `stick-slip`; several joined by `+` or `, ` stay so.
 pub fn name(family: &str) -> String {
     family.replace('_', "-")
 }
 
-/// What a family is, as it stands within a sentence.
+/// The description of a family within a sentence.
 pub fn description(family: &str) -> String {
     let Some(family) = Family::named(family) else {
         return "an effect without a name".into();
@@ -99,7 +99,7 @@ pub fn description(family: &str) -> String {
     })
 }
 
-/// The verdict in a heading and a sentence, with what a reader must know of the model before using it.
+/// The verdict as a heading and a sentence, with the facts that a reader needs before using the model.
 pub fn verdict(result: &TraceResult) -> (String, String) {
     let (heading, sentence) = concluded(result);
     let (alone, with) = (
@@ -129,7 +129,7 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
 /// A model whose error is larger by this factor is worse. Convention: two per cent are no difference.
 const WORSE: f64 = 1.02;
 
-/// The law before anything is added: `mixed damping law`, and what was known to be beside it.
+/// The law before anything is added: `mixed damping law`, and the known effects.
 pub fn law(baseline: &Baseline) -> String {
     let known: Vec<String> = baseline.known.iter().map(|family| name(family)).collect();
     let law = match &baseline.law[..] {
@@ -144,7 +144,7 @@ pub fn law(baseline: &Baseline) -> String {
     }
 }
 
-/// The same where nothing that was found stands beside it.
+/// The same, if no effect that was found is added to it.
 pub fn law_alone(baseline: &Baseline) -> String {
     match (&baseline.law[..], baseline.known.is_empty()) {
         ("none", _) | (_, false) => law(baseline),
@@ -152,7 +152,7 @@ pub fn law_alone(baseline: &Baseline) -> String {
     }
 }
 
-/// The verdict in a heading and a sentence.
+/// The verdict as a heading and a sentence.
 fn concluded(result: &TraceResult) -> (String, String) {
     let named: Vec<String> = result.effects.iter().map(|e| name(&e.family)).collect();
     let change = format!(
@@ -238,7 +238,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
     }
 }
 
-/// What was fitted where no effect has a name for all of it.
+/// The description of a table fitted where named effects do not explain everything.
 fn correction(named: &[String], depends_on: &[String]) -> String {
     let beside = match named {
         [] => String::new(),
@@ -248,7 +248,7 @@ fn correction(named: &[String], depends_on: &[String]) -> String {
     format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
 }
 
-/// How much a law leaves, and what that depends on.
+/// The size of a remainder, and the variables that it depends on.
 pub fn remainder(left: &Remainder) -> String {
     format!(
         "{} of the force's RMS{}, {} times the noise{}",

@@ -1,4 +1,4 @@
-//! A sweep as one SVG: transmissibility and phase over frequency, a curve for each amplitude of the base.
+//! A sweep as one SVG: transmissibility and phase over frequency, with a curve for each amplitude of the base.
 
 use mesh_damper_model::respond::SweepPoint;
 

@@ -1,4 +1,4 @@
-//! Where the law does worst: the loop about the largest error of the conditions that it leaves most of.
+//! The worst errors of the law: the loop around the largest error of the conditions with the largest remainder.
 
 use std::ops::Range;
 
@@ -13,10 +13,10 @@ use super::picture::{self, SMALL};
 use super::text;
 use super::{ReportData, Series};
 
-/// Most loops that are drawn.
+/// Most loops in the picture.
 const MOST: usize = 3;
 
-/// The loops of the conditions of which most is left; nothing where no condition was held out in turn.
+/// The loops of the conditions with the largest remainder; `None` if no condition was held out in turn.
 pub fn loops(data: &ReportData) -> Option<Section> {
     let mut conditions: Vec<&HeldCondition> = data.result.conditions.iter().collect();
     conditions.sort_by(|a, b| b.nrmse_with.total_cmp(&a.nrmse_with));
@@ -44,8 +44,8 @@ pub fn loops(data: &ReportData) -> Option<Section> {
     Some(Section::new("The worst conditions", body))
 }
 
-/// The samples of a condition from one rise of the displacement through its mean to the next, about the largest error; the first of
-/// the next loop closes it. All of the condition where it does not oscillate; none of an empty one.
+/// The samples of a condition from one rise of the displacement through its mean to the next, around the largest error; the first
+/// sample of the next loop closes it. The whole condition if it does not oscillate; empty for an empty one.
 fn worst_loop(series: &Series, [start, end]: [f64; 2]) -> Option<Range<usize>> {
     let at = |time: f64| series.time.partition_point(|&t| t < time);
     let samples = at(start)..at(end);
@@ -59,7 +59,7 @@ fn worst_loop(series: &Series, [start, end]: [f64; 2]) -> Option<Range<usize>> {
     let rises: Vec<usize> = (samples.start + 1..samples.end).filter(rises).collect();
     let before = rises.iter().rev().find(|&&rise| rise <= worst);
     let after = rises.iter().find(|&&rise| rise > worst);
-    // In a part of a cycle at an end of the condition the nearest whole one is drawn.
+    // In a partial cycle at an end of the condition, the nearest whole cycle is drawn.
     let (from, to) = match (before, after) {
         (Some(&before), Some(&after)) => (before, after),
         (Some(_), None) => match rises[..] {
@@ -78,7 +78,7 @@ fn worst_loop(series: &Series, [start, end]: [f64; 2]) -> Option<Range<usize>> {
 mod tests {
     use super::*;
 
-    /// Cycles of `period` samples of which the law errs most at sample `wrong`.
+    /// Cycles of `period` samples; the law's error is largest at sample `wrong`.
     fn cycles(period: usize, count: usize, wrong: usize) -> Series {
         let phase = |i: usize| (i as f64 + 0.5) / period as f64 * std::f64::consts::TAU;
         let displacement: Vec<f64> = (0..count).map(|i| -phase(i).cos()).collect();
@@ -102,7 +102,7 @@ mod tests {
         // It rises through 0 at samples 25, 125, 225 …
         let series = cycles(100, 500, 260);
         assert_eq!(worst_loop(&series, [0.0, 5.0]), Some(225..326));
-        // Of a condition that begins later only its own.
+        // For a condition that begins later, only its own samples.
         assert_eq!(worst_loop(&series, [1.0, 5.0]), Some(225..326));
         assert_eq!(worst_loop(&series, [3.0, 5.0]), Some(325..426));
     }

@@ -13,7 +13,7 @@ fn every_trial_and_every_slow_change_has_its_marks() {
     };
     let summary = campaign.run(&|| ()).unwrap();
     assert!(summary.right > 0);
-    // A mark to each in the pictures, beside those of the legend.
+    // One mark for each trial in the pictures, in addition to those of the legend.
     let found = campaign::found(&summary);
     assert!(found.contains("named otherwise"));
     assert_eq!(found.matches("<circle").count(), summary.right + 1);
@@ -22,7 +22,7 @@ fn every_trial_and_every_slow_change_has_its_marks() {
         followed.matches("<circle").count(),
         2 * (summary.slow.len() + 1)
     );
-    // What is named rightly, of attacks alone and in one row each of pairs and of the adversary's; a triangle to each hazardous state.
+    // Correct names, for single attacks and in one row each for pairs and for the adversary; one triangle for each hazardous state.
     let attacked = campaign::attacked(&summary.attacks);
     let outcomes = &summary.attacks.outcomes;
     let all = || {

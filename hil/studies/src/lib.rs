@@ -1,18 +1,18 @@
-//! Studies of the metal mesh damper, each of which puts the other crates to one question.
+//! Studies of the metal mesh damper. Each answers one question with the other crates.
 //!
-//! | module | what it asks |
+//! | module | question |
 //! |---|---|
 //! | [`mod@paper`] | does every table, equation and claim of the paper hold, recomputed? |
-//! | [`mod@finite_element`] | what do the finite elements say that the paper sets beside its law? |
-//! | [`mod@orthogonal`] | which factor of a test matters, and can that be told? |
-//! | [`mod@surfaces`] | what are the published coefficients worth as surfaces over density and amplitude? |
-//! | [`mod@amplitude_independent`] | what is one law for every amplitude worth on the published loops? |
+//! | [`mod@finite_element`] | what do the finite elements give that the paper compares with its law? |
+//! | [`mod@orthogonal`] | which factor of a test matters, and can the data show it? |
+//! | [`mod@surfaces`] | how good are the published coefficients as surfaces over density and amplitude? |
+//! | [`mod@amplitude_independent`] | how good is one law for every amplitude on the published loops? |
 //! | [`mod@design`] | which density gives a stiffness and a loss factor? |
-//! | [`mod@blind`] | does a trace name effects that it was never told of? |
-//! | [`mod@bouc_wen`] | is the oscillator of the Bouc–Wen benchmark found? |
+//! | [`mod@blind`] | does a trace name effects that it does not know? |
+//! | [`mod@bouc_wen`] | does a trace find the oscillator of the Bouc–Wen benchmark? |
 //! | [`size`] | how much time and memory does a trace take? |
-//! | [`numbers`] | what is each number that decides worth? |
-//! | [`mod@bench`] | how many instructions does the crate take, beside its peers? |
+//! | [`numbers`] | how much does each policy number matter? |
+//! | [`mod@bench`] | how many instructions does the crate take, compared to its peers? |
 //!
 //! ```
 //! use mesh_damper_studies::design::{DesignError, Wanted, design};

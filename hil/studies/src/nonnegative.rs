@@ -1,18 +1,18 @@
-//! Least squares with unknowns that may not be negative.
+//! Least squares with nonnegative unknowns.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Slopes of the error, over the largest right-hand side, below which an unknown stays at 0.
+/// Slopes of the error, relative to the largest right-hand side, below which an unknown stays at 0.
 const SLOPE: f64 = 1e-10;
 
-/// Minimises xᵀ·G·x/2 − hᵀ·x with x[i] ≥ 0 from `free` on, by the active set of Lawson and Hanson (1974); `None` where G is
-/// not positive definite.
+/// Minimises xᵀ·G·x/2 − hᵀ·x with x[i] ≥ 0 from `free` on, by the active set method of Lawson and Hanson (1974); `None` if G is not
+/// positive definite.
 pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>, free: usize) -> Option<DVector<f64>> {
     let width = right.len();
     let mut used: Vec<bool> = (0..width).map(|i| i < free).collect();
     let mut x = part(gram, right, &used)?;
     let least = SLOPE * right.amax();
-    // Every round takes one unknown in; a set is never met twice, and few rounds are needed.
+    // Every round adds one unknown; a set never occurs twice, and few rounds are needed.
     for _ in 0..10 * width {
         let slope = right - gram * &x;
         let entering = (free..width)
@@ -24,7 +24,7 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>, free: usize) -> Option<D
         used[entering] = true;
         loop {
             let wanted = part(gram, right, &used)?;
-            // As far towards it as every unknown stays at 0 or above.
+            // As far towards it as all unknowns stay nonnegative.
             let blocking = (free..width)
                 .filter(|&i| used[i] && wanted[i] <= 0.0)
                 .map(|i| (i, x[i] / (x[i] - wanted[i])))
@@ -45,7 +45,7 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>, free: usize) -> Option<D
     Some(x)
 }
 
-/// The minimum over the unknowns that are `used`, the others 0.
+/// The minimum over the unknowns that are `used`, with the others at 0.
 fn part(gram: &DMatrix<f64>, right: &DVector<f64>, used: &[bool]) -> Option<DVector<f64>> {
     let places: Vec<usize> = (0..used.len()).filter(|&i| used[i]).collect();
     let some = DMatrix::from_fn(places.len(), places.len(), |i, j| {
@@ -66,7 +66,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Karush, Kuhn and Tucker: what is above 0 has no slope, what is at 0 has none upwards.
+        /// Karush–Kuhn–Tucker conditions: an unknown above 0 has no slope, one at 0 has none upwards.
         #[test]
         fn no_step_that_is_allowed_makes_it_less(
             entries in prop::collection::vec(-1.0..1.0f64, 60),

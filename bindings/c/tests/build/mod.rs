@@ -54,8 +54,8 @@ pub fn example() -> PathBuf {
     here().join("../../examples/c")
 }
 
-/// Whether this machine has what a program needs that runs `on`: where it has not, a line says what was left out. Where `CI` is `true`
-/// nothing may be left out: it fails.
+/// Whether this machine has the tools for a program that runs `on`. If not, a message says which tests are skipped. If `CI` is
+/// `true`, nothing may be skipped, and it fails.
 pub fn can(on: On) -> bool {
     let starts = |program: &str| {
         let mut command = Command::new(program);
@@ -86,7 +86,7 @@ pub fn can(on: On) -> bool {
         return true;
     };
     assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{missing}");
-    // Once for all tests, and past their harness, which keeps what passing tests print to itself.
+    // Once for all tests, and past their harness, which hides the output of passing tests.
     static SAID: [Once; 2] = [const { Once::new() }; 2];
     SAID[on as usize].call_once(|| {
         let said = writeln!(
@@ -98,7 +98,7 @@ pub fn can(on: On) -> bool {
     false
 }
 
-/// Runs `command` to its end and gives what it printed.
+/// Runs `command` to its end and returns its output.
 pub fn run(command: &mut Command) -> String {
     let Output {
         status,
@@ -111,7 +111,7 @@ pub fn run(command: &mut Command) -> String {
     said
 }
 
-/// `make` in `folder`, which is not to take part in a `make` that runs the tests.
+/// `make` in `folder`, independent of a `make` that runs the tests.
 pub fn make(folder: &Path) -> Command {
     let mut command = Command::new("make");
     command
@@ -120,7 +120,7 @@ pub fn make(folder: &Path) -> Command {
         .arg("-C")
         .arg(folder);
     command.env_remove("MAKEFLAGS").env_remove("MAKELEVEL");
-    // What cargo says of the test is not for the cargo that the library is built by.
+    // Cargo's variables for the test do not apply to the cargo that builds the library.
     command
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("CARGO", env!("CARGO"));
@@ -145,7 +145,7 @@ pub fn library(on: On) -> PathBuf {
         command.arg(goal).arg(format!("TARGET={}", on.target()));
         command
     };
-    // Once: a test that builds it again would take away the archive that another one links.
+    // Once: a test that builds it again would remove the archive that another one links.
     static BUILT: [OnceLock<PathBuf>; 2] = [const { OnceLock::new() }; 2];
     let built = BUILT[on as usize].get_or_init(|| {
         run(&mut command("all"));
@@ -154,13 +154,13 @@ pub fn library(on: On) -> PathBuf {
     built.clone()
 }
 
-/// A program of `sources` and of what `folder` holds: headers, and the packs of `packs` by their stems.
+/// A program from `sources` and the contents of `folder`: headers, and the packs of `packs` by their stems.
 pub struct Program<'p> {
     pub on: On,
     pub folder: &'p Path,
     pub sources: &'p [PathBuf],
     pub packs: &'p [&'p str],
-    /// Of the linker's map, in `folder`.
+    /// Name of the linker's map, in `folder`.
     pub map: Option<&'p str>,
 }
 
@@ -214,7 +214,7 @@ impl Program<'_> {
         elf
     }
 
-    /// Runs it in its folder, and gives what it printed.
+    /// Runs it in its folder, and returns its output.
     pub fn run(&self) -> String {
         let elf = self.build();
         let mut command = match self.on {
@@ -225,7 +225,7 @@ impl Program<'_> {
     }
 }
 
-/// The emulator with `elf`, in which an instruction takes 2^10 ns and no time passes otherwise.
+/// The emulator with `elf`, in which an instruction takes 2^10 ns and time passes only that way.
 pub fn emulator(elf: &Path) -> Command {
     let mut command = BOARD.emulator(elf).unwrap();
     command.args(["-icount", "shift=10,sleep=off"]);

@@ -1,4 +1,5 @@
-//! What every function does at the boundary: it finds the instance, lets no panic out, and says to the logger why it refuses.
+//! The common work of all functions at the boundary: they find the instance, catch panics, and send the reason for a refusal to the
+//! logger.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,33 +22,33 @@ const CO_SIMULATION: c_int = 1;
 /// Most items of one call: more than there are variables, or bytes of a state.
 const MOST_ITEMS: usize = 1 << 24;
 
-/// An instance with what a master gave it.
+/// An instance with the data from the master.
 #[derive(Debug)]
 pub struct Shared {
     instance: Mutex<Instance>,
     log: Log,
-    /// Whether warnings are said.
+    /// Whether warnings are logged.
     pub(super) warns: AtomicBool,
     /// Constants, as C has them.
     texts: BTreeMap<ValueReference, CString>,
 }
 
-/// Where messages go.
+/// The destination of messages.
 #[derive(Debug)]
 struct Log {
     logger: Option<Logger>,
-    /// The address of the caller's environment, which is given back as it came.
+    /// The address of the caller's environment, which is passed back unchanged.
     environment: usize,
     instance_name: CString,
 }
 
 impl Shared {
     pub(super) fn instance(&self) -> MutexGuard<'_, Instance> {
-        // One that panicked is not called again: see `call`.
+        // An instance that panicked is not called again: see `call`.
         self.instance.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A constant text; NULL of none.
+    /// A constant text; NULL if there is none.
     pub(super) fn kept_text(&self, reference: ValueReference) -> *const c_char {
         let text = self.texts.get(&reference);
         text.map_or(std::ptr::null(), |text| text.as_ptr())
@@ -55,15 +56,15 @@ impl Shared {
 }
 
 impl Log {
-    /// Gives `message` to the logger, for which `%` and `#` are no signs of their own.
+    /// Sends `message` to the logger, with `%` and `#` escaped.
     fn say(&self, status: Status, category: &CStr, message: &str) {
         let Some(logger) = self.logger else { return };
         let message = message.replace('%', "%%").replace('#', "##");
         let Ok(message) = CString::new(message.replace('\0', "")) else {
             return;
         };
-        // SAFETY: the logger is the one that fmi2Instantiate was given, which the standard has live until the instance is
-        // freed; all strings end in NUL, and the format has no argument.
+        // SAFETY: the logger was passed to fmi2Instantiate, and the standard keeps it valid until the instance is freed; all
+        // strings end in NUL, and the format has no argument.
         unsafe {
             logger(
                 pointer(self.environment),
@@ -76,7 +77,7 @@ impl Log {
     }
 }
 
-/// Calls `f` with the instance of a handle. Its refusal goes to the logger, after the instance is let go.
+/// Calls `f` with the instance of a handle. Sends a refusal to the logger after the instance is unlocked.
 pub(super) fn call(c: Component, f: impl FnOnce(&Shared) -> Result<(), Refusal>) -> Status {
     // Without an instance there is no logger.
     let Some(shared) = handles::get(c.addr()) else {
@@ -176,7 +177,7 @@ pub(super) unsafe fn start(
     }
 }
 
-/// What a caller's string says.
+/// The contents of a caller's string.
 ///
 /// # Errors
 /// NULL.
@@ -191,7 +192,7 @@ pub(super) unsafe fn text<'a>(field: &str, text: *const c_char) -> Result<Cow<'a
     Ok(unsafe { CStr::from_ptr(text) }.to_string_lossy())
 }
 
-/// That there may be `count` items, and that they are there.
+/// Checks that `count` items are permitted and present.
 fn check_items<T>(field: &str, first: *const T, count: usize) -> Result<(), Refusal> {
     if count > MOST_ITEMS {
         return Err(Refusal::new(
@@ -210,10 +211,10 @@ fn check_items<T>(field: &str, first: *const T, count: usize) -> Result<(), Refu
 /// A caller's `count` items.
 ///
 /// # Errors
-/// NULL, where there is one or more.
+/// NULL with one item or more.
 ///
 /// # Safety
-/// It is null, or as many items lie there.
+/// It is null, or there are that many items.
 pub(super) unsafe fn items<'a, T>(
     field: &str,
     first: *const T,
@@ -223,17 +224,17 @@ pub(super) unsafe fn items<'a, T>(
     if count == 0 {
         return Ok(&[]);
     }
-    // SAFETY: not null, and as many as the caller vouches.
+    // SAFETY: not null, and the caller guarantees the number of items.
     Ok(unsafe { std::slice::from_raw_parts(first, count) })
 }
 
-/// Writes `values` where the caller has room for them.
+/// Writes `values` to the caller's memory.
 ///
 /// # Errors
 /// As [`items`].
 ///
 /// # Safety
-/// It is null, or there is room for as many.
+/// It is null, or there is room for that many.
 pub(super) unsafe fn write_all<T: Copy>(
     field: &str,
     first: *mut T,
@@ -241,28 +242,29 @@ pub(super) unsafe fn write_all<T: Copy>(
 ) -> Result<(), Refusal> {
     check_items(field, first.cast_const(), values.len())?;
     if !values.is_empty() {
-        // SAFETY: not null, and room for as many as the caller vouches; `values` are of this library, and overlap nothing of it.
+        // SAFETY: not null, and the caller guarantees the room; `values` belong to this library, and do not overlap the caller's
+        // memory.
         unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), first, values.len()) };
     }
     Ok(())
 }
 
-/// What lies where the caller says.
+/// Reads a value from the caller's memory.
 ///
 /// # Errors
 /// NULL.
 ///
 /// # Safety
-/// It is null, or one lies there.
+/// It is null, or points to a value.
 pub(super) unsafe fn read<T: Copy>(field: &str, place: *const T) -> Result<T, Refusal> {
     if place.is_null() {
         return Err(Refusal::null(field));
     }
-    // SAFETY: not null, and one lies there as the caller vouches.
+    // SAFETY: not null, and the caller guarantees the value.
     Ok(unsafe { place.read() })
 }
 
-/// Writes `value` where the caller has room for it.
+/// Writes `value` to the caller's memory.
 ///
 /// # Errors
 /// NULL.
@@ -273,12 +275,12 @@ pub(super) unsafe fn write<T>(field: &str, place: *mut T, value: T) -> Result<()
     if place.is_null() {
         return Err(Refusal::null(field));
     }
-    // SAFETY: not null, and room for one as the caller vouches.
+    // SAFETY: not null, and the caller guarantees the room.
     unsafe { place.write(value) };
     Ok(())
 }
 
-/// A number as a handle that C takes.
+/// A number in the form of a C handle.
 pub(super) fn pointer(number: usize) -> *mut c_void {
     std::ptr::without_provenance_mut(number)
 }

@@ -1,17 +1,17 @@
-//! States that are saved and restored, and their bytes.
+//! Saved states, their restoration, and their bytes.
 
 use super::boundary::{call, items, pointer, read, write, write_all};
 use crate::refusal::Refusal;
 use crate::types::{Component, SavedState, Status};
 
-/// Saves all that changes in the instance, in a state that was saved before or in a further one.
+/// Saves everything that changes in the instance, in an earlier saved state or in a new one.
 ///
 /// # Safety
 /// As the module says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, saved: *mut SavedState) -> Status {
     call(c, |shared| {
-        // SAFETY: as the caller vouches; the standard has it NULL or a saved state.
+        // SAFETY: as the caller vouches; by the standard it is NULL or a saved state.
         let over = unsafe { read("FMUstate", saved) }?;
         let number = shared.instance().save(over.addr())?;
         // SAFETY: as the caller vouches.
@@ -19,13 +19,13 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, saved: *mut SavedState) -
     })
 }
 
-/// Goes back to a saved state.
+/// Returns to a saved state.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2SetFMUstate(c: Component, saved: SavedState) -> Status {
     call(c, |shared| shared.instance().restore(saved.addr()))
 }
 
-/// Lets go of a saved state. NULL is ignored, as the standard has it.
+/// Releases a saved state. NULL is ignored, as the standard requires.
 ///
 /// # Safety
 /// As the module says.
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, saved: *mut SavedState) 
     })
 }
 
-/// How many bytes a saved state has.
+/// The number of bytes of a saved state.
 ///
 /// # Safety
 /// As the module says.
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     })
 }
 
-/// Saves a state that was written as bytes.
+/// Saves a state from its bytes.
 ///
 /// # Safety
 /// As the module says.

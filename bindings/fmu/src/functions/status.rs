@@ -1,4 +1,4 @@
-//! What becomes of a step: nothing is pending, as every step ends before its call returns.
+//! The status of a step: nothing is pending, because every step ends before its call returns.
 
 use std::ffi::{c_char, c_int};
 
@@ -7,7 +7,7 @@ use crate::refusal::Refusal;
 use crate::state::Phase;
 use crate::types::{Boolean, Component, FALSE, Status};
 
-/// Refused: no step is under way when another call comes.
+/// Refused: no step is in progress during another call.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2CancelStep(c: Component) -> Status {
     call(c, |_| {
@@ -20,13 +20,13 @@ pub extern "C" fn fmi2CancelStep(c: Component) -> Status {
     })
 }
 
-/// Of a step that is pending: none is.
+/// The status of a pending step: there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetStatus(c: Component, kind: c_int, _value: *mut c_int) -> Status {
     not_pending(c, kind)
 }
 
-/// `fmi2LastSuccessfulTime`: where the last step ended, s.
+/// `fmi2LastSuccessfulTime`: the end of the last step, s.
 ///
 /// # Safety
 /// As the module says.
@@ -42,13 +42,13 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: Component, kind: c_int, value: *mu
     })
 }
 
-/// Of a step that is pending: none is.
+/// The status of a pending step: there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetIntegerStatus(c: Component, kind: c_int, _value: *mut c_int) -> Status {
     not_pending(c, kind)
 }
 
-/// `fmi2Terminated`: whether the FMU itself wants to end, which it never does.
+/// `fmi2Terminated`: whether the FMU itself wants to end, which never happens.
 ///
 /// # Safety
 /// As the module says.
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     call(c, |_| unsafe { write("value", value, FALSE) })
 }
 
-/// Of a step that is pending: none is.
+/// The status of a pending step: there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetStringStatus(
     c: Component,

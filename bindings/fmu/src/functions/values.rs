@@ -21,7 +21,7 @@ pub unsafe extern "C" fn fmi2GetReal(
         // SAFETY: as the caller vouches.
         let references = unsafe { items("vr", references, count) }?;
         let instance = shared.instance();
-        // All of them before any is written.
+        // All are read before any is written.
         let found: Vec<f64> = references
             .iter()
             .map(|reference| instance.real(*reference))
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     })
 }
 
-/// Values of texts, which stay until the instance is freed.
+/// Values of texts, which stay valid until the instance is freed.
 ///
 /// # Safety
 /// As the module says.
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     })
 }
 
-/// No integer is to be set.
+/// No integer can be set.
 ///
 /// # Safety
 /// As the module says.
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     unsafe { none_of_type(c, "fmi2SetInteger", references, count) }
 }
 
-/// No Boolean is to be set.
+/// No Boolean can be set.
 ///
 /// # Safety
 /// As the module says.
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     unsafe { none_of_type(c, "fmi2SetBoolean", references, count) }
 }
 
-/// No text is to be set.
+/// No text can be set.
 ///
 /// # Safety
 /// As the module says.
@@ -172,7 +172,8 @@ pub unsafe extern "C" fn fmi2SetString(
     unsafe { none_of_type(c, "fmi2SetString", references, count) }
 }
 
-/// Refuses the first of the references, as no variable is of the type of `function`; of none there is nothing to refuse.
+/// Refuses the first of the references, because no variable has the type of `function`. Without references there is nothing to
+/// refuse.
 ///
 /// # Safety
 /// As the module says.
@@ -191,7 +192,7 @@ unsafe fn none_of_type(
     })
 }
 
-/// Not provided, as the description says.
+/// Not provided, as the description states.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetDirectionalDerivative(
     c: Component,
@@ -212,7 +213,7 @@ pub extern "C" fn fmi2GetDirectionalDerivative(
     })
 }
 
-/// First and second derivatives of inputs over time, for the next step: it extrapolates the inputs by them.
+/// First and second derivatives of inputs over time, for the next step, which extrapolates the inputs with them.
 ///
 /// # Safety
 /// As the module says.

@@ -7,7 +7,7 @@ use mesh_damper_model::file::FittedRange;
 use crate::state::State;
 use crate::variables::{self, FIRST_CONTROL, MM_PER_M};
 
-/// Evaluates `law` on the inputs of `state`, `after` s from where they were set.
+/// Evaluates `law` with the inputs of `state`, `after` s from the time at which they were set.
 pub fn evaluate(
     law: &AugmentedLaw<f64, MAX_EFFECTS>,
     range: &FittedRange,
@@ -21,12 +21,12 @@ pub fn evaluate(
         is_in(range.displacement, motion.displacement) && is_in(range.velocity, motion.velocity);
 }
 
-/// The inputs of `state`, `after` s from where they were set, in mm and s.
+/// The inputs of `state`, `after` s from the time at which they were set, in mm and s.
 fn motion(state: &State, after: f64) -> Motion<f64> {
     let at = |place: usize| {
         let [first, second] = state.slopes[place];
         match [first, second] == [0.0; 2] {
-            // Exactly what was set.
+            // Exactly the set value.
             true => state.inputs[place],
             false => state.inputs[place] + after * (first + 0.5 * after * second),
         }

@@ -1,14 +1,14 @@
-//! States of an instance that were saved, by their numbers.
+//! Saved states of an instance, by their numbers.
 
 use super::Instance;
 use crate::refusal::Refusal;
 use crate::state::State;
 
 impl Instance {
-    /// `fmi2GetFMUstate`: its number, that of `over` where such a one is saved.
+    /// `fmi2GetFMUstate`: its number, or that of `over` if it is replaced.
     ///
     /// # Errors
-    /// `over` is no saved state.
+    /// `over` is not a saved state.
     pub fn save(&mut self, over: usize) -> Result<usize, Refusal> {
         if over != 0 {
             *self.saved_mut(over)? = self.state.clone();
@@ -43,7 +43,7 @@ impl Instance {
     /// `fmi2SetFMUstate`
     ///
     /// # Errors
-    /// No saved state.
+    /// Not a saved state.
     pub fn restore(&mut self, number: usize) -> Result<(), Refusal> {
         self.state = self.saved_mut(number)?.clone();
         Ok(())
@@ -52,7 +52,7 @@ impl Instance {
     /// `fmi2FreeFMUstate`
     ///
     /// # Errors
-    /// No saved state.
+    /// Not a saved state.
     pub fn free_saved(&mut self, number: usize) -> Result<(), Refusal> {
         let removed = self.saved.remove(&number);
         removed.map(drop).ok_or_else(|| Self::unknown_state(number))
@@ -61,13 +61,13 @@ impl Instance {
     /// The bytes of a saved state.
     ///
     /// # Errors
-    /// No saved state.
+    /// Not a saved state.
     pub fn serialized(&mut self, number: usize) -> Result<Vec<u8>, Refusal> {
         let state = self.saved_mut(number)?.clone();
         state.to_bytes(&self.contents.guid)
     }
 
-    /// Keeps a state of these bytes, and gives its number.
+    /// Stores a state from these bytes, and returns its number.
     ///
     /// # Errors
     /// As [`State::from_bytes`].

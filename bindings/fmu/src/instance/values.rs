@@ -25,7 +25,7 @@ impl Instance {
         )
     }
 
-    /// Force in kN and range of the tick at the start, of the inputs as they are: while it is initialized they may still change.
+    /// Force in kN and range of the tick at the start, with the present inputs: during initialization they may still change.
     fn preview(&self) -> Result<(f64, bool), Refusal> {
         let (mut law, mut state) = (self.law.clone(), self.state.clone());
         if let Some(other) = self.law_at_amplitude()? {
@@ -38,7 +38,7 @@ impl Instance {
     /// `fmi2GetReal` of one variable.
     ///
     /// # Errors
-    /// Called out of order, or no real variable.
+    /// It was called out of order, or this is no real variable.
     pub fn real(&self, reference: ValueReference) -> Result<f64, Refusal> {
         self.expect_readable("fmi2GetReal")?;
         let variable = self.variable(reference)?;
@@ -57,7 +57,7 @@ impl Instance {
     /// `fmi2GetBoolean` of one variable.
     ///
     /// # Errors
-    /// Called out of order, or no Boolean variable.
+    /// It was called out of order, or this is no Boolean variable.
     pub fn boolean(&self, reference: ValueReference) -> Result<bool, Refusal> {
         self.expect_readable("fmi2GetBoolean")?;
         let variable = self.variable(reference)?;
@@ -73,7 +73,7 @@ impl Instance {
     /// `fmi2GetString` of one variable.
     ///
     /// # Errors
-    /// Called out of order, or no text.
+    /// It was called out of order, or this is no text.
     pub fn text(&self, reference: ValueReference) -> Result<&str, Refusal> {
         self.expect_readable("fmi2GetString")?;
         let variable = self.variable(reference)?;
@@ -83,7 +83,7 @@ impl Instance {
         }
     }
 
-    /// That no variable is of the type of `function`, which was asked for this one.
+    /// The refusal of `function` for this variable, because no variable has its type.
     pub fn none_of_type(&self, function: &str, reference: ValueReference) -> Refusal {
         match self.variable(reference) {
             Ok(variable) => not_of(variable, function),
@@ -94,7 +94,7 @@ impl Instance {
     /// `fmi2SetReal`: all of the values, or none.
     ///
     /// # Errors
-    /// Called out of order, a variable that is not to be set, or a value that it may not have.
+    /// It was called out of order, a variable cannot be set, or a value is not permitted.
     pub fn set_reals(
         &mut self,
         values: impl Iterator<Item = (ValueReference, f64)> + Clone,
@@ -140,7 +140,7 @@ impl Instance {
     /// `fmi2SetRealInputDerivatives`: for the next step, all or none.
     ///
     /// # Errors
-    /// Called out of order, a variable that is no input, an order that is neither 1 nor 2, a value that is no number.
+    /// It was called out of order, a variable is no input, an order is neither 1 nor 2, or a value is NaN.
     pub fn set_slopes(
         &mut self,
         values: impl Iterator<Item = (ValueReference, i32, f64)> + Clone,

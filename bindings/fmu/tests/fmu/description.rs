@@ -1,4 +1,4 @@
-//! The description says what the library does.
+//! The description matches the library.
 
 use mesh_damper_fmu::functions::*;
 use mesh_damper_fmu::variables::{Kind, variables};
@@ -59,7 +59,7 @@ fn it_is_well_formed_and_its_variables_are_those_of_the_library() {
                     assert!(kind.has_tag_name("Real"));
                     master.get(reference);
                 }
-                // The value at the start is the one that is said.
+                // The start value is the stated one.
                 Kind::Input(_) | Kind::Parameter(..) | Kind::Real(_) => {
                     let start: f64 = kind.attribute("start").unwrap().parse().unwrap();
                     assert_eq!(master.get(reference), start, "{}", variable.name);
@@ -72,7 +72,7 @@ fn it_is_well_formed_and_its_variables_are_those_of_the_library() {
             }
         }
         assert_eq!(seen, inputs);
-        // References are those of the variables alone.
+        // Only the variables have references.
         for reference in 0..64 {
             let is_known = known.iter().any(|variable| variable.reference == reference);
             let answer = master.try_get(reference).0;

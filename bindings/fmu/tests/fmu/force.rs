@@ -1,4 +1,4 @@
-//! The force is the one that `predict` gives for the same motion and inputs.
+//! The force equals that of `predict` for the same motion and inputs.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::master::{MOTION, Master, Unpacked};
 
 const TICK: f64 = 1e-4;
 
-/// Two tones that swell, with a change of temperature and two control inputs.
+/// Two growing tones, with a change of temperature and two control inputs.
 fn trajectory(controls: &[&str]) -> Trajectory {
     let count = 8000;
     let time = |index: usize| index as f64 * TICK;
@@ -47,7 +47,7 @@ fn trajectory(controls: &[&str]) -> Trajectory {
     trajectory
 }
 
-/// Largest difference of the FMU's force and that of `predict`, as a part of the largest force.
+/// Largest difference between the forces of the FMU and of `predict`, as a fraction of the largest force.
 fn largest_error(json: &str, controls: &[&str]) -> f64 {
     let trajectory = trajectory(controls);
     let unpacked = Unpacked::new(json, 1.0 / TICK);

@@ -1,4 +1,4 @@
-//! A master: it unpacks an FMU, holds an instance, and keeps what the logger was given.
+//! A master: it unpacks an FMU, holds an instance, and stores the logger's messages.
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::fs;
@@ -37,7 +37,7 @@ pub struct Unpacked {
 }
 
 impl Unpacked {
-    /// Of the model in `json`, at `tick_rate` Hz.
+    /// For the model in `json`, at `tick_rate` Hz.
     pub fn new(json: &str, tick_rate: f64) -> Self {
         let file = ModelFile::from_bytes("model.json", json.as_bytes()).unwrap();
         let settings = ExportSettings {
@@ -59,7 +59,7 @@ impl Unpacked {
         }
     }
 
-    /// Of the resources' folder.
+    /// The URI of the resources' folder.
     pub fn uri(&self) -> String {
         uri(self.folder.path())
     }
@@ -69,7 +69,7 @@ impl Unpacked {
         self.try_instance(&self.contents.guid, &self.uri()).unwrap()
     }
 
-    /// An instance, or what the logger was given.
+    /// An instance, or the logger's messages.
     pub fn try_instance(&self, guid: &str, uri: &str) -> Result<Master, String> {
         start(Some(guid), Some(uri), 1)
     }
@@ -84,7 +84,7 @@ pub fn uri(folder: &Path) -> String {
 
 type Said = Mutex<Vec<(c_int, String)>>;
 
-/// As a logger of C takes it. The message's own `%` are doubled, as for `printf`.
+/// Receives messages like a C logger. The message's own `%` are doubled, as for `printf`.
 extern "C" fn keep(
     said: *mut c_void,
     name: *const c_char,
@@ -92,7 +92,7 @@ extern "C" fn keep(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: `start` gave it, and it lives as long as the instance does.
+    // SAFETY: `start` made it, and it lives as long as the instance does.
     let said = unsafe { &*said.cast::<Said>() };
     // SAFETY: the library's strings end in NUL.
     let [name, category, message] = [name, category, message]
@@ -103,12 +103,12 @@ extern "C" fn keep(
     said.lock().unwrap().push((status, text));
 }
 
-/// An instance of the kind `kind`; without one, what the logger was given.
+/// An instance of the kind `kind`; without one, the logger's messages.
 pub fn start(guid: Option<&str>, uri: Option<&str>, kind: c_int) -> Result<Master, String> {
     let said = Box::new(Said::default());
     type Plain = extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char);
-    // SAFETY: the logger is called without arguments beyond the ones that are named, and these are passed alike by a function of
-    // that many and by one of more, on all platforms that FMI 2.0 names.
+    // SAFETY: the logger is called without arguments beyond the named ones. On all platforms that FMI 2.0 names, these are passed
+    // in the same way to a function with that many arguments and to one with more.
     let logger = unsafe { std::mem::transmute::<Plain, Logger>(keep) };
     let callbacks = Callbacks {
         logger: Some(logger),
@@ -120,7 +120,7 @@ pub fn start(guid: Option<&str>, uri: Option<&str>, kind: c_int) -> Result<Maste
     let text = |text: Option<&str>| text.map(|text| CString::new(text).unwrap());
     let (guid, uri) = (text(guid), text(uri));
     let pointer = |text: &Option<CString>| text.as_ref().map_or(ptr::null(), |it| it.as_ptr());
-    // SAFETY: all strings end in NUL, and the callbacks are there.
+    // SAFETY: all strings end in NUL, and the callbacks exist.
     let handle = unsafe {
         fmi2Instantiate(
             c"damper".as_ptr(),
@@ -153,18 +153,18 @@ impl Drop for Master {
 }
 
 impl Master {
-    /// What the logger was given since this was asked last.
+    /// The logger's messages since the last query.
     pub fn said(&self) -> Vec<(c_int, String)> {
         std::mem::take(&mut *self.said.lock().unwrap())
     }
 
-    /// Asserts that a call went well, and that nothing was said.
+    /// Asserts that a call succeeded without messages.
     #[track_caller]
     pub fn well(&self, status: Status) {
         assert_eq!((status, self.said()), (Status::Ok, Vec::new()));
     }
 
-    /// Asserts that a call was refused, with all of `parts` in its one message.
+    /// Asserts that a call was refused, with all of `parts` in its only message.
     #[track_caller]
     pub fn refused(&self, status: Status, parts: &[&str]) {
         assert_eq!(status, Status::Error);
@@ -174,20 +174,20 @@ impl Master {
         for part in parts {
             assert!(said[0].1.contains(part), "{part:?} not in {:?}", said[0].1);
         }
-        // Field, value, what is wrong, and what to do.
+        // Field, value, error and remedy.
         assert!(
             said[0].1.contains(" = ") && said[0].1.contains("; "),
             "{said:?}"
         );
     }
 
-    /// From `start` s on, in initialization mode.
+    /// Starts at `start` s, in initialization mode.
     pub fn set_up(&self, start: f64) {
         self.well(fmi2SetupExperiment(self.handle, 0, 0.0, start, 0, 0.0));
         self.well(fmi2EnterInitializationMode(self.handle));
     }
 
-    /// Up to the first step, with this motion at the start.
+    /// Continues up to the first step, with this motion at the start.
     pub fn begin(&self, motion: [f64; 3]) {
         self.set_up(0.0);
         self.well(self.set(&MOTION, &motion));

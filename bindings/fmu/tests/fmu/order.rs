@@ -1,4 +1,4 @@
-//! Calls that are out of order or wrong in themselves: refused with a reason, and without effect.
+//! Calls out of order or with errors: they are refused with a reason, and have no effect.
 
 use std::ffi::{CStr, c_int};
 use std::ptr;
@@ -55,7 +55,7 @@ fn calls_out_of_order_are_refused() {
         &["called when Terminated", "call fmi2Reset first"],
     );
     master.refused(master.set(&MOTION, &[0.0; 3]), &["fmi2SetReal"]);
-    // What was computed may still be read.
+    // Computed values may still be read.
     master.force();
     master.well(fmi2Reset(c));
     master.begin([1e-4, 0.0, 0.0]);
@@ -126,7 +126,7 @@ fn null_and_handles_that_are_none_are_refused() {
     let master = unpacked.instance();
     let c = master.handle;
     master.begin([0.0; 3]);
-    // SAFETY: NULL is what is tested.
+    // SAFETY: the test passes NULL.
     unsafe {
         master.refused(fmi2GetReal(c, ptr::null(), 1, &mut 0.0), &["vr = NULL"]);
         master.refused(
@@ -217,11 +217,11 @@ fn constants_are_read_and_the_range_is_watched() {
     let said = master.said();
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].1.contains("left the operating range"));
-    // Once for each time that it leaves, and no more where warnings are off.
+    // One warning each time that the motion leaves the range, and none if warnings are off.
     master.well(master.step(1e-3, 1e-3));
     master.well(master.set(&MOTION, &[0.0; 3]));
     master.well(master.step(2e-3, 1e-3));
-    // SAFETY: of no category there is none to read.
+    // SAFETY: without categories there is none to read.
     master.well(unsafe { fmi2SetDebugLogging(c, 0, 0, ptr::null()) });
     master.well(master.set(&MOTION, &[0.0, 0.1, 0.0]));
     master.well(master.step(3e-3, 1e-3));

@@ -1,4 +1,4 @@
-//! What an instance is not made of.
+//! Resources that make no instance.
 
 use std::ffi::c_int;
 use std::fs;
@@ -84,7 +84,7 @@ fn damaged_resources_are_refused() {
         &settings.replace("10000.0", "5000.0"),
         &["fmuGUID"],
     );
-    // A longer resource than is read.
+    // A resource longer than the limit.
     with("fmu.json", &" ".repeat((16 << 20) + 1), &["longer than"]);
     assert!(unpacked.try_instance(&guid, &uri(folder)).is_ok());
 }

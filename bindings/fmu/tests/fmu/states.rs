@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::master::{MODEL_WITH_HISTORY, MOTION, Master, Unpacked};
 
-/// A model with all that remembers much: a ring of forces, a residual table's average.
+/// A model with much memory: a ring of forces, and a residual table's average.
 fn rich_model() -> String {
     let cells: Vec<String> = (0..306).map(|cell| (cell % 23 - 11).to_string()).collect();
     MODEL_WITH_HISTORY
@@ -31,7 +31,7 @@ fn rich_model() -> String {
         )
 }
 
-/// The force after each of the steps from `from` on, by a motion of two tones whose rates are `tones`.
+/// The force after each of the steps from `from` on, for a motion of two tones with the rates `tones`.
 fn run(master: &Master, steps: std::ops::Range<usize>, tones: [f64; 2]) -> Vec<u64> {
     steps
         .map(|step| {
@@ -75,7 +75,7 @@ proptest! {
         master.well(fmi2SetFMUstate(master.handle, read));
         prop_assert_eq!(&run(&master, before..before + after, tones), &first);
 
-        // In another instance, that has not begun.
+        // In another instance that has not started.
         let other = unpacked.instance();
         let (status, read) = other.deserialize(&bytes);
         other.well(status);
@@ -85,7 +85,7 @@ proptest! {
     }
 }
 
-/// Without this the property above would hold of a law without a memory.
+/// Without this test, the property above would also hold for a law without a memory.
 #[test]
 fn the_history_matters() {
     let unpacked = Unpacked::new(&rich_model(), 1e4);
@@ -114,8 +114,7 @@ fn a_state_is_saved_over_another_and_freed_once() {
     // SAFETY: there is one.
     master.well(unsafe { fmi2FreeFMUstate(master.handle, &mut saved) });
     assert!(saved.is_null());
-    // NULL is ignored, as the standard has it.
-    // SAFETY: NULL is allowed.
+    // The standard requires that NULL is ignored. SAFETY: NULL is allowed.
     master.well(unsafe { fmi2FreeFMUstate(master.handle, &mut saved) });
     // SAFETY: NULL is allowed.
     master.well(unsafe { fmi2FreeFMUstate(master.handle, ptr::null_mut()) });

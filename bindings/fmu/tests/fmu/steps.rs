@@ -1,4 +1,4 @@
-//! Communication steps: which there are, and how inputs go on within one.
+//! Communication steps: their permitted sizes, and the inputs within a step.
 
 use mesh_damper_fmu::functions::*;
 use mesh_damper_fmu::types::Status;
@@ -36,7 +36,7 @@ fn a_step_is_a_whole_number_of_ticks_from_where_the_last_one_ended() {
         master.step(-2.0, 3.0 + tick),
         &["after the stop time of 1 s"],
     );
-    // The sums of a master that adds up its steps, 1/3 ms of which is no number.
+    // The sums of a master that adds up its steps; 1/3 ms has no exact float.
     let mut time = -2.0;
     for _ in 0..6000 {
         master.well(master.step(time, tick));
@@ -46,7 +46,7 @@ fn a_step_is_a_whole_number_of_ticks_from_where_the_last_one_ended() {
     master.refused(master.step(1.0, tick), &["after the stop time"]);
 }
 
-/// Ten ticks with derivatives are ten steps with the same inputs one by one.
+/// Ten ticks with derivatives equal ten steps with the same inputs one by one.
 #[test]
 fn derivatives_of_the_inputs_act_for_one_step() {
     let unpacked = Unpacked::new(MODEL_WITH_HISTORY, 1e4);
@@ -77,14 +77,14 @@ fn derivatives_of_the_inputs_act_for_one_step() {
     assert!((one.force() / many.force() - 1.0).abs() < 1e-13);
 }
 
-/// Of a sine of 20 Hz and 0.1 mm, with inputs as they are at the step's begin and so many of their derivatives: RMS of the force's error
-/// over that of the force, and its largest over the largest. The page's table is of these.
+/// For a sine of 20 Hz and 0.1 mm, with the inputs of the step's beginning and a number of their derivatives: RMS of the force's
+/// error over that of the force, and its largest value over the largest force. The page's table contains these.
 fn cost(ticks: usize, order: usize) -> [f64; 2] {
     let unpacked = Unpacked::new(MODEL_WITH_HISTORY, 1e4);
     let [coarse, fine] = [unpacked.instance(), unpacked.instance()];
     let w = std::f64::consts::TAU * 20.0;
     let motion = |t: f64| {
-        // No tick is where friction turns: the last bit of the velocity would decide there.
+        // No tick coincides with a reversal of friction: the last bit of the velocity would decide there.
         let (sin, cos) = (w * t + 0.2).sin_cos();
         [
             1e-4 * sin,
@@ -129,7 +129,7 @@ fn cost(ticks: usize, order: usize) -> [f64; 2] {
     [(squares / size).sqrt(), largest / peak]
 }
 
-/// The table of the page, as it is computed.
+/// The table of the page equals the computed one.
 #[test]
 fn the_page_says_what_the_hold_of_an_input_costs() {
     let page = include_str!("../../../../docs/fmu.md");

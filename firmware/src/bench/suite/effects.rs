@@ -1,5 +1,5 @@
-//! What each added effect costs: the law as it runs on the target with none, with one, and with all of them; and what the
-//! correction without a name does, over all that it may be over.
+//! The cost of each added effect: the law as it runs on the target with none, with one, and with all of them; and the cost of the
+//! residual table for every variable that it may have.
 
 use core::fmt;
 
@@ -17,7 +17,7 @@ use super::Refused;
 use super::tally::{Meter, Tally};
 use super::tick::{FREQUENCY, TICK_RATE};
 
-/// Effects that there are.
+/// Number of effects.
 const EFFECTS: usize = DESCRIPTIONS.len();
 /// mm
 const AMPLITUDE: f32 = 0.1;
@@ -46,7 +46,7 @@ fn eq13<const N: usize>() -> AugmentedLaw<f32, N> {
 /// The mixed damping law of the paper with `effects`.
 ///
 /// # Errors
-/// More than `N`, or two of a kind.
+/// More effects than `N`, or two of a kind.
 pub fn law<const N: usize>(
     effects: impl IntoIterator<Item = Effect<f32>>,
 ) -> Result<AugmentedLaw<f32, N>, ConfigError> {
@@ -96,7 +96,7 @@ fn one_element() -> Result<Effect<f32>, ConfigError> {
     StickSlip::new(&[ELEMENT]).map(Effect::StickSlip)
 }
 
-/// Every effect of the crate, as typical as its description says, with its description.
+/// Every effect of the crate, with the typical parameters of its description, and the description.
 ///
 /// # Errors
 /// None: every value is in its range.
@@ -110,11 +110,11 @@ pub fn each() -> Result<[(&'static Description, Effect<f32>); EFFECTS], ConfigEr
     Ok(each)
 }
 
-/// What a correction remembers, and the z of its first and of its last node.
+/// The memory of a correction, and the z of its first and of its last node.
 pub type Remembered = (Memory<f32>, [f32; 2]);
 
-/// Everything that a correction may be over beside the motion, with the name that it is counted under. Half of the range of
-/// each is reached in the cycles that are counted.
+/// Every variable that a correction may have in addition to the motion, with the name of its count. The counted cycles reach half
+/// of the range of each.
 fn memories() -> [(&'static str, Option<Remembered>); 10] {
     [
         ("correction/without_memory", None),
@@ -157,7 +157,7 @@ fn memories() -> [(&'static str, Option<Remembered>); 10] {
     ]
 }
 
-/// Of a table that reaches as far as the motion and has no two cells alike side by side.
+/// For a table that reaches as far as the motion and has no two equal neighbouring cells.
 ///
 /// # Errors
 /// None: every value is in its range.
@@ -186,7 +186,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let one = one_element()?;
     count(meter, "effects/stick_slip_1", law([one])?)?;
     let all = each.iter().map(|(_, effect)| *effect);
-    // Stages, too, are rare.
+    // Stages are rare, too.
     let ordinary = each.iter().filter(|(of, _)| of.cost != Cost::Rare);
     let ordinary = ordinary.map(|(_, effect)| *effect);
     count(meter, "effects/all", law(ordinary.clone())?)?;

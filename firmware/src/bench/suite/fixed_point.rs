@@ -12,12 +12,12 @@ use super::tick::{CYCLES, FREQUENCY, TICK_RATE, laws};
 /// Full scales of displacement and velocity over the amplitudes.
 const SCALE: f64 = 1.1;
 
-/// What a tick works on.
+/// The state of a tick.
 pub struct Whole {
     generator: SineGenerator,
     law: Law,
     accumulator: CycleAccumulator,
-    /// What happened in the last tick, beside its force.
+    /// The moment of the last tick, in addition to its force.
     pub when: When,
     /// The cycle that ended with it.
     pub cycle: Option<RawCycle>,
@@ -53,7 +53,7 @@ impl Whole {
         })
     }
 
-    /// The force's bits, which no conversion to a float is counted with.
+    /// The force's bits, so that the count contains no conversion to a float.
     #[inline(always)]
     pub fn tick(&mut self) -> f32 {
         let Some(now) = self.generator.tick() else {
@@ -73,7 +73,7 @@ extern "C" fn tick(whole: &mut Whole, _: f32, _: f32) -> f32 {
     whole.tick()
 }
 
-/// The results of a cycle in their units, outside of the tick.
+/// The results of a cycle in their units, computed outside the tick.
 extern "C" fn convert(whole: &mut Whole, _: f32, _: f32) -> f32 {
     if let Some(cycle) = whole.cycle {
         whole.converted = cycle.over(&whole.scales);

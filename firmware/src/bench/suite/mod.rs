@@ -1,7 +1,7 @@
-//! What is counted, and over which inputs.
+//! The counted regions and their inputs.
 //!
-//! The image counts it; the harness runs the same lines on the host, to judge the results against f64 and to see by their
-//! checksums that what was counted is what was judged.
+//! The image counts them. The harness runs the same lines on the host, to determine the errors of the results against f64. The
+//! checksums show that both ran the same computation.
 
 pub mod effects;
 pub mod fixed_point;
@@ -17,7 +17,7 @@ use mesh_damper::error::ConfigError;
 
 use tally::Meter;
 
-/// Why a measurement could not be set up.
+/// A measurement could not be set up.
 #[derive(Debug)]
 pub struct Refused;
 
@@ -27,7 +27,7 @@ impl From<ConfigError> for Refused {
     }
 }
 
-/// Everything for a core with a floating-point unit.
+/// All regions for a core with a floating-point unit.
 ///
 /// # Errors
 /// A value out of its range, or a rig that stopped.

@@ -1,6 +1,6 @@
-//! The whole tick as it is written down first, on libm: a sine, a cosine and a power a tick, sums in plain f32.
+//! The whole tick in its obvious form, with libm: a sine, a cosine and a power per tick, and sums in plain f32.
 //!
-//! It gives what [`mesh_damper::simulation`] gives, and like that leaves out what a sine and an odd law make known: means
+//! It gives the results of [`mesh_damper::simulation`], and leaves out the same ones, which a sine and an odd law make known: means
 //! and harmonics, and the displacement's extremes. `hil/studies/bench/peer.c` is the same in C, line by line.
 
 use core::f32::consts::TAU;
@@ -33,7 +33,7 @@ impl Sums {
         }
     }
 
-    /// The way from `a` to `b`.
+    /// Adds the trapezoid from `a` to `b`.
     #[inline(always)]
     fn add(&mut self, a: Sample, b: Sample) {
         self.energy += (a.force + b.force) * (b.displacement - a.displacement);
@@ -103,7 +103,7 @@ impl Naive {
         }
     }
 
-    /// What happened in the last tick.
+    /// The moment of the last tick.
     pub fn when(&self) -> When {
         if self.cycle.is_some() {
             When::CycleEnd

@@ -1,4 +1,4 @@
-//! The law with stick-slip of one element: its type names the effect, or it is the law that a pack is read into.
+//! The law with stick-slip of one element: as a static type, or read from a pack.
 
 use mesh_damper::effects::{AugmentedLaw, Effect, Motion, StickSlip};
 use mesh_damper::error::ConfigError;

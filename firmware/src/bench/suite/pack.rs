@@ -1,4 +1,4 @@
-//! A slice of a pack's check: what a rig that goes on ticking does beside its tick.
+//! A slice of a pack's check: the additional work of a rig that continues to tick.
 
 use mesh_damper::effects::residual_table::Memory;
 use mesh_damper::fast_law::FastLaw;
@@ -19,13 +19,13 @@ impl From<PackError> for Refused {
     }
 }
 
-/// A pack that has come, and where its law goes.
+/// A pack that has arrived, and the place for its law.
 struct Waiting {
     upload: Upload,
     slot: FastLaw<EFFECTS>,
     passivity: Passivity<EFFECTS>,
     expected: Expectation,
-    /// What came of the last slice, once it has been. No more of an error than that: to copy it would be counted.
+    /// The result of the last slice, after it ran. It holds no more of an error than that, because a copy would be counted.
     done: Option<bool>,
 }
 
@@ -42,10 +42,10 @@ extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
     f32::from(u8::from(waiting.done.is_some()))
 }
 
-/// Of packs that hold every effect between them, eight in each, beside a residual table.
+/// For packs that together contain every effect, eight in each, with a residual table in addition.
 ///
 /// # Errors
-/// None: the packs are right.
+/// None: the packs are valid.
 pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     let mut tally = Tally::default();
     let each = each()?;

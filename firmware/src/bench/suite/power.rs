@@ -1,11 +1,11 @@
-//! |v|^α: ours beside libm's and micromath's.
+//! |v|^α: ours compared to libm's and micromath's.
 
 use mesh_damper::power::{PowerSeed, PowerTable, abs_pow};
 
 use super::Refused;
 use super::tally::{Meter, Region, Tally};
 
-/// Exponents, those of the paper.
+/// Exponents, from the paper.
 pub const ALPHAS: [f32; 5] = [0.15, 0.25, 0.35, 0.45, 0.56];
 /// Velocities for each exponent.
 pub const VELOCITIES: u32 = 2000;
@@ -14,7 +14,7 @@ pub const LOWEST: f32 = 1e-6;
 /// mm/s
 pub const HIGHEST: f32 = 20.0;
 
-/// Evenly spaced over the bits of a float, and so over the logarithm but for the course within an octave.
+/// Evenly spaced over the bits of a float, and so over the logarithm, apart from the spacing within an octave.
 pub fn velocity(index: u32) -> f32 {
     let [low, high] = [LOWEST, HIGHEST].map(f32::to_bits);
     let steps = u64::from(high - low) * u64::from(index) / u64::from(VELOCITIES - 1);
@@ -43,7 +43,7 @@ pub const FORMS: [(&str, Region<()>); 3] = [
     ("power/libm", libm),
     ("power/micromath", micromath),
 ];
-/// The one that takes its exponent from a table, with c = 1.
+/// The form that takes its exponent from a table, with c = 1.
 pub const TABULATED: (&str, Region<PowerTable>) = ("power/table", tabulated);
 
 /// Each over every velocity and exponent.

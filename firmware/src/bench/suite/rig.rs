@@ -1,4 +1,4 @@
-//! The rig's tick, its converters answered from memory, and the accumulator that finds its cycles by itself.
+//! The rig's tick, with converters simulated in memory, and the accumulator that finds its cycles by itself.
 
 use core::cell::Cell;
 use core::convert::Infallible;
@@ -23,23 +23,23 @@ use super::tick::{FREQUENCY, TICK_RATE};
 
 /// mm
 const AMPLITUDE: f64 = 0.1;
-/// Cycles at full amplitude: those over which the monitor settles and learns, and as many over which it watches.
+/// Cycles at full amplitude: those in which the monitor settles and learns, and as many in which it watches.
 const CYCLES: u32 = 36;
 
 /// Selects the ADC's second channel.
 const SECOND: u8 = 0xC4;
 
-/// Both converters: whatever code the DAC is given, the ADC reads as the displacement, and beside it what a specimen's force is.
+/// Both converters. The ADC reads the DAC's code as the displacement, and the specimen's force on its other channel.
 #[derive(Default)]
 struct Wire {
     code: Cell<u16>,
     force: Cell<u16>,
-    /// The ADC's last frame has selected the force.
+    /// Whether the ADC's last frame selected the force.
     second: Cell<bool>,
     control: Cell<u16>,
-    /// What the DAC's next frame clocks out.
+    /// The DAC's output at its next frame.
     answer: Cell<u16>,
-    /// The last of the ADC's registers that was written.
+    /// The ADC register that was written last.
     register: Cell<u8>,
 }
 
@@ -61,7 +61,7 @@ impl SpiDevice for AdcBus<'_> {
                     let channel = if second { &self.0.force } else { &self.0.code };
                     [*high, *low] = channel.get().to_be_bytes();
                 }
-                // The driver reads what it wrote last.
+                // The driver reads the value that it wrote last.
                 Operation::Write([_, value, _]) => self.0.register.set(*value),
                 Operation::TransferInPlace([_, _, value]) => *value = self.0.register.get(),
                 _ => {}
@@ -115,7 +115,7 @@ impl OutputPin for Line {
 
 struct Running<'a> {
     rig: SpiRig<AdcBus<'a>, DacBus<'a>, Line, 1, 1>,
-    /// Ticks of a timer that none is lost of.
+    /// Ticks of a timer without losses.
     clock: u32,
     telemetry: Option<Telemetry>,
 }
@@ -177,7 +177,7 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
         let Some(now) = running.telemetry else {
             return Err(Refused);
         };
-        // The specimen is what the law says that it is.
+        // The specimen behaves exactly like the law.
         wire.force.set(force.encode(now.model_force).code);
         match now.state {
             State::Running => {}

@@ -1,33 +1,33 @@
-//! Regions, who calls them, and what many calls came to.
+//! Regions, their callers, and the results of many calls.
 
 use core::fmt;
 
 use mesh_damper::cycle::Cycle;
 
-/// Something to count: a call with a context, which holds what it works on, and up to two numbers.
+/// A region to count: a call with a context, which holds its state, and up to two numbers.
 pub type Region<C> = extern "C" fn(&mut C, f32, f32) -> f32;
 
-/// Calls regions. On the target it counts their instructions; on the host it keeps what they return.
+/// Calls regions. On the target it counts their instructions; on the host it stores their results.
 pub trait Meter {
     /// One call: its instructions without those of the call itself, and its result.
     fn call<C>(&mut self, region: Region<C>, context: &mut C, a: f32, b: f32) -> (u32, f32);
 
-    /// What the calls under `name` came to.
+    /// Reports the results of the calls under `name`.
     fn report(&mut self, name: impl fmt::Display, when: &str, tally: &Tally);
 }
 
-/// What many calls came to.
+/// The results of many calls.
 #[derive(Clone, Copy, Debug)]
 pub struct Tally {
     /// Calls.
     pub calls: u32,
     /// Instructions of all.
     pub sum: u64,
-    /// Of the shortest call.
+    /// Instructions of the shortest call.
     pub least: u32,
-    /// Of the longest call.
+    /// Instructions of the longest call.
     pub most: u32,
-    /// Over the bits of all results.
+    /// Checksum over the bits of all results.
     pub checksum: u32,
 }
 
@@ -45,7 +45,7 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// One more call.
+    /// Adds one call.
     pub fn add(&mut self, (instructions, result): (u32, f32)) {
         self.calls += 1;
         self.sum += u64::from(instructions);
@@ -54,7 +54,7 @@ impl Tally {
         self.include(result);
     }
 
-    /// One more result (FNV-1a over words).
+    /// Adds one result (FNV-1a over words).
     pub fn include(&mut self, result: f32) {
         self.checksum = (self.checksum ^ result.to_bits()).wrapping_mul(0x0100_0193);
     }
@@ -67,23 +67,23 @@ impl Tally {
     }
 }
 
-/// What happens at a tick.
+/// The moment of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum When {
     /// The amplitude is changing.
     Ramp,
     /// At full amplitude.
     Steady,
-    /// Steady, the first tick of a cycle, which computes the results of the one before.
+    /// Steady, the first tick of a cycle, which computes the results of the previous one.
     CycleEnd,
-    /// Steady, in the ticks after other coefficients came into force.
+    /// Steady, in the ticks after new coefficients came into force.
     Swap,
     /// The programme is over.
     Done,
 }
 
 impl When {
-    /// From what the generator says of a tick.
+    /// From the generator's data about a tick.
     pub fn of(done: bool, ramp: bool, cycle_end: bool) -> Self {
         match (done, ramp, cycle_end) {
             (true, ..) => Self::Done,
@@ -104,7 +104,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// One more tick, and the cycle that ended with it.
+    /// Adds one tick, and the cycle that ended with it.
     pub fn add(&mut self, when: When, result: (u32, f32), cycle: Option<&Cycle>) {
         let tally = match when {
             When::Ramp => &mut self.ramp,
@@ -119,7 +119,7 @@ impl Moments {
         }
     }
 
-    /// Under `name`, one line for each moment.
+    /// Reports under `name`, with one line for each moment.
     pub fn report(&self, meter: &mut impl Meter, name: &str) {
         if self.ramp.calls > 0 {
             meter.report(name, "ramp", &self.ramp);

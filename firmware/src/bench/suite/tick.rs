@@ -14,13 +14,13 @@ use super::tally::{Meter, Moments, Tally, When};
 
 /// Ticks per second.
 pub const TICK_RATE: f64 = 10_000.0;
-/// Hz: no whole number of ticks to the cycle.
+/// Hz: a cycle is no whole number of ticks.
 pub const FREQUENCY: f64 = 9.7;
 /// Cycles at full amplitude.
 pub const CYCLES: u32 = 4;
-/// Ticks that the naive tick is run for, which has no ramps and no end.
+/// Ticks of the naive tick, which has no ramps and no end.
 pub const NAIVE_TICKS: u32 = 2200;
-/// Ticks to the block.
+/// Ticks per block.
 pub const BLOCK: usize = 64;
 
 /// The published laws, each with its amplitude in mm: row by row of the paper's tables.
@@ -47,12 +47,12 @@ pub fn simulation(amplitude: f32, law: Law<f32>) -> Result<Simulation<1>, Config
     Simulation::new(programme(amplitude)?, law)
 }
 
-/// What a tick works on.
+/// The state of a tick.
 pub struct Whole<'a> {
     test: &'a mut Simulation<1>,
-    /// What the last tick came to, beside its force.
+    /// The moment of the last tick, in addition to its force.
     pub when: When,
-    /// The results that were complete with it, of a cycle that had ended.
+    /// The results of a completed cycle that became available with it.
     pub cycle: Option<Cycle>,
 }
 
@@ -66,7 +66,7 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// Does `ticks`, and looks what they came to.
+    /// Calls `ticks`, and records the moment and the results.
     pub fn told<R>(&mut self, ticks: impl FnOnce(&mut Self) -> R) -> R {
         let test = &self.test;
         let (cycle, ramp, results) = (test.cycle(), test.ramp(), test.results().0);
@@ -90,7 +90,7 @@ pub extern "C" fn tick(whole: &mut Whole<'_>, _: f32, _: f32) -> f32 {
     whole.test.tick()
 }
 
-/// What a block of ticks works on.
+/// The state of a block of ticks.
 struct BlockOfTicks<'a, 'p> {
     whole: &'a mut Whole<'p>,
     forces: &'a mut [f32; BLOCK],
@@ -101,13 +101,12 @@ extern "C" fn block(block: &mut BlockOfTicks<'_, '_>, _: f32, _: f32) -> f32 {
     0.0
 }
 
-/// Ticks of [`alone`] at full amplitude and before the swap, at least: two cycles, after that of the ramp.
+/// Fewest ticks of [`alone`] at full amplitude before the swap: two cycles, after that of the ramp.
 const COMPARED: usize = 2000;
 
 /// Alone, with a swap of coefficients at the third end of a cycle.
 ///
-/// The same tick is in the same place of the same cycle under every law, and its counts are compared: what they differ by
-/// hangs on the data.
+/// The same tick is at the same place of the same cycle under every law. So differences between its counts depend on the data.
 fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     let mut moments = Moments::default();
     let mut extremes = [(u32::MAX, 0); COMPARED];
@@ -142,7 +141,7 @@ fn alone(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Alone, without a swap: there is no room for a third law in the 32 KiB of a small core.
+/// Alone, without a swap: the 32 KiB of a small core have no room for a third law.
 ///
 /// # Errors
 /// None: every value is in its range.
@@ -162,7 +161,7 @@ pub fn small(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// The same from the crate's parts, which serve any motion and any force.
+/// The same from the crate's parts, which work for any motion and any force.
 struct Parts {
     generator: SineGenerator<1>,
     law: RunningLaw<0>,
@@ -222,7 +221,7 @@ fn blocks(meter: &mut impl Meter) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// On libm.
+/// With libm.
 #[inline(never)]
 pub fn naive(meter: &mut impl Meter) {
     let mut moments = Moments::default();

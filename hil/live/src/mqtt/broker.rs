@@ -1,4 +1,4 @@
-//! Where a broker is, from a URL.
+//! The address of a broker, from a URL.
 
 use std::fmt::{self, Debug, Formatter};
 use std::str::FromStr;
@@ -9,7 +9,7 @@ use rumqttc::{LastWill, MqttOptions, QoS};
 
 /// Port of MQTT without TLS.
 const PORT: u16 = 1883;
-/// A connection without traffic is tried this often, so that a broker that has gone is noticed within twice that.
+/// Interval of keep-alive messages on an idle connection. A lost broker is noticed within twice this time.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
 
 /// A broker, and the name of the rig in the topics: `mqtt://[USER[:PASSWORD]@]HOST[:PORT][/RIG]`.
@@ -61,7 +61,7 @@ impl FromStr for Broker {
             "" => "rig".into(),
             rig => decoded(rig)?,
         };
-        // These would be other topics, or several.
+        // These would address other topics, or several.
         if let Some(bad) = rig
             .chars()
             .find(|letter| matches!(letter, '/' | '+' | '#' | '$') || letter.is_control())
@@ -121,7 +121,7 @@ impl Broker {
         &self.rig
     }
 
-    /// A connection that leaves `will` as its last will at `topic`.
+    /// A connection with `will` as its last will at `topic`.
     pub(super) fn options(&self, topic: &str, will: &str) -> MqttOptions {
         let id = format!("mesh-damper-{}-{}", self.rig, std::process::id());
         let mut options = MqttOptions::new(id, self.host.clone(), self.port);
@@ -141,7 +141,7 @@ impl Broker {
     }
 }
 
-/// Without user and password: it is printed.
+/// Without user and password, because it is printed.
 impl fmt::Display for Broker {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (host, port, rig) = (&self.host, self.port, &self.rig);
@@ -152,7 +152,7 @@ impl fmt::Display for Broker {
     }
 }
 
-/// As [`fmt::Display`], so that no log has the password.
+/// As [`fmt::Display`], so that no log contains the password.
 impl Debug for Broker {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
@@ -183,7 +183,7 @@ mod tests {
     fn the_password_is_not_printed() {
         let broker: Broker = "mqtt://lab:geheim@localhost".parse().unwrap();
         assert!(!format!("{broker} {broker:?}").contains("geheim"));
-        // Nor is it by what is refused.
+        // Nor do refused URLs.
         for bad in ["mqtt://lab:geheim@localhost:0", "mqtt://lab:geheim@"] {
             let said = bad.parse::<Broker>().unwrap_err();
             assert!(!said.contains("geheim"), "{said}");

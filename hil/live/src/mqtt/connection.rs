@@ -1,4 +1,4 @@
-//! The thread that talks to the broker. Whoever runs the test talks to a queue alone.
+//! The thread that talks to the broker. The thread of the test only uses a queue.
 
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
@@ -9,18 +9,18 @@ use super::Shared;
 
 /// Messages that the broker has not confirmed, at most.
 const MOST_UNCONFIRMED: usize = 64;
-/// How long what is new may wait for a message of the broker.
+/// How long new items may wait while the thread listens to the broker.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(30);
-/// From one try to connect to the next: the first and the longest.
+/// Time between attempts to connect: the first and the longest.
 const RETRY: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(5)];
 
-/// Sends what is in the queue until the publisher has gone.
+/// Sends the queue until the publisher has gone.
 pub(super) fn run(options: MqttOptions, shared: &Shared) {
     let (client, mut connection) = Client::new(options, 2 * MOST_UNCONFIRMED);
     let [first, longest] = RETRY;
     let mut retry = first;
     while !shared.gone.load(SeqCst) {
-        // Connecting must not be broken off half way: it has a limit of its own.
+        // An attempt to connect must not be interrupted: it has its own time limit.
         match connection.recv() {
             Ok(Ok(_)) => {
                 retry = first;
@@ -39,13 +39,13 @@ pub(super) fn run(options: MqttOptions, shared: &Shared) {
 
 /// How a connection ended.
 enum Ended {
-    /// Nothing more is to be sent.
+    /// Everything was sent.
     Done,
-    /// By itself.
+    /// The connection was lost.
     Lost(String),
 }
 
-/// Sends, over a connection that has just come about, until it ends.
+/// Sends over a new connection until it ends.
 fn talk(client: &Client, connection: &mut Connection, shared: &Shared) -> Ended {
     {
         let mut queue = shared.lock();
@@ -70,7 +70,7 @@ fn talk(client: &Client, connection: &mut Connection, shared: &Shared) -> Ended 
         match connection.recv_timeout(BETWEEN_LOOKS) {
             Ok(Ok(Event::Incoming(Packet::PubAck(_)))) => {
                 let mut queue = shared.lock();
-                // A broker confirms in the order in which it was sent to.
+                // A broker confirms messages in the order of sending.
                 if queue.sent.pop_front().is_some() {
                     queue.delivery.delivered += 1;
                 }
@@ -87,7 +87,7 @@ fn talk(client: &Client, connection: &mut Connection, shared: &Shared) -> Ended 
     }
 }
 
-/// Gives the client what may be sent now. Whether that was a goodbye.
+/// Gives the client the messages that may be sent now. Returns whether the goodbye was among them.
 fn send(client: &Client, shared: &Shared) -> bool {
     let mut queue = shared.lock();
     while queue.sent.len() < MOST_UNCONFIRMED {
@@ -109,7 +109,7 @@ fn send(client: &Client, shared: &Shared) -> bool {
     queue.is_closing && queue.is_empty() && client.try_disconnect().is_ok()
 }
 
-/// There is no connection: what was not confirmed is sent again, before the rest.
+/// There is no connection: unconfirmed messages are sent again, before the rest.
 fn lost(shared: &Shared, why: String) {
     let mut queue = shared.lock();
     while let Some(message) = queue.sent.pop_back() {

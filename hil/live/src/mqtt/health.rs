@@ -1,10 +1,10 @@
-//! How the test has been since the last message about it.
+//! A summary of the test since the last health message.
 
 use serde_json::{Value, json};
 
 use crate::values::{CycleResult, Event, Sample, State};
 
-/// Gathers what a health message says.
+/// Collects the contents of a health message.
 #[derive(Clone, Debug)]
 pub(super) struct Health {
     state: State,
@@ -17,7 +17,7 @@ pub(super) struct Health {
     notices: Vec<String>,
 }
 
-/// Smallest and largest of nothing.
+/// Smallest and largest of an empty set.
 const NONE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 impl Default for Health {
@@ -36,7 +36,7 @@ impl Default for Health {
 }
 
 impl Health {
-    /// So far.
+    /// Samples so far.
     pub(super) fn samples(&self) -> u64 {
         self.samples
     }
@@ -53,7 +53,7 @@ impl Health {
         self.cycle = Some(*cycle);
     }
 
-    /// Each cause stands there once: a monitor has a bounded number of them.
+    /// Each cause is listed once: a monitor has a limited number of them.
     pub(super) fn event(&mut self, event: &Event) {
         let named = if event.fault {
             &mut self.faults
@@ -69,7 +69,7 @@ impl Health {
         self.state = state.clone();
     }
 
-    /// As JSON; extremes count from here on again.
+    /// As JSON; extremes start again.
     pub(super) fn take(&mut self, dropped: u64) -> Value {
         let state = self.state.to_json();
         let of_cycle = |value: fn(&CycleResult) -> f32| self.cycle.as_ref().map(value);

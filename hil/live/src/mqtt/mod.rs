@@ -1,14 +1,14 @@
 //! Health, cycles and events over MQTT, as JSON with the units in the names.
 //!
-//! | topic | what | retained |
+//! | topic | content | retained |
 //! |---|---|---|
-//! | `mesh-damper/RIG/status` | how the test is; `offline` is the last will | yes |
-//! | `mesh-damper/RIG/health` | once a second: where the test is, extremes, temperature, what was named so far | yes |
+//! | `mesh-damper/RIG/status` | the state of the test; `offline` is the last will | yes |
+//! | `mesh-damper/RIG/health` | once a second: progress, extremes, temperature, causes named so far | yes |
 //! | `mesh-damper/RIG/cycle` | the results of a cycle | no |
-//! | `mesh-damper/RIG/event` | what the monitor named | no |
+//! | `mesh-damper/RIG/event` | a cause that the monitor named | no |
 //!
-//! Everything is sent at least once (QoS 1). Without a broker messages wait in a queue of bounded length; the oldest go first, and are
-//! counted.
+//! Everything is sent at least once (QoS 1). Without a broker, messages wait in a queue of limited length; when it is full, the
+//! oldest are dropped and counted.
 
 mod broker;
 mod connection;
@@ -28,23 +28,23 @@ pub use broker::Broker;
 use crate::values::{About, CycleResult, Event, Listener, Sample, State};
 use health::Health;
 
-/// Messages that wait at most.
+/// Most waiting messages.
 const MOST_WAITING: usize = 4096;
 /// From a health message to the next.
 const BETWEEN_HEALTH: Duration = Duration::from_secs(1);
 
-/// What has become of the messages.
+/// The number of delivered and dropped messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Delivery {
     /// The broker has them.
     pub delivered: u64,
-    /// Too many waited, or the test was over before there was a broker.
+    /// Too many were waiting, or the test ended before there was a broker.
     pub dropped: u64,
 }
 
-/// Sends what it is told of to a broker, from a thread of its own.
+/// Sends its input to a broker from a separate thread.
 ///
-/// Dropped without [`MqttPublisher::close`] it leaves without a word, so that the broker says `offline`.
+/// If it is dropped without [`MqttPublisher::close`], it leaves without a goodbye, so that the broker publishes `offline`.
 #[derive(Debug)]
 pub struct MqttPublisher {
     shared: Arc<Shared>,
@@ -55,7 +55,7 @@ pub struct MqttPublisher {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Of one rig.
+/// The topics of one rig.
 #[derive(Clone, Debug)]
 struct Topics {
     status: String,
@@ -83,7 +83,7 @@ struct Message {
     retained: bool,
 }
 
-/// What the two threads share.
+/// The state shared by the two threads.
 #[derive(Debug, Default)]
 struct Shared {
     queue: Mutex<Queue>,
@@ -95,18 +95,18 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Queue {
     waiting: VecDeque<Message>,
-    /// With the broker, which has not said yet that it has them; in the order in which they were sent.
+    /// Sent but unconfirmed messages, in the order of sending.
     sent: VecDeque<Message>,
-    /// The status as it is: said again whenever there is a connection, as the broker may have said `offline` meanwhile.
+    /// The current status. It is sent again with every new connection, because the broker may have published `offline` meanwhile.
     status: Option<Message>,
     delivery: Delivery,
-    /// The last word has been said.
+    /// The last message was queued.
     is_closing: bool,
-    /// The connection has ended as it should.
+    /// The connection ended properly.
     is_closed: bool,
-    /// Why there is no connection.
+    /// The reason for having no connection.
     trouble: Option<String>,
-    /// There has been one.
+    /// There was a connection.
     was_connected: bool,
 }
 
@@ -138,7 +138,7 @@ impl Shared {
 }
 
 impl MqttPublisher {
-    /// Sends to `broker` what is told of the test that is `about`. It begins at once, and goes on to try where there is no broker.
+    /// Sends to `broker` the data of the test that `about` describes. It starts at once, and keeps trying if there is no broker.
     pub fn start(broker: &Broker, about: &About) -> Self {
         let topics = Topics::of(broker.rig());
         let shared = Arc::new(Shared::default());
@@ -160,10 +160,10 @@ impl MqttPublisher {
         publisher
     }
 
-    /// Waits until there is a connection, for `most` at most; otherwise why there is none.
+    /// Waits up to `most` for a connection.
     ///
     /// # Errors
-    /// Why there is none so far, in words.
+    /// The reason why there is no connection so far, as text.
     pub fn wait_until_connected(&self, most: Duration) -> Result<(), String> {
         let queue = self
             .shared
@@ -175,8 +175,8 @@ impl MqttPublisher {
         }
     }
 
-    /// Waits until the broker has everything, for `most` at most, ends the connection as it should be ended, and says what has become of
-    /// the messages. The last will is not sent then.
+    /// Waits up to `most` until the broker has everything, ends the connection properly, and reports the fate of the messages. The
+    /// last will is not sent then.
     pub fn close(mut self, most: Duration) -> Delivery {
         self.say_health();
         self.shared.lock().is_closing = true;
@@ -191,7 +191,7 @@ impl MqttPublisher {
     fn leave(&mut self) {
         self.shared.gone.store(true, SeqCst);
         self.shared.changed.notify_all();
-        // It may be in the middle of a connection that is not coming about: the process does not wait for that.
+        // The thread may be in the middle of an attempt to connect: the process does not wait for it.
         drop(self.thread.take());
     }
 
@@ -236,7 +236,7 @@ impl Drop for MqttPublisher {
     }
 }
 
-/// Samples from look to look at the clock.
+/// Samples between two checks of the clock.
 const SAMPLES_PER_LOOK: u64 = 64;
 
 impl Listener for MqttPublisher {

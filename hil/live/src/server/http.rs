@@ -1,9 +1,9 @@
 //! One request: a file of the page, or the WebSocket.
 //!
-//! The server listens on the loopback interface alone. Still a page of another site, open in a browser on this machine, can send requests
-//! to it, or have its own name point here (DNS rebinding). So the name in `Host` has to be that of this machine, and a WebSocket is opened
-//! for this page alone: a browser says in `Origin` whose page asks. A program that is no browser sends no `Origin`, and may read along as
-//! whoever runs programs here may.
+//! The server listens on the loopback interface only. Still, a page of another site, open in a browser on this machine, can send
+//! requests to it, or have its own name point here (DNS rebinding). So `Host` has to name this machine, and the WebSocket opens
+//! only for this page: a browser states in `Origin` whose page asks. A program that is no browser sends no `Origin`, and may read
+//! along, as any program started on this machine may.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, TcpStream};
@@ -14,16 +14,16 @@ use tungstenite::handshake::derive_accept_key;
 use super::assets::ASSETS;
 use super::{Shared, viewer};
 
-/// Bytes of a request at most; it has no body.
+/// Most bytes of a request; it has no body.
 const MOST_OF_A_REQUEST: usize = 8 << 10;
-/// How long a request may take to come, and an answer to go.
+/// Time limit for receiving a request, and for sending an answer.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// How long who is sent away may take to notice.
+/// Time for a refused client to notice.
 const LINGER: Duration = Duration::from_millis(200);
-/// Where the WebSocket is.
+/// Path of the WebSocket.
 const SOCKET: &str = "/live";
 
-/// Answers the request that comes over `stream`.
+/// Answers the request on `stream`.
 pub(super) fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(PATIENCE))?;
@@ -50,7 +50,7 @@ pub(super) fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     }
 }
 
-/// What of a request counts.
+/// The relevant parts of a request.
 #[derive(Debug, Default)]
 struct Request {
     method: String,
@@ -62,7 +62,7 @@ struct Request {
     key: Option<String>,
 }
 
-/// The request's head, or nothing where it is none.
+/// The request's head, or `None` if it is invalid.
 fn read(stream: &mut TcpStream) -> io::Result<Option<Request>> {
     let deadline = Instant::now() + PATIENCE;
     let mut bytes = Vec::new();
@@ -90,7 +90,7 @@ fn read(stream: &mut TcpStream) -> io::Result<Option<Request>> {
 }
 
 impl Request {
-    /// Nothing where a header that decides something stands there twice.
+    /// `None` if a decisive header occurs twice.
     fn of(parsed: &httparse::Request<'_, '_>) -> Option<Self> {
         let path = parsed.path.unwrap_or_default();
         let mut request = Self {
@@ -116,7 +116,7 @@ impl Request {
     }
 }
 
-/// Whether `host` names this machine, at any port: a tunnel may have another one at its other end.
+/// Whether `host` names this machine, at any port: a tunnel may have another port at its other end.
 fn is_own_name(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
@@ -154,13 +154,13 @@ fn open_socket(mut stream: TcpStream, request: &Request, shared: &Shared) -> io:
 fn answer(stream: &mut TcpStream, status: &str, text: &str) -> io::Result<()> {
     let kind = "text/plain; charset=utf-8";
     respond(stream, status, kind, text.as_bytes(), &Request::default())?;
-    // Closed with something unread the answer would be lost on its way.
+    // If the connection were closed with unread data, the answer would be lost.
     stream.shutdown(Shutdown::Write)?;
     stream.set_read_timeout(Some(LINGER))?;
     stream.read(&mut [0; MOST_OF_A_REQUEST]).map(drop)
 }
 
-/// The page may load what is here, and connect to where it came from; nothing else.
+/// The page may load its own files, and connect to its own server; nothing else.
 fn respond(
     stream: &mut TcpStream,
     status: &str,

@@ -18,19 +18,19 @@ use crate::frame;
 use crate::history::{History, Limits, Seen};
 use crate::values::{About, CycleResult, Event, Listener, Sample, State};
 
-/// Buckets a second at least: with two samples or more of each, the loop of a cycle of 20 Hz is drawn by 50 points.
+/// Fewest buckets per second: with two samples or more from each, 50 points show the loop of a cycle of 20 Hz.
 const BUCKETS_PER_SECOND: f64 = 500.0;
-/// Connections at a time; who comes beyond them is sent away.
+/// Most connections at a time; further clients are refused.
 const MOST_CONNECTIONS: usize = 32;
-/// From a connection that could not be taken to the next try.
+/// Delay after a connection that could not be accepted.
 const AFTER_AN_ERROR: Duration = Duration::from_millis(50);
-/// How long a page may take to say goodbye once it was asked to.
+/// Time limit for a page to say goodbye after the server asks it to.
 const GOODBYE: Duration = Duration::from_secs(1);
 
-/// A page on the loopback interface that draws a test while it runs.
+/// A page on the loopback interface that plots a test while it runs.
 ///
-/// Telling it of a sample takes the lock of a ring for as long as a few of them are copied. How many look, and how fast they are, does not
-/// matter. It goes away when it is dropped; [`LivePage::close`] waits for the pages to get what is left first.
+/// A call with a sample holds the lock of a ring while a few samples are copied. The number of viewers and their speed do not
+/// matter. Dropping it stops the server; [`LivePage::close`] first waits until the pages have received everything.
 #[derive(Debug)]
 pub struct LivePage {
     shared: Arc<Shared>,
@@ -39,7 +39,7 @@ pub struct LivePage {
     acceptor: Option<JoinHandle<()>>,
 }
 
-/// What the threads share.
+/// The state shared by the threads.
 #[derive(Debug)]
 struct Shared {
     about: Value,
@@ -48,33 +48,33 @@ struct Shared {
     viewers: Mutex<Viewers>,
     /// A viewer has come or gone.
     changed: Condvar,
-    /// Nothing more comes: who has everything goes.
+    /// Nothing more comes: viewers that have everything leave.
     closing: AtomicBool,
-    /// Everybody goes.
+    /// All viewers leave.
     ended: AtomicBool,
 }
 
-/// Of all viewers.
+/// Statistics of all viewers.
 #[derive(Debug, Default)]
 struct Viewers {
-    /// That are there.
+    /// Present viewers.
     now: usize,
-    /// That ever came.
+    /// All viewers so far.
     ever: u64,
-    /// What those that have gone were given.
+    /// Totals of the viewers that have gone.
     gone: Seen,
 }
 
-/// A thread that panicked leaves nothing half done in what is locked here.
+/// A thread that panics leaves no half-done change in the locked data.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl LivePage {
-    /// Serves the page for the test that is `about` at `port` of 127.0.0.1; 0 lets the system choose one.
+    /// Serves the page for the test that `about` describes at `port` of 127.0.0.1; 0 lets the system choose one.
     ///
     /// # Errors
-    /// A port that is taken or not allowed, and a sample rate that is not above 0.
+    /// The port is taken or not allowed, or the sample rate is not above 0.
     pub fn start(port: u16, about: About, limits: Limits) -> Result<Self, InputError> {
         let refused = |error: std::io::Error| {
             InputError::new(
@@ -121,33 +121,33 @@ impl LivePage {
         })
     }
 
-    /// Where it is, for a browser on this machine.
+    /// Its address, for a browser on this machine.
     pub fn address(&self) -> String {
         format!("http://{}/", self.address)
     }
 
-    /// Pages that look now.
+    /// Pages that are open now.
     pub fn viewers(&self) -> usize {
         lock(&self.shared.viewers).now
     }
 
-    /// Pages that have looked so far.
+    /// Pages that were opened so far.
     pub fn viewers_so_far(&self) -> u64 {
         lock(&self.shared.viewers).ever
     }
 
-    /// Waits until a page looks, for `most` at most, and says whether one does.
+    /// Waits up to `most` until a page is open, and returns whether one is.
     pub fn wait_for_viewer(&self, most: Duration) -> bool {
         self.wait(most, |viewers| viewers.now > 0)
     }
 
-    /// Waits until the pages have everything, for `most` at most, ends the server, and says what the pages were given.
+    /// Waits up to `most` until the pages have everything, ends the server, and returns the totals of the pages.
     pub fn close(mut self, most: Duration) -> Seen {
         self.flush();
         self.shared.closing.store(true, SeqCst);
         self.wait(most, |viewers| viewers.now == 0);
         self.end();
-        // Those that were too slow for that go by themselves now.
+        // Pages that were too slow leave now.
         self.wait(GOODBYE, |viewers| viewers.now == 0);
         lock(&self.shared.viewers).gone
     }
@@ -162,7 +162,7 @@ impl LivePage {
         is_so(&viewers)
     }
 
-    /// What is left in the bucket.
+    /// The rest of the bucket.
     fn flush(&mut self) {
         let kept = self.decimator.flush();
         lock(&self.shared.history).samples(kept.samples());
@@ -171,7 +171,7 @@ impl LivePage {
     fn end(&mut self) {
         self.shared.ended.store(true, SeqCst);
         if let Some(acceptor) = self.acceptor.take() {
-            // It waits for a connection. Where none can be made it has ended already.
+            // The thread waits for a connection. If none can be made, it has already ended.
             let _ = TcpStream::connect_timeout(&self.address, Duration::from_secs(1));
             let _ = acceptor.join();
         }
@@ -208,7 +208,7 @@ impl Listener for LivePage {
     }
 }
 
-/// Tells one test from the next at the same address.
+/// Distinguishes one test from the next at the same address.
 fn run_id() -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let since = now.unwrap_or_default().as_millis();
@@ -221,7 +221,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             return;
         }
         let Ok(stream) = stream else {
-            // Too many files are open, for example: that does not pass sooner by asking at once.
+            // For example, too many files are open: immediate retries would not help.
             std::thread::sleep(AFTER_AN_ERROR);
             continue;
         };
@@ -231,7 +231,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
         }
         let shared = shared.clone();
         std::thread::spawn(move || {
-            // Who has gone is told nothing more.
+            // A viewer that has gone receives nothing more.
             let _ = http::serve(stream, &shared);
             shared.connections.fetch_sub(1, SeqCst);
         });

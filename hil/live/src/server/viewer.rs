@@ -1,7 +1,7 @@
-//! One page that looks, over its WebSocket.
+//! One open page, over its WebSocket.
 //!
-//! Its thread waits for what the page sends, which is little, for a thirtieth of a second at most; then it sends what has come since. So a
-//! page gets at most thirty parts a second, and one that takes nothing holds up its own thread alone.
+//! Its thread waits for messages from the page, which are few, for at most a thirtieth of a second; then it sends the new data. So
+//! a page receives at most thirty parts per second, and a page that stops reading delays only its own thread.
 
 use std::io::{self, ErrorKind, Write as _};
 use std::net::TcpStream;
@@ -16,12 +16,12 @@ use super::{GOODBYE, Shared, lock};
 use crate::frame;
 use crate::history::{Part, Place, Seen};
 
-/// From part to part.
+/// Time between parts.
 const BETWEEN_PARTS: Duration = Duration::from_millis(33);
-/// Bytes of what a page may send.
+/// Most bytes of a message from a page.
 const MOST_RECEIVED: usize = 1 << 10;
 
-/// Sends the page at the other end of `stream` the `answer` to its request, everything there is and everything that comes.
+/// Sends the page at the other end of `stream` the `answer` to its request, the history, and all new data.
 pub(super) fn show(stream: TcpStream, answer: &str, shared: &Shared) -> io::Result<()> {
     stream.set_read_timeout(Some(BETWEEN_PARTS))?;
     stream.set_write_timeout(Some(BETWEEN_PARTS))?;
@@ -38,7 +38,8 @@ pub(super) fn show(stream: TcpStream, answer: &str, shared: &Shared) -> io::Resu
         viewers.now += 1;
         viewers.ever += 1;
     });
-    // It counts before it has its answer: whoever has that is waited for. However it ends, it has gone.
+    // It counts before it has its answer, because the server waits for pages with an answer. However it ends, it then counts as
+    // gone.
     let _ = viewer.run(answer, shared);
     shared.change(|viewers| {
         viewers.now -= 1;
@@ -59,7 +60,7 @@ struct Viewer {
     socket: WebSocket<TcpStream>,
     place: Place,
     seen: Seen,
-    /// A part of what was sent has not gone yet; nothing more is until it has.
+    /// A part of the data is not yet sent; nothing more is sent before it is.
     is_stalled: bool,
 }
 
@@ -80,7 +81,7 @@ impl Viewer {
             }
             let (part, is_closing) = {
                 let history = lock(&shared.history);
-                // Read before the part is taken: what comes later than that is not sent.
+                // Read before the part is taken: later data are not sent.
                 let is_closing = shared.closing.load(SeqCst);
                 (history.next(&mut self.place), is_closing)
             };
@@ -96,7 +97,7 @@ impl Viewer {
         self.seen.missed += part.missed;
         self.seen.samples += part.samples.len() as u64;
         let mut messages = Vec::new();
-        // What was missed is said, even where nothing has come after it.
+        // Missed samples are reported, even if nothing follows them.
         if !part.samples.is_empty() || part.missed > 0 {
             messages.push(binary(frame::of_samples(&part.samples, self.seen.missed)));
         }
@@ -114,14 +115,14 @@ impl Viewer {
 
     fn send(&mut self, messages: Vec<Message>) -> Result<(), Error> {
         for message in messages {
-            // What does not go at once waits in the socket's buffer, which holds one part at most.
+            // Data that cannot be sent at once wait in the socket's buffer, which holds at most one part.
             goes(self.socket.write(message))?;
         }
         self.is_stalled = !goes(self.socket.flush())?;
         Ok(())
     }
 
-    /// Waits for a message; nothing that a page sends matters but that it goes.
+    /// Waits for a message. The content does not matter, only whether the page leaves.
     fn receive(&mut self) -> Result<(), Error> {
         goes(self.socket.read().map(drop)).map(drop)
     }
@@ -136,7 +137,7 @@ impl Viewer {
     }
 }
 
-/// Whether it was done. Not yet is no error.
+/// Whether it succeeded. "Not yet" is no error.
 fn goes(result: Result<(), Error>) -> Result<bool, Error> {
     match result {
         Ok(()) => Ok(true),

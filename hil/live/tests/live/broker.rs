@@ -1,4 +1,4 @@
-//! A real broker, Mosquitto, started and ended by a test. Shared by the tests that need one.
+//! A real broker, Mosquitto, started and stopped by a test. Shared by the tests that need one.
 
 use std::io::{BufRead as _, BufReader};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -10,13 +10,13 @@ use serde_json::Value;
 
 use super::common::has;
 
-/// Nothing here takes so long; a test that would hang ends.
+/// Longer than any step here, so that a hanging test ends.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Where Debian puts it, which is not on everybody's path.
+/// Debian's path, which is not in everybody's search path.
 const MOSQUITTO: &str = "/usr/sbin/mosquitto";
 
-/// A broker of its own at a free port.
+/// A separate broker at a free port.
 pub struct Mosquitto {
     process: Child,
     port: u16,
@@ -24,7 +24,7 @@ pub struct Mosquitto {
 }
 
 impl Mosquitto {
-    /// None where there is no Mosquitto on this machine.
+    /// `None` if Mosquitto is not installed.
     pub fn start(login: Option<(&str, &str)>) -> Option<Self> {
         if !has(MOSQUITTO, "mosquitto") || !has("mosquitto_sub", "mosquitto-clients") {
             return None;
@@ -46,7 +46,7 @@ impl Mosquitto {
         } else {
             text += "allow_anonymous true\n";
         }
-        // Who starts it owns its files, root included.
+        // The user who starts it owns its files, including root.
         text += "user root\n";
         let port = free_port();
         text += &format!("listener {port} 127.0.0.1\n");
@@ -63,7 +63,7 @@ impl Mosquitto {
         self.port
     }
 
-    /// Ends, and starts again at the same port without what it knew.
+    /// Stops, and starts again at the same port without its data.
     #[allow(dead_code, reason = "not every test that shares this file restarts it")]
     pub fn restart(&mut self, between: impl FnOnce()) {
         self.process.kill().unwrap();
@@ -72,7 +72,7 @@ impl Mosquitto {
         self.process = serve(self.configuration.path(), self.port);
     }
 
-    /// Hears everything under `mesh-damper`, what is retained first.
+    /// Receives everything under `mesh-damper`, retained messages first.
     pub fn subscribe(&self, login: Option<(&str, &str)>) -> Heard {
         let mut command = Command::new("mosquitto_sub");
         command
@@ -114,7 +114,7 @@ fn serve(configuration: &Path, port: u16) -> Child {
     process
 }
 
-/// What a subscriber hears.
+/// The messages of a subscriber.
 pub struct Heard {
     process: Child,
     lines: BufReader<ChildStdout>,
@@ -145,7 +145,7 @@ impl Heard {
         }
     }
 
-    /// Everything until the status is `state`, that message included.
+    /// All messages up to the status `state`, including that one.
     pub fn until(&mut self, state: &str) -> Vec<Message> {
         let mut messages = Vec::new();
         loop {

@@ -1,10 +1,11 @@
-//! What the tests share.
+//! Functions shared by the tests.
 
 use std::io::Write as _;
 use std::process::Command;
 use std::sync::Mutex;
 
-/// Whether `program` is there. Without it what needs it is left out, and a line says so; where `CI` is `true` nothing may be left out.
+/// Whether `program` is installed. Without it, the tests that need it are skipped with a message; if `CI` is `true`, no test may be
+/// skipped.
 pub fn has(program: &str, package: &str) -> bool {
     if Command::new(program).arg("--help").output().is_ok() {
         return true;
@@ -14,7 +15,7 @@ pub fn has(program: &str, package: &str) -> bool {
     static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
     let mut said = SAID.lock().unwrap();
     if !said.contains(&missing) {
-        // Past the tests' harness, which keeps what passing tests print to itself.
+        // Written past the test harness, which hides the output of passing tests.
         let written = writeln!(std::io::stderr(), "left out, {missing}");
         written.unwrap();
         said.push(missing);

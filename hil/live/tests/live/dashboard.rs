@@ -1,4 +1,4 @@
-//! The flow for Node-RED uses topics and fields that are published, and no others.
+//! The Node-RED flow uses only published topics and fields.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::mqtt::{run, start};
 
 const FLOW: &str = include_str!("../../dashboard/node-red.json");
 
-/// Fields of a message that a node reads: `payload.stiffness_kN_per_mm` and the like, or the columns of a table.
+/// Fields of a message that a node reads: for example `payload.stiffness_kN_per_mm`, or the columns of a table.
 fn fields_of(node: &Value) -> Vec<String> {
     let rules = node["rules"].as_array().into_iter().flatten();
     let read = rules
@@ -25,7 +25,7 @@ fn fields_of(node: &Value) -> Vec<String> {
     fields
 }
 
-/// The nodes behind `node`, up to those that give the message another payload.
+/// The nodes after `node`, up to those that replace the message's payload.
 fn behind<'a>(nodes: &BTreeMap<&str, &'a Value>, node: &Value, found: &mut Vec<&'a Value>) {
     for next in node["wires"].as_array().into_iter().flatten() {
         for id in next.as_array().unwrap() {
@@ -46,7 +46,7 @@ fn the_flow_reads_what_is_published() {
         .map(|node| (node["id"].as_str().unwrap(), node))
         .collect();
     assert_eq!(by_id.len(), nodes.len(), "an id stands there twice");
-    // What nodes belong to is there.
+    // The nodes that others refer to exist.
     for node in &nodes {
         for field in ["z", "broker", "group", "page", "ui", "theme"] {
             if let Some(id) = node[field].as_str()
@@ -83,7 +83,7 @@ fn the_flow_reads_what_is_published() {
         }
         heads.insert(topic);
     }
-    // It shows all that there is to hear.
+    // It shows every available topic.
     let heard: BTreeSet<String> = messages.iter().map(|m| m.topic.clone()).collect();
     assert_eq!(heads, heard);
     assert!(used > 15, "{used}");

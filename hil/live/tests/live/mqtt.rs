@@ -57,7 +57,7 @@ fn a_broker_gets_status_health_cycles_and_events() {
     let mut publisher = start(broker.port(), "/rig-7");
     publisher.wait_until_connected(PATIENCE).unwrap();
     let mut heard = broker.subscribe(None);
-    // It listens once it has what is retained.
+    // The subscriber is ready when it has the retained messages.
     heard.until("waiting");
     run(&mut publisher);
     let delivery = publisher.close(PATIENCE);
@@ -81,7 +81,7 @@ fn a_broker_gets_status_health_cycles_and_events() {
     assert_eq!(of("status").last().unwrap()["time_s"], 0.128);
     assert_eq!(of("status").last().unwrap()["about"]["title"], "a test");
 
-    // Who comes later still learns how it ended, and what was last.
+    // A later subscriber still receives the final state and the last health message.
     let mut later = broker.subscribe(None);
     let both = [later.next(), later.next()];
     assert!(both.iter().all(|message| message.retained), "{both:?}");
@@ -98,7 +98,7 @@ fn a_broker_gets_status_health_cycles_and_events() {
     assert_eq!(health["messages_dropped"], 0);
 }
 
-/// Of a process that is killed nothing comes any more; what is dropped without a word is the same to the broker.
+/// A killed process sends nothing more. For the broker, a dropped publisher looks the same.
 #[test]
 fn the_last_will_says_offline() {
     let Some(broker) = Mosquitto::start(None) else {
@@ -115,7 +115,7 @@ fn the_last_will_says_offline() {
     assert!(broker.subscribe(None).next().retained);
 }
 
-/// The broker goes and comes back in the middle: what was told meanwhile comes after all, in its order, and nobody waited for it.
+/// The broker stops and returns in the middle of a test. Messages from that time arrive later, in order, and nobody had to wait.
 #[test]
 fn what_happens_without_a_broker_is_sent_once_there_is_one() {
     let Some(mut broker) = Mosquitto::start(None) else {
@@ -145,7 +145,7 @@ fn what_happens_without_a_broker_is_sent_once_there_is_one() {
         .filter(|message| message.topic.ends_with("/cycle"))
         .map(|message| message.payload["cycle"].as_u64().unwrap())
         .collect();
-    // At least once: what the first broker had taken without a word may come again.
+    // At least once: messages that the first broker accepted without confirming may arrive again.
     assert!(cycles.is_sorted(), "{cycles:?}");
     assert_eq!(cycles.last(), Some(&99));
 }
@@ -163,7 +163,7 @@ fn without_a_broker_memory_is_bounded_and_the_end_comes() {
     }
     let delivery = publisher.close(Duration::from_millis(1));
     assert_eq!(delivery.delivered, 0);
-    // All of them, the statuses and the last health included.
+    // All of them, including the statuses and the last health message.
     assert_eq!(delivery.dropped, 20_000 + 2);
 }
 

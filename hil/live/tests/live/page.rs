@@ -1,4 +1,4 @@
-//! The page's own tests, which Node runs.
+//! The page's own tests, run by Node.
 
 use std::path::Path;
 use std::process::Command;
@@ -25,7 +25,7 @@ fn the_scripts_of_the_page_pass_their_tests() {
         .unwrap();
     let said = String::from_utf8_lossy(&tested.stdout).into_owned();
     assert!(tested.status.success(), "{said}");
-    // Older versions of Node end well where they find no test.
+    // Older versions of Node succeed even if they find no test.
     assert!(said.contains("a pause freezes what is shown"), "{said}");
     for script in files("js") {
         let checked = Command::new("node")

@@ -1,4 +1,4 @@
-//! The server as a browser and others see it.
+//! The server, tested with the requests of browsers and other clients.
 
 use std::collections::BTreeSet;
 use std::io::{Read as _, Write as _};
@@ -10,7 +10,7 @@ use serde_json::Value;
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Error, Message, WebSocket};
 
-/// Nothing here takes so long; a test that would hang ends.
+/// Longer than any step here, so that a hanging test ends.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn page(rate: f64, limits: Limits) -> (LivePage, SocketAddr) {
@@ -42,7 +42,7 @@ fn get(place: SocketAddr, path: &str) -> String {
     )
 }
 
-/// The status with which a WebSocket is refused, or the WebSocket.
+/// The status of a refused WebSocket, or the WebSocket.
 fn open(
     place: SocketAddr,
     host: &str,
@@ -68,7 +68,7 @@ fn connect(place: SocketAddr) -> WebSocket<TcpStream> {
     open(place, &host, Some(&format!("http://{host}"))).unwrap()
 }
 
-/// What came, by column.
+/// The received data, by column.
 #[derive(Default)]
 struct Received {
     samples: Vec<[f64; 4]>,
@@ -79,7 +79,7 @@ struct Received {
 }
 
 impl Received {
-    /// Everything until the server closes.
+    /// Everything until the server closes the connection.
     fn all(socket: &mut WebSocket<TcpStream>) -> Self {
         let mut received = Self::default();
         loop {
@@ -140,7 +140,7 @@ fn the_page_comes_with_all_that_it_names() {
     let html = get(place, "/");
     assert!(html.starts_with("HTTP/1.1 200 OK\r\n"), "{html}");
     assert!(html.contains("Content-Security-Policy: default-src 'none'"));
-    // Its own files, and what its scripts import.
+    // Its own files, and the imports of its scripts.
     let mut left = vec![html];
     let mut seen = BTreeSet::new();
     while let Some(text) = left.pop() {
@@ -164,7 +164,7 @@ fn the_page_comes_with_all_that_it_names() {
         }
     }
     assert!(seen.len() > 12, "{seen:?}");
-    // Every script that there is is used.
+    // Every existing script is used.
     let scripts = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/page/js")).unwrap();
     for script in scripts {
         let name = script.unwrap().file_name().into_string().unwrap();
@@ -224,7 +224,7 @@ fn only_this_page_opens_the_socket() {
     let evil = format!("evil.example:{port}");
     assert_eq!(refused(&evil, &format!("http://{evil}")), 421);
     assert_eq!(page.viewers_so_far(), 0);
-    // The page itself, through a tunnel from another port too, and a program that is no browser.
+    // The page itself, also through a tunnel from another port, and a program that is no browser.
     assert_eq!(refused(&host, &format!("http://{host}")), 101);
     assert_eq!(refused("localhost:9000", "http://localhost:9000"), 101);
     assert!(open(place, &host, None).is_ok());
@@ -259,7 +259,7 @@ fn a_page_gets_the_sine_with_its_peaks_the_cycles_and_the_end() {
 
     assert_eq!((received.missed, seen.missed), (0, 0));
     assert_eq!(received.samples.len() as u64, seen.samples);
-    // Of 20 ticks two to six are kept.
+    // Of 20 ticks, two to six are kept.
     let buckets = ticks as usize / 20;
     assert!((2 * buckets..=6 * buckets).contains(&received.samples.len()));
     assert!(
@@ -285,7 +285,7 @@ fn a_page_gets_the_sine_with_its_peaks_the_cycles_and_the_end() {
             "{most} {least}"
         );
     }
-    // Each sample is as it was: no phase has moved.
+    // Each sample is unchanged: no phase has moved.
     for [time, displacement, force, law] in &received.samples {
         let exact = sine((time * rate).round() as u64, rate);
         assert_eq!(*displacement, f64::from(exact.displacement));
@@ -331,7 +331,7 @@ fn who_comes_late_gets_what_is_kept_and_no_more() {
     assert_eq!(received.state()["cause"], "the force exceeded its limit");
 }
 
-/// A page that takes nothing for a while: the rig goes on, memory stays, and the page is told how much it has missed.
+/// A page that stops reading for a while: the rig continues, memory stays constant, and the page learns how much it has missed.
 #[test]
 fn who_is_slow_misses_samples_and_is_told_how_many() {
     let limits = Limits {
@@ -343,7 +343,7 @@ fn who_is_slow_misses_samples_and_is_told_how_many() {
     let (mut page, place) = page(rate, limits);
     let mut socket = connect(place);
     assert!(page.wait_for_viewer(PATIENCE));
-    // 32 MB: more than the buffers of a connection take. Nothing is read meanwhile.
+    // 32 MB: more than the buffers of a connection hold. Nothing is read meanwhile.
     let ticks = 2_000_000;
     (0..ticks).for_each(|tick| page.sample(&sine(tick, rate)));
     page.state(&State::Finished { time: 1.0 });

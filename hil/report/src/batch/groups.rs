@@ -9,7 +9,7 @@ use super::{BatchEffect, BatchRow, VERDICTS, outcomes, pictures, word};
 use crate::html::{figure, table};
 use crate::text;
 
-/// Most groups that have a row of their own: the largest. The others are one row.
+/// Most groups with a separate row: the largest ones. The others share one row.
 const MOST_GROUPS: usize = 40;
 
 /// Rows of one group, under its name.
@@ -19,7 +19,7 @@ pub struct Group<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// The effects that traces found: of an ambiguous one nobody knows which it is.
+    /// The effects that traces found; an ambiguous trace does not count, because its effect is not known.
     fn found(&self) -> impl Iterator<Item = &'a BatchEffect> {
         let done = self.rows.iter().filter_map(|row| row.outcome.as_ref().ok());
         done.filter(|one| one.verdict != Verdict::Ambiguous)
@@ -27,7 +27,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// The groups by name; of many the largest, and the others as one.
+/// The groups by name; if there are many, the largest, and the others combined.
 pub fn groups(rows: &[BatchRow]) -> Vec<Group<'_>> {
     let without = if rows.iter().any(|row| row.group.is_some()) {
         "without a group"
@@ -60,7 +60,7 @@ pub fn groups(rows: &[BatchRow]) -> Vec<Group<'_>> {
     all
 }
 
-/// How often each verdict was given in each group.
+/// How often each verdict occurred in each group.
 pub fn verdicts(rows: &[BatchRow]) -> Markup {
     let of = |rows: &[&BatchRow], verdict| {
         let given = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
@@ -91,7 +91,7 @@ pub fn verdicts(rows: &[BatchRow]) -> Markup {
     table("Verdicts by group", head, body)
 }
 
-/// How often each effect was found in each group, and with which parameters; nothing where none was.
+/// How often each effect was found in each group, and with which parameters; `None` if there are none.
 pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     let families: BTreeSet<&str> = outcomes(rows)
         .filter(|one| one.verdict != Verdict::Ambiguous)
@@ -178,7 +178,7 @@ fn parameters(groups: &[Group<'_>]) -> Markup {
     table("Parameters of the effects, by group", head, body)
 }
 
-/// Of values in order.
+/// For values in order.
 fn median(sorted: &[f64]) -> f64 {
     let half = sorted.len() / 2;
     0.5 * (sorted[half] + sorted[(sorted.len() - 1) / 2])

@@ -1,4 +1,4 @@
-//! One page for a batch of traces: what was found how often, and each trace with a link to its own report.
+//! One page for a batch of traces: how often each result occurred, and each trace with a link to its own report.
 
 mod groups;
 mod pictures;
@@ -17,8 +17,8 @@ use super::text;
 /// Sorting and filtering of the traces.
 const SCRIPT: &str = include_str!("../script/batch.js");
 
-/// The page as one HTML file that needs no other, of the rows in their order. The links lead to the reports of the traces. It takes
-/// about a third of a kilobyte a row.
+/// The page for the rows in their order, as one HTML file that needs no other. The links lead to the reports of the traces. It
+/// takes about a third of a kilobyte per row.
 pub fn batch_page(rows: &[BatchRow]) -> String {
     let failed: Vec<&BatchRow> = rows.iter().filter(|row| row.outcome.is_err()).collect();
     let title = match rows.len() {
@@ -49,7 +49,7 @@ pub fn batch_page(rows: &[BatchRow]) -> String {
     page(&title, first, &sections, last, &[SCRIPT])
 }
 
-/// A verdict as the page has it.
+/// A verdict in the words of the page.
 const fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Found => "found",
@@ -71,7 +71,7 @@ fn outcomes(rows: &[BatchRow]) -> impl Iterator<Item = &BatchOutcome> + Clone {
     rows.iter().filter_map(|row| row.outcome.as_ref().ok())
 }
 
-/// How often each verdict was given, those that were.
+/// How often each verdict occurred, without those that did not.
 fn counted(rows: &[BatchRow]) -> String {
     let failed = rows.len() - outcomes(rows).count();
     let verdicts = VERDICTS.map(|verdict| {
@@ -111,7 +111,7 @@ fn errors(rows: &[BatchRow]) -> Option<Section> {
     Some(Section::new("2. Errors and noise", body))
 }
 
-/// Convention, as the glossary of the reports has it: an error within this many times the noise is noise-limited.
+/// Convention, as in the glossary of the reports: an error within this multiple of the noise is noise-limited.
 const NOISE_LIMITED: f64 = 1.5;
 
 fn failures(failed: &[&BatchRow]) -> Markup {

@@ -7,21 +7,21 @@ use crate::palette::Colour;
 use crate::picture::{Axis, Dash, Dot, HALF, Layer, Look, Panel, Picture, WIDE};
 use crate::text;
 
-/// Most pictures of parameters: those of most traces.
+/// Most pictures of parameters: those with the most traces.
 const MOST_PARAMETERS: usize = 8;
 /// Steps of a straight line.
 const LINE: usize = 100;
-/// Most groups that have a line in such a picture.
+/// Most groups with a separate line in such a picture.
 const MOST_LINES: usize = 12;
 
-/// Whether a trace has a place among the errors, whose axes are logarithmic.
+/// Whether a trace can be drawn among the errors, whose axes are logarithmic.
 pub fn is_drawn(noise: f64, before: f64, after: f64) -> bool {
     [noise, before, after]
         .iter()
         .all(|value| value.is_finite() && *value > 0.0)
 }
 
-/// Errors before and after over the noise, in %; `None` where there is nothing to draw.
+/// Errors before and after over the noise, in %; `None` if there is nothing to draw.
 pub fn errors(rows: &[BatchRow]) -> Option<Picture> {
     let drawn = outcomes(rows).filter(|one| is_drawn(one.noise, one.nrmse_before, one.nrmse_after));
     let noises = drawn.clone().map(|one| 100.0 * one.noise);
@@ -36,7 +36,7 @@ pub fn errors(rows: &[BatchRow]) -> Option<Picture> {
             .collect()
     };
     let line = |name: String, factor: f64, dash| {
-        // A reading is of a point of the line.
+        // A reading refers to a point of the line.
         let noises =
             (0..=LINE).map(|i| 0.9 * low * (1.1 * high / (0.9 * low)).powf(i as f64 / LINE as f64));
         let points = noises.map(|noise| (noise, factor * noise)).collect();
@@ -78,7 +78,7 @@ pub fn errors(rows: &[BatchRow]) -> Option<Picture> {
     ))
 }
 
-/// The values of the parameters that most traces have, a line of points for each group.
+/// The values of the parameters that most traces have, with a row of points for each group.
 pub fn parameters(groups: &[Group<'_>]) -> Vec<Picture> {
     let all = estimates(groups);
     let count = |of_groups: &[Vec<_>]| of_groups.iter().map(Vec::len).sum::<usize>();
@@ -126,7 +126,7 @@ pub fn parameters(groups: &[Group<'_>]) -> Vec<Picture> {
         .collect()
 }
 
-/// A label with at most so many letters as a picture has room for.
+/// A label shortened to the space in a picture.
 fn shortened(name: &str) -> String {
     const MOST: usize = 22;
     match name.chars().count() > MOST {

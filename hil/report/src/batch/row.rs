@@ -1,4 +1,4 @@
-//! What became of one trace of a batch, as the page of the batch needs it.
+//! The outcome of one trace of a batch, as the page of the batch needs it.
 
 use std::collections::BTreeMap;
 
@@ -7,36 +7,37 @@ use mesh_damper_identify::trace::result::{Estimate, FoundEffect, TraceResult, Ve
 /// One trace of a batch: one row of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchRow {
-    /// The row's name, unique in the batch: such as the recording's path below the folder that was traced.
+    /// The row's name, unique in the batch: for example, the recording's path relative to the traced folder.
     pub id: String,
-    /// What the trace is compared with others by, such as the specimen or the rig; `None` where the list names no group.
+    /// The group in which the trace is compared with others, for example the specimen or the rig; `None` if the list names no
+    /// group.
     pub group: Option<String>,
-    /// Paths of the recordings that were fitted, as the list has them.
+    /// Paths of the fitted recordings, as in the list.
     pub recordings: Vec<String>,
-    /// Paths of the recordings that were held out; none where the trace kept cycles of `recordings` apart.
+    /// Paths of the held-out recordings; empty if the trace held out cycles of `recordings`.
     pub held_out: Vec<String>,
-    /// Elapsed time of the trace, s; ≥ 0. Of a row that was done earlier, the time that it took then.
+    /// Duration of the trace, s; ≥ 0. For a row from an earlier run, its duration then.
     pub seconds: f64,
-    /// What was found; or why the trace could not be made, in one line as the command prints it.
+    /// The result, or the error of a failed trace in one line, as the command prints it.
     pub outcome: Result<BatchOutcome, String>,
 }
 
-/// What a trace of a batch found. Errors are NRMSEs on what was never fitted: parts of the force's RMS, ≥ 0.
+/// The result of a trace of a batch. Errors are NRMSEs on held-out samples: fractions of the force's RMS, ≥ 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchOutcome {
-    /// What was concluded.
+    /// The conclusion.
     pub verdict: Verdict,
-    /// The effects found; of [`Verdict::Ambiguous`] those that the data cannot tell apart.
+    /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot distinguish.
     pub effects: Vec<BatchEffect>,
-    /// Whether the model holds what was found.
+    /// Whether the model contains the effects found.
     pub adopted: bool,
     /// Error of the law alone.
     pub nrmse_before: f64,
-    /// Error of the law in the model, with what was found where that was adopted.
+    /// Error of the law in the model, which contains the effects found if they were adopted.
     pub nrmse_after: f64,
-    /// The noise of the measured force, as part of its RMS.
+    /// The noise of the measured force, as a fraction of its RMS.
     pub noise: f64,
-    /// The trace's own report: an address relative to the page, with `/` between folders; `None` where none was written.
+    /// The trace's own report: an address relative to the page, with `/` between folders; `None` if none was written.
     pub report: Option<String>,
 }
 
@@ -50,7 +51,7 @@ pub struct BatchEffect {
 }
 
 impl BatchOutcome {
-    /// What `result` says, with the address of its report relative to the page.
+    /// The data of `result`, with the address of its report relative to the page.
     pub fn of(result: &TraceResult, report: Option<String>) -> Self {
         Self {
             verdict: result.verdict,

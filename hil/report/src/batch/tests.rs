@@ -4,7 +4,7 @@ use mesh_damper_identify::trace::result::Estimate;
 
 use super::*;
 
-/// Rows of three groups: every fifth failed, the others by turns with each verdict.
+/// Rows of three groups: every fifth failed, the others have each verdict in turn.
 fn rows(count: usize) -> Vec<BatchRow> {
     let estimate = |value: f64, unit: &str| Estimate {
         value,
@@ -80,7 +80,7 @@ fn every_row_is_there_once_and_counted() {
     ] {
         assert!(page.contains(said), "{said}");
     }
-    // A point before and one after to each trace.
+    // One point before and one after for each trace.
     let rows = page.matches("data-rows=\"tr[data-drawn]\"").count();
     assert_eq!(rows, 2);
 }
@@ -90,7 +90,7 @@ fn thousands_of_rows_are_a_page_that_opens() {
     let few = batch_page(&rows(1000)).len();
     let many = batch_page(&rows(5000)).len();
     assert!(many < 2_000_000, "{many}");
-    // What a row takes does not grow with their number.
+    // The size per row does not depend on the number of rows.
     let each = (many - few) / 4000;
     assert!(each < 400, "{each}");
 }
@@ -133,7 +133,7 @@ fn many_groups_are_a_table_of_the_largest() {
     assert_eq!(sum, 300);
 }
 
-/// Of an even number of traces the median lies between two; an ambiguous one has no say.
+/// For an even number of traces the median lies between two; an ambiguous one does not count.
 #[test]
 fn the_median_is_that_of_what_was_found() {
     let mut all = rows(8);
@@ -164,6 +164,6 @@ fn the_median_is_that_of_what_was_found() {
     let page = batch_page(&all);
     let cells = "<td>2</td><td>2.50</td><td>1.00</td><td>4.00</td><td>0.250</td>";
     assert!(page.contains(cells), "{page}");
-    // Nothing is said of groups where there are none.
+    // Without groups, the page does not mention them.
     assert!(!page.contains("without a group"));
 }

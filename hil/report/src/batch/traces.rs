@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::{BatchOutcome, BatchRow, VERDICTS, pictures, word};
 use crate::text;
 
-/// Every trace that was made; nothing where none was.
+/// Every trace that was made; `None` if there is none.
 pub fn table(rows: &[BatchRow]) -> Option<Markup> {
     let done = rows.iter();
     let done = done.filter_map(|row| Some((row, row.outcome.as_ref().ok()?)));
@@ -25,7 +25,7 @@ pub fn table(rows: &[BatchRow]) -> Option<Markup> {
         }
     };
     let groups: Vec<&str> = groups.into_iter().collect();
-    // None of one that has no groups.
+    // No column if there are no groups.
     let column = (!groups.is_empty()).then_some("group");
     let columns = ["trace"].into_iter().chain(column);
     let others = [

@@ -1,4 +1,4 @@
-//! Per-cycle and per-block results of the recordings: measured, and of the law before and after.
+//! Results of the recordings per cycle and per block: measured, and for the law before and after.
 
 use std::ops::Range;
 
@@ -8,14 +8,14 @@ use mesh_damper_recording::extremes::least_and_largest;
 
 use crate::{Series, SeriesBlock};
 
-/// Whose force.
+/// The source of a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
-    /// The recording's.
+    /// The recording.
     Measured,
-    /// The law's alone.
+    /// The law alone.
     Before,
-    /// The law's with what was found.
+    /// The law with the effects found.
     After,
 }
 
@@ -31,7 +31,7 @@ impl Of {
     }
 }
 
-/// What a cycle comes to by each of the three forces, in the order of [`Of::ALL`].
+/// The figures of a cycle for each of the three forces, in the order of [`Of::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleFigures {
     /// Storage and loss stiffness.
@@ -41,7 +41,7 @@ pub struct CycleFigures {
 }
 
 impl CycleFigures {
-    /// `None` of a cycle in which a sample was not measured, or which is too short.
+    /// `None` for a cycle with an unmeasured sample, or a cycle that is too short.
     fn of(series: &Series, cycle: &Range<usize>, length: f64) -> Option<Self> {
         let measured = series.measured.get(cycle.clone())?;
         if !measured.iter().all(|&measured| measured) {
@@ -63,16 +63,16 @@ impl CycleFigures {
     }
 }
 
-/// A block of at least two cycles alike.
+/// A block of at least two similar cycles.
 pub struct BlockFigures<'a> {
     pub series: &'a Series,
     pub block: &'a SeriesBlock,
-    /// In the order of its cycles; `None` where a cycle has no figures.
+    /// In the order of its cycles; `None` for a cycle without figures.
     pub cycles: Vec<Option<CycleFigures>>,
 }
 
 impl<'a> BlockFigures<'a> {
-    /// Every block with figures. A single cycle is the way from block to block, or one of a motion that does not repeat.
+    /// Every block with figures. A single cycle is a transition between blocks, or belongs to a motion that does not repeat.
     pub fn all(series: &'a [Series]) -> Vec<Self> {
         let blocks = series
             .iter()
@@ -98,13 +98,13 @@ impl<'a> BlockFigures<'a> {
             .collect()
     }
 
-    /// The median of a figure over its cycles, which one cycle of a ramp does not move.
+    /// The median of a figure over its cycles, which a single cycle of a ramp does not move.
     pub fn median(&self, figure: impl Fn(&CycleFigures) -> f64) -> f64 {
         median(self.cycles.iter().flatten().map(figure)).unwrap_or(f64::NAN)
     }
 }
 
-/// A cycle whose amplitude is like neither neighbour's is the way to the block or from it, and has no figures.
+/// A cycle whose amplitude resembles neither neighbour's is a transition to or from the block, and has no figures.
 fn without_ramps(cycles: &[Option<CycleFigures>]) -> Vec<Option<CycleFigures>> {
     let amplitude = |index: usize| Some(cycles.get(index)?.as_ref()?.stiffness[0].amplitude);
     let is_steady = |index: usize| {
@@ -119,11 +119,11 @@ fn without_ramps(cycles: &[Option<CycleFigures>]) -> Vec<Option<CycleFigures>> {
 
 /// The mean of the force on the way up and on the way down over displacement, at `count` displacements of one loop: (mm, kN).
 ///
-/// `None` where the loop has too few samples on either way.
+/// `None` if the loop has too few samples in either direction.
 pub fn middle_line(displacement: &[f64], force: &[f64], count: usize) -> Option<Vec<(f64, f64)>> {
     let (low, high) = least_and_largest(displacement);
     let bottom = displacement.iter().position(|&y| y == low)?;
-    // From the lowest point on: up, and down again.
+    // From the lowest point up, and down again.
     let rolled: Vec<(f64, f64)> = (0..displacement.len())
         .map(|i| (bottom + i) % displacement.len())
         .map(|i| (displacement[i], force[i]))
@@ -134,7 +134,7 @@ pub fn middle_line(displacement: &[f64], force: &[f64], count: usize) -> Option<
     if up.len() < 4 || down.len() < 4 {
         return None;
     }
-    // Noise may turn a branch back for a sample or two.
+    // Noise may reverse a branch for a sample or two.
     let sorted = |mut branch: Vec<(f64, f64)>| {
         branch.sort_by(|a, b| a.0.total_cmp(&b.0));
         branch
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
 
-    /// Six cycles of 100 samples: a spring of 2 kN/mm with a dashpot, before without and after with friction of 0.1 kN.
+    /// Six cycles of 100 samples: a spring of 2 kN/mm with a dashpot; `before` lacks, and `after` includes, friction of 0.1 kN.
     fn series() -> Series {
         let phase = |i: usize| (TAU * i as f64 / 100.0).sin_cos();
         let over = |force: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! What blocks of cycles come to: backbone, storage and loss stiffness, loss factor, and the loops beside each other.
+//! Results of blocks of cycles: backbone, storage and loss stiffness, loss factor, and the loops next to each other.
 
 mod figures;
 mod pictures;
@@ -12,10 +12,10 @@ use super::picture::{self, Picture};
 use super::{ReportData, text};
 use figures::BlockFigures;
 
-/// Most blocks in the table: more are in the pictures alone.
+/// Most blocks in the table: further blocks are only in the pictures.
 const MOST_ROWS: usize = 60;
 
-/// The section; where no cycle is followed by one like it, it says why there is nothing in it.
+/// The section. If no cycle resembles the next one, it gives the reason for being empty.
 pub fn section(data: &ReportData) -> Section {
     let blocks = BlockFigures::all(&data.series);
     let body = if blocks.is_empty() {

@@ -13,7 +13,7 @@ use crate::text;
 
 /// Points of a middle line.
 const LINE: usize = 120;
-/// How the levels of the other condition are told apart. With more levels they are not: all points are drawn alike.
+/// How the levels of the other condition are distinguished. With more levels, all points look alike.
 const LEVELS: [(Colour, Mark, Dash); 5] = [
     (Colour::After, Mark::Disc, Dash::Solid),
     (Colour::Before, Mark::Square, Dash::Long),
@@ -22,7 +22,7 @@ const LEVELS: [(Colour, Mark, Dash); 5] = [
     (Colour::Yellow, Mark::Ring, Dash::Dotted),
 ];
 
-/// What the two pictures of [`backbones`] are.
+/// The contents of the two pictures of [`backbones`].
 pub const BACKBONES: [&str; 2] = [
     "half of the force's range over the amplitude, block by block",
     "mean of the force on the way up and on the way down, largest block",
@@ -84,7 +84,7 @@ pub fn backbones(blocks: &[BlockFigures<'_>]) -> [Picture; 2] {
     ]
 }
 
-/// K′, K″ and η over amplitude, a curve for each frequency; `None` where there is one amplitude alone.
+/// K′, K″ and η over amplitude, with a curve for each frequency; `None` if there is only one amplitude.
 pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     over(
         blocks,
@@ -95,7 +95,7 @@ pub fn over_amplitude(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     )
 }
 
-/// The same over frequency, a curve for each amplitude; `None` where there is one frequency alone.
+/// The same over frequency, with a curve for each amplitude; `None` if there is only one frequency.
 pub fn over_frequency(blocks: &[BlockFigures<'_>]) -> Option<Vec<Picture>> {
     over(
         blocks,
@@ -117,7 +117,7 @@ fn frequency(block: &BlockFigures<'_>) -> f64 {
 type Condition = fn(&BlockFigures<'_>) -> f64;
 type Figure = fn(&CycleFigures, usize) -> f64;
 
-/// Name, unit and value of the figures that are drawn.
+/// Name, unit and value of the figures in the pictures.
 const FIGURES: [(&str, &str, Figure); 3] = [
     ("storage stiffness K′", "kN/mm", |one, of| {
         one.stiffness[of].storage
@@ -169,7 +169,7 @@ fn over(
             ));
         }
         if levels.is_empty() {
-            // Of many levels no line joins what belongs together.
+            // With many levels no line joins the points of a level.
             layers.push(Layer::new(
                 "law after",
                 Colour::After,
@@ -187,7 +187,7 @@ fn over(
         let ends = blocks.iter().map(at);
         let panel = Panel {
             title: String::new(),
-            // Steps of a test over a decade are even in the logarithm.
+            // The steps of a test over a decade are even in the logarithm.
             x: if is_wide(ends) {
                 axis.logarithmic()
             } else {
@@ -201,13 +201,13 @@ fn over(
     Some(pictures.into())
 }
 
-/// Whether the largest is ten times the least or more.
+/// Whether the largest is at least ten times the smallest.
 fn is_wide(values: impl Iterator<Item = f64> + Clone) -> bool {
     let least = values.clone().fold(f64::INFINITY, f64::min);
     least > 0.0 && values.fold(0.0, f64::max) >= 10.0 * least
 }
 
-/// The levels of a condition in order: of blocks alike in it the median.
+/// The levels of a condition in order; for similar blocks the median.
 fn levels(blocks: &[BlockFigures<'_>], of: Condition) -> Vec<f64> {
     let mut values: Vec<f64> = blocks.iter().map(of).collect();
     values.sort_by(f64::total_cmp);
@@ -224,7 +224,7 @@ fn levels(blocks: &[BlockFigures<'_>], of: Condition) -> Vec<f64> {
         .collect()
 }
 
-/// Points in order of x; those of one x become one, their mean.
+/// Points in order of x; points with the same x become one, their mean.
 fn in_order(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let groups = points.chunk_by(|a, b| (a.0 - b.0).abs() <= 0.01 * a.0.abs());
@@ -271,7 +271,7 @@ fn numbered(blocks: impl Iterator<Item = impl Iterator<Item = f64>>) -> Vec<(f64
         }
         points.push((cycle + 0.5, f64::NAN));
     }
-    // A gap would be lost in an envelope, and is not seen among thousands of cycles.
+    // An envelope would hide a gap, which is invisible among thousands of cycles anyway.
     if points.len() > 2 * TIME_COLUMNS {
         points.retain(|(_, value)| value.is_finite());
         points = envelope(&points, TIME_COLUMNS);
@@ -287,7 +287,7 @@ fn layer_over_cycles(of: Of, points: Vec<(f64, f64)>) -> Layer {
     }
 }
 
-/// The samples of a loop that are drawn, closed.
+/// The samples of a loop for drawing, closed.
 pub fn loop_points(
     block: &BlockFigures<'_>,
     cycle: std::ops::Range<usize>,

@@ -1,4 +1,4 @@
-//! Loops one above another: by condition, or by cycle where there is one condition alone.
+//! Loops one above another: by condition, or by cycle if there is only one condition.
 
 use std::ops::Range;
 
@@ -14,12 +14,12 @@ use crate::text;
 const MOST: usize = 14;
 /// Points of one loop.
 const POINTS: usize = 160;
-/// Height of the picture for each loop, and beside them, px.
+/// Height of the picture for each loop, and in addition to them, px.
 const HEIGHT: (u32, u32) = (52, 130);
-/// A loop is raised above the one before by this part of the largest range of force.
+/// Each loop is raised above the previous one by this fraction of the largest range of force.
 const RAISED: f64 = 0.55;
 
-/// The picture, and what it shows.
+/// The picture, and its contents.
 pub struct Waterfall {
     pub picture: Picture,
     pub caption: String,
@@ -32,7 +32,7 @@ struct Row<'a, 'b> {
     cycle: Range<usize>,
 }
 
-/// Measured loops with the law's, from the slowest and smallest below to the fastest and largest above.
+/// Measured loops with the law's, from the slowest and smallest at the bottom to the fastest and largest at the top.
 pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
     let (rows, by) = match blocks {
         [one] => (by_cycle(one), "by cycle, the first below"),
@@ -89,7 +89,7 @@ fn by_condition<'a, 'b>(blocks: &'a [BlockFigures<'b>]) -> Vec<Row<'a, 'b>> {
     let mut order: Vec<&BlockFigures<'_>> = blocks.iter().collect();
     order.sort_by(|a, b| {
         let key = |one: &BlockFigures<'_>| {
-            // Frequencies that are set alike are measured a little apart.
+            // Measured frequencies differ slightly even if the settings are equal.
             let octave = (one.block.frequency.log2() * 12.0).round();
             (octave, one.block.amplitude)
         };
@@ -119,7 +119,7 @@ fn by_cycle<'a, 'b>(block: &'a BlockFigures<'b>) -> Vec<Row<'a, 'b>> {
     rows.collect()
 }
 
-/// At most [`MOST`] of so many, evenly spread, the first and the last among them.
+/// At most [`MOST`] of this many, evenly spread, including the first and the last.
 fn spread(count: usize) -> impl Iterator<Item = usize> {
     let chosen = count.min(MOST);
     (0..chosen).map(move |i| match chosen {

@@ -1,4 +1,4 @@
-//! What the finite elements depend on, in the report.
+//! The dependence of the finite elements on their assumptions, in the report.
 
 use maud::{Markup, html};
 use mesh_damper_reference::tables::DENSITIES;

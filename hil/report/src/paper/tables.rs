@@ -7,7 +7,7 @@ use mesh_damper_studies::paper::{Paper, SurfaceErrors};
 use crate::html::table;
 use crate::text;
 
-/// Cells that are told, of those that stand farthest from the others.
+/// Number of listed cells, those farthest from the others.
 const FARTHEST: usize = 12;
 
 /// Error of every set of surfaces in every cell.
@@ -55,7 +55,7 @@ fn errors(one: &SurfaceErrors) -> Markup {
     }
 }
 
-/// A column for each density, after one of this name.
+/// One column per density, after a column of this name.
 fn head(first: &str) -> Markup {
     html! { tr {
         th scope="col" { (first) }
@@ -63,7 +63,7 @@ fn head(first: &str) -> Markup {
     } }
 }
 
-/// What the surfaces were fitted to, and which cells stand apart.
+/// The basis of the fit of the surfaces, and the cells that stand apart.
 pub fn misprints(paper: &Paper) -> Markup {
     html! {
         p {

@@ -1,4 +1,4 @@
-//! An axis: what it shows, from where to where, and the ticks at which numbers stand.
+//! An axis: its quantity, its range, and its numbered ticks.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use mesh_damper_recording::extremes::least_and_largest;
 
 use crate::text;
 
-/// How values lie along an axis.
+/// The spacing of values along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -18,7 +18,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// Where a value lies.
+    /// The place of a value.
     pub fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
@@ -40,20 +40,20 @@ impl Scale {
 /// One axis of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it shows, such as `displacement`.
+    /// Its quantity, for example `displacement`.
     pub name: String,
     /// The unit; empty for a pure number.
     pub unit: String,
-    /// How values lie along it.
+    /// The spacing of values along it.
     pub scale: Scale,
-    /// The values at its ends; `None` for those of the curves, with room about them.
+    /// The values at its ends; `None` for those of the curves with a margin.
     pub range: Option<Range<f64>>,
-    /// Labels at given places in place of numbers.
+    /// Labels at given places instead of numbers.
     pub labels: Option<Vec<(f64, String)>>,
 }
 
 impl Axis {
-    /// A linear axis about the curves.
+    /// A linear axis around the curves.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -64,7 +64,7 @@ impl Axis {
         }
     }
 
-    /// The same with the values by their logarithm.
+    /// The same axis with a logarithmic scale.
     pub fn logarithmic(self) -> Self {
         Self {
             scale: Scale::Logarithmic,
@@ -72,7 +72,7 @@ impl Axis {
         }
     }
 
-    /// The same from one value to another.
+    /// The same axis over a given range.
     pub fn over(self, range: Range<f64>) -> Self {
         Self {
             range: Some(range),
@@ -120,7 +120,7 @@ impl Axis {
     }
 }
 
-/// The range of `values` with room about it; never empty.
+/// The range of `values` with a margin; never empty.
 pub fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = least_and_largest(values.filter(|value| value.is_finite()));
     if low > high {
@@ -130,9 +130,9 @@ pub fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     low - room..high + room
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten, at most `most`, with the decimals that tell them apart.
+/// Multiples of 1, 2 or 5 times a power of ten, at most `most`, with the decimals that distinguish them.
 ///
-/// Of steps of tens and more the decimals are below 0.
+/// For steps of tens and more the decimals are below 0.
 fn even(ends: &Range<f64>, most: usize) -> Vec<(f64, i32)> {
     let span = ends.end - ends.start;
     if span.is_nan() || span <= 0.0 {
@@ -155,7 +155,7 @@ fn even(ends: &Range<f64>, most: usize) -> Vec<(f64, i32)> {
         .collect()
 }
 
-/// 1, 2 and 5 of each decade, or fewer where there are many; plain numbers within less than a decade.
+/// 1, 2 and 5 of each decade, or fewer if there are many; plain numbers within less than a decade.
 fn of_decades(ends: &Range<f64>, most: usize) -> Vec<(f64, String)> {
     let span = ends.end - ends.start;
     if span < 1.0 {
@@ -187,10 +187,11 @@ fn of_decades(ends: &Range<f64>, most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// A tick's number: plain, unless that takes too many digits; with an exponent, with those that tell it from the next.
+/// A tick's number: plain, unless that takes too many digits. With an exponent, it has the digits that distinguish it from the
+/// next.
 fn written(value: f64, decimals: i32) -> String {
     let magnitude = value.abs().log10().floor();
-    // What lies nearer to 0 than a step is 0.
+    // A value closer to 0 than a step is 0.
     if value == 0.0 || magnitude < f64::from(-decimals) - 1.0 {
         return "0".into();
     }
@@ -233,7 +234,7 @@ mod tests {
             labels(&axis, 0.0013..0.0031, 4),
             ["0.0015", "0.0020", "0.0025", "0.0030"]
         );
-        // A narrow range far from 0 takes all the decimals that tell its ticks apart.
+        // A narrow range far from 0 takes all the decimals that distinguish its ticks.
         assert_eq!(
             labels(&axis, 0.029_98..0.030_02, 3),
             ["0.02998", "0.03000", "0.03002"]
@@ -257,7 +258,7 @@ mod tests {
         assert_eq!(labels(&axis, 0.9..1100.0, 4), ["1", "10", "100", "1000"]);
         // Within a decade.
         assert_eq!(labels(&axis, 1.9..4.1, 3), ["2", "3", "4"]);
-        // Nine lies too near to ten.
+        // Nine is too close to ten.
         assert_eq!(labels(&axis, 1.2..11.0, 8), ["2", "4", "6", "8", "10"]);
         assert!(labels(&axis, 1e-9..1e9, 4).len() <= 5);
     }

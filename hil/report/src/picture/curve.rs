@@ -1,16 +1,16 @@
-//! The points of a curve, as few and as short as a picture needs.
+//! The points of a curve, reduced and shortened to the needs of a picture.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 
-/// Units of a curve's points in a pixel of the page: whole numbers of them are short, and finer than what is seen.
+/// Units of a curve's points per pixel of the page: whole numbers of them are short, and finer than visible.
 pub const FINE: f64 = 20.0;
 /// Most points of one loop.
 pub const CURVE_POINTS: usize = 400;
-/// Columns into which a long time is gathered, each with its least and largest value: more than there are pixels, for whoever zooms.
+/// Columns into which a long time is divided, each with its smallest and largest value: more than there are pixels, for zooming in.
 pub const TIME_COLUMNS: usize = 2000;
 
-/// At most `most` of the samples, evenly spread, the last one among them.
+/// At most `most` of the samples, evenly spread, including the last one.
 pub fn thinned(samples: Range<usize>, most: usize) -> Vec<usize> {
     let (start, count) = (samples.start, samples.len());
     if count <= most {
@@ -21,7 +21,7 @@ pub fn thinned(samples: Range<usize>, most: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Points in order of x, gathered into columns of which the least and the largest value remain.
+/// Points in order of x, divided into columns, of which the smallest and the largest value remain.
 pub fn envelope(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
     let size = points.len().div_ceil(columns).max(1);
     if size <= 2 {
@@ -39,7 +39,7 @@ pub fn envelope(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// A path along `points` in px: steps in whole units of 1/[`FINE`] px. It breaks where a point is not finite.
+/// A path along `points` in px: steps in whole units of 1/[`FINE`] px. It is interrupted where a point is not finite.
 pub fn path(points: impl Iterator<Item = (f64, f64)>) -> String {
     let mut path = String::new();
     let mut last = (0, 0);
@@ -80,14 +80,14 @@ pub fn dots(points: impl Iterator<Item = (f64, f64)>) -> String {
     path
 }
 
-/// A number, apart from one before it: a sign parts them as well.
+/// A number, separated from the previous one; a sign also separates.
 fn step(path: &mut String, value: i64, parted: bool) {
     let separator = if parted && value >= 0 { "," } else { "" };
     // Writing into a string does not fail.
     let _ = write!(path, "{separator}{value}");
 }
 
-/// Far beyond the picture a point is cut off all the same.
+/// A point far outside the picture is cut off anyway.
 fn fine(x: f64, y: f64) -> (i64, i64) {
     [x, y]
         .map(|value| (FINE * value.clamp(-1e5, 1e5)).round() as i64)
@@ -127,7 +127,7 @@ mod tests {
             "M20,40h0m10-20h0m50,60h0m0,20h0m-20,0h0"
         );
         assert_eq!(path(std::iter::empty()), "");
-        // Rounding does not add up: 0.03 px is less than a unit.
+        // Rounding errors do not add up: 0.03 px is less than a unit.
         let many = path((0..=1000).map(|i| (0.03 * f64::from(i), 0.0)));
         let steps = many.trim_start_matches("M0,0l").split(',');
         let sum: i64 = steps.step_by(2).map(|x| x.parse::<i64>().unwrap()).sum();

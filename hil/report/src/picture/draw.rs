@@ -1,7 +1,7 @@
 //! A picture as SVG.
 //!
-//! The curves of a panel lie in an inner `svg` of its own coordinates, which cuts them off at the axes: who changes its `viewBox` zooms.
-//! `data-` attributes say which values its edges are. Nothing in the file needs a script.
+//! The curves of a panel are in an inner `svg` with its own coordinates, which cuts them off at the axes: a change of its `viewBox`
+//! zooms. `data-` attributes give the values at its edges. Nothing in the file needs a script.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -11,12 +11,12 @@ use super::shapes::drawn;
 use super::{Axis, Panel, Picture, legend};
 use crate::palette::{self, Colour};
 
-/// Width of a letter of a number, in heights of the font.
+/// Width of a digit, in heights of the font.
 const DIGIT: f64 = 0.57;
-/// Width of a letter of a text, about.
+/// Approximate width of a letter.
 pub const LETTER: f64 = 0.58;
 
-/// What is written so far.
+/// The text written so far.
 #[derive(Default)]
 pub struct Sheet(pub String);
 
@@ -30,7 +30,7 @@ impl Sheet {
         let _ = self.0.write_fmt(written);
     }
 
-    /// A line of text about the height `y`, from, about or up to `x`.
+    /// A line of text at the height `y`, starting at, centred on or ending at `x`.
     pub fn text(&mut self, (x, y): (f64, f64), anchor: &str, text: &str) {
         self.put(format_args!(
             "<text x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"{anchor}\">{}</text>",
@@ -85,7 +85,7 @@ pub fn svg(picture: &Picture, alone: bool) -> String {
     sheet.0
 }
 
-/// Where a panel's curves lie, px, and between which places.
+/// The place of a panel's curves, px, and the range that it covers.
 struct Frame {
     left: f64,
     top: f64,
@@ -96,7 +96,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// Where a place of the axes lies within the frame, px.
+    /// The position of a place of the axes within the frame, px.
     fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (
             (x - self.x.start) / (self.x.end - self.x.start) * self.width,
@@ -124,7 +124,7 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
         x,
         y,
     };
-    // Labels stand apart by half of their width.
+    // Labels are separated by half of their width.
     let most = |label: f64| (frame.width / (font * DIGIT * 1.6 * label)).max(2.0) as usize;
     let tried = panel.x.ticks(&frame.x, most(4.0));
     let longest = tried.iter().map(|(_, label)| label.chars().count()).max();
@@ -189,7 +189,7 @@ fn panel(sheet: &mut Sheet, panel: &Panel, corner: (f64, f64), size: (f64, f64),
     ));
 }
 
-/// Grid, ticks and their numbers: what a zoom writes again.
+/// Grid, ticks and their numbers: a zoom writes them again.
 fn ticks(sheet: &mut Sheet, frame: &Frame, x: &[(f64, String)], y: &[(f64, String)], font: f64) {
     let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
     let mut grid = String::new();
@@ -222,7 +222,7 @@ fn ticks(sheet: &mut Sheet, frame: &Frame, x: &[(f64, String)], y: &[(f64, Strin
     ));
 }
 
-/// `displacement|mm|lin|-0.2|0.2`: the last two are places, which a logarithmic axis has the logarithms of.
+/// `displacement|mm|lin|-0.2|0.2`: the last two are places; for a logarithmic axis they are logarithms.
 fn axis_data(axis: &Axis, ends: &Range<f64>) -> String {
     let scale = match axis.labels {
         Some(_) => "names",
@@ -244,7 +244,7 @@ pub fn short(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-/// A number with the digits that a reading of a picture can have.
+/// A number with as many digits as can be read off a picture.
 pub fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.7e}").parse().unwrap_or(value);
     rounded.to_string()

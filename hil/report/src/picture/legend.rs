@@ -1,4 +1,4 @@
-//! Names of curves beside a sample of each: in a page, or in a picture of its own.
+//! Names of curves with a sample of each: in a page, or in a separate picture.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -9,8 +9,8 @@ use super::{Layer, Picture};
 /// Width of a sample of a curve, px.
 const SAMPLE: f64 = 30.0;
 
-/// The names of the curves of `pictures`, each beside a sample of it; a name may be said in other words in `said`. With a script an entry
-/// shows and hides the curves of its name in the section that it is in.
+/// The names of the curves of `pictures`, each with a sample of it; `said` may give other words for a name. With a script, an entry
+/// shows and hides the curves of its name in its section.
 pub fn key<'a>(pictures: impl IntoIterator<Item = &'a Picture>, said: &[(&str, String)]) -> Markup {
     let mut entries: Vec<Vec<&Layer>> = Vec::new();
     for named in pictures.into_iter().flat_map(Picture::named) {
@@ -37,7 +37,7 @@ pub fn key<'a>(pictures: impl IntoIterator<Item = &'a Picture>, said: &[(&str, S
     }
 }
 
-/// A piece of the layers of a name.
+/// A sample of the layers of a name.
 fn sample(layers: &[&Layer]) -> String {
     let mut sheet = Sheet::default();
     for layer in layers {

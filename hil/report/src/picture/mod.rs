@@ -1,8 +1,8 @@
-//! Pictures of curves: what is to be seen in them, as SVG and in words.
+//! Pictures of curves: their contents, as SVG and in words.
 //!
-//! A picture is described, not drawn: panels with axes, and layers of points over them. So all have the same grid, the same legend, a
-//! title and a description for who does not see them, colours for light and for dark, and what a script needs to zoom and to read
-//! values.
+//! The code describes a picture and does not draw it: panels with axes, and layers of points over them. So all pictures have the
+//! same grid and legend, a title and a description for readers who do not see them, colours for light and dark screens, and the
+//! data that a script needs to zoom and to read values.
 
 mod axis;
 mod curve;
@@ -20,7 +20,7 @@ use crate::palette::Colour;
 /// A picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// What it is of, in a few words: its name for a screen reader.
+    /// Its subject in a few words: its name for a screen reader.
     pub title: String,
     /// Width and height, px.
     pub size: (u32, u32),
@@ -32,10 +32,10 @@ pub struct Picture {
     pub panels: Vec<Panel>,
 }
 
-/// One pair of axes with what lies over them.
+/// One pair of axes with its layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Above it; may be empty.
+    /// Text above it; may be empty.
     pub title: String,
     /// To the right.
     pub x: Axis,
@@ -48,7 +48,7 @@ pub struct Panel {
 /// Points that belong together. A point that is not finite interrupts a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// As the legend has it; layers of one name are shown and hidden together. Empty for what needs no name.
+    /// Its name in the legend; layers with the same name are shown and hidden together. Empty if it needs no name.
     pub name: String,
     /// Its colour.
     pub colour: Colour,
@@ -56,20 +56,20 @@ pub struct Layer {
     pub look: Look,
     /// In order; x and y in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// The rows of a table in the page that the points are of, as a selector of a style sheet; empty where they are of none.
+    /// The rows of a table in the page that the points belong to, as a CSS selector; empty if there are none.
     pub rows: &'static str,
-    /// What was added to all y to part layers that would cover each other: a reading of the picture is less it.
+    /// Offset added to all y to separate layers that would cover each other; a reading of the picture subtracts it.
     pub raised: f64,
 }
 
-/// How a layer is drawn. No two layers of a panel differ by their colour alone.
+/// The look of a layer. No two layers of a panel differ by their colour alone.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Look {
     /// A line.
     Line(Dash),
     /// A thin line, of many points.
     Fine,
-    /// A broad line beneath the others, for what was measured.
+    /// A broad line beneath the others, for measurements.
     Broad,
     /// Marks alone.
     Marks(Mark),
@@ -97,20 +97,20 @@ pub enum Dot {
 /// A map of equal cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// Row by row from the lowest; NaN where there is no cell.
+    /// Row by row from the lowest; NaN for an absent cell.
     pub values: Vec<f64>,
-    /// To a row.
+    /// Cells in a row.
     pub columns: usize,
-    /// The value at which a cell is fully red, and less which it is fully blue; > 0.
+    /// The value of a fully red cell; its negative is fully blue. > 0.
     pub scale: f64,
     /// Of the values.
     pub unit: &'static str,
 }
 
-/// How a line is broken.
+/// The pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// Unbroken.
     Solid,
     /// Long dashes.
     Long,
@@ -169,29 +169,29 @@ impl Picture {
         }
     }
 
-    /// The SVG within a page, whose style sheet has its dark colours, and which has a [`key`] beside it.
+    /// The SVG within a page, whose style sheet has its dark colours, and which has a [`key`] next to it.
     pub fn within_page(&self) -> String {
         draw::svg(self, false)
     }
 
-    /// The SVG as a file of its own, with its legend and its dark colours.
+    /// The SVG as a separate file, with its legend and its dark colours.
     pub fn alone(&self) -> String {
         draw::svg(self, true)
     }
 
-    /// The least width that its letters can be read at, px.
+    /// The smallest width at which its letters can be read, px.
     pub fn least_width(&self) -> u32 {
         /// Height of the smallest letters, px.
         const LEAST: u32 = 9;
         self.size.0 * LEAST / self.font
     }
 
-    /// What is to be seen, in words with figures.
+    /// Its contents, in words with figures.
     pub fn in_words(&self) -> String {
         words::of(self)
     }
 
-    /// The names of its layers in order, each with the looks that it has.
+    /// The names of its layers in order, each with its looks.
     fn named(&self) -> Vec<Vec<&Layer>> {
         let mut named: Vec<Vec<&Layer>> = Vec::new();
         for layer in self.panels.iter().flat_map(|panel| &panel.layers) {
@@ -226,12 +226,12 @@ impl Layer {
         }
     }
 
-    /// The same with points of rows of a table.
+    /// The same layer, with points that belong to rows of a table.
     pub fn of_rows(self, rows: &'static str) -> Self {
         Self { rows, ..self }
     }
 
-    /// The same with points that were raised by so much.
+    /// The same layer, raised by an offset.
     pub fn raised(self, raised: f64) -> Self {
         Self { raised, ..self }
     }
@@ -242,7 +242,7 @@ pub type Size = ((u32, u32), u32);
 
 /// One of many in a row of three.
 pub const SMALL: Size = ((380, 300), 15);
-/// A file of its own.
+/// A separate file.
 pub const STANDALONE: Size = ((720, 520), 17);
 /// Half of the page's width.
 pub const HALF: Size = ((570, 350), 15);

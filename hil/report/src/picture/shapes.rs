@@ -102,7 +102,7 @@ fn line(sheet: &mut Sheet, look: &Look, colour: &str, path: &str) {
     ));
 }
 
-/// A mark about a place in px, in units of 1/`fine` px.
+/// A mark at a place in px, in units of 1/`fine` px.
 fn marked(sheet: &mut Sheet, mark: Mark, colour: &str, (x, y): (f64, f64), fine: f64) {
     let (x, y) = ((fine * x).round(), (fine * y).round());
     let r = fine * MARK;
@@ -136,7 +136,7 @@ fn marked(sheet: &mut Sheet, mark: Mark, colour: &str, (x, y): (f64, f64), fine:
     ));
 }
 
-/// The cells between two corners, those of one colour as one path.
+/// The cells between two corners; those of one colour form one path.
 fn cells(sheet: &mut Sheet, map: &Cells, places: &[(f64, f64)]) {
     let Cells {
         columns,
@@ -178,7 +178,7 @@ fn cells(sheet: &mut Sheet, map: &Cells, places: &[(f64, f64)]) {
     }
 }
 
-/// A sample of a layer for a legend, from `at` on; its length is in px.
+/// A sample of a layer for a legend, starting at `at`; its length is in px.
 pub fn piece(sheet: &mut Sheet, layer: &Layer, at: (f64, f64), length: f64) {
     let colour = layer.colour.light();
     let fine = 1.0 / FINE;

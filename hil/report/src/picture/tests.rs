@@ -54,7 +54,7 @@ fn points_lie_where_the_attributes_say() {
         .map(|n| n.parse().unwrap())
         .collect();
     let (width, height) = (at[2], at[3]);
-    // From the lower left corner to the top in the middle, and half down at the right.
+    // From the lower left corner to the top in the middle, and half way down at the right.
     let d = attribute(&svg[svg.find("data-curve").unwrap()..], "d");
     let (w, h) = ((20.0 * width).round(), (20.0 * height).round());
     let start = format!("M0,{h}l{}-{h}", (10.0 * width).round());

@@ -1,11 +1,11 @@
-//! A picture in words: what it shows, with the figures that a look at it gives.
+//! A picture in words: its contents, with the figures that a reader would take from it.
 
 use super::{Axis, Layer, Look, Panel, Picture};
 use crate::text;
 
 /// More panels than this are described by their titles and the ranges of their axes.
 const DETAILED: usize = 3;
-/// A layer of at most so many points is read out point by point.
+/// A layer with at most this many points is described point by point.
 const READ_OUT: usize = 8;
 
 /// `Force over displacement. Measured: displacement −0.2 to 0.2 mm, force …`

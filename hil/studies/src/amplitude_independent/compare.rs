@@ -1,4 +1,4 @@
-//! What each law's force is on the loop that was held out.
+//! The force of each law on the loop that was held out.
 
 use mesh_damper::effects::Motion;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
@@ -21,7 +21,7 @@ pub fn ticks_of(amplitude: f64, frequency: f64) -> Sine {
     )
 }
 
-/// The force in kN of what the firmware runs, in f32, on the closed loop under `sine`: in the second cycle.
+/// The force in kN of the firmware's computation, in f32, on the closed loop under `sine`: in the second cycle.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -45,7 +45,7 @@ pub fn embedded_force(model: &Model, sine: &Sine) -> Result<Vec<f64>, ModelError
     Ok(cycle())
 }
 
-/// The fitted rows on either side of the held-out one, and where that is between them, 0…1.
+/// The fitted rows on either side of the held-out one, and its place between them, 0…1.
 fn beside_held_out() -> (usize, usize, f64) {
     let held_out = amplitude(HELD_OUT);
     let above = FITTED.iter().position(|&row| amplitude(row) > held_out);
@@ -55,8 +55,7 @@ fn beside_held_out() -> (usize, usize, f64) {
     (low, high, part)
 }
 
-/// The force in kN at the held-out amplitude, over that amplitude between those of the loops on either side at the same
-/// phase.
+/// The force in kN at the held-out amplitude, interpolated at the same phase between the loops on either side.
 pub fn loop_between(density: usize, frequency: f64) -> Vec<f64> {
     let (low, high, part) = beside_held_out();
     let held_out = amplitude(HELD_OUT);
@@ -67,8 +66,8 @@ pub fn loop_between(density: usize, frequency: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Coefficients at the held-out amplitude between those of the tables on either side: what the tables give when the cell
-/// itself is not known.
+/// Coefficients at the held-out amplitude, interpolated between the tables' cells on either side: the result of the tables if the
+/// cell itself is not known.
 pub fn interpolated(density: usize) -> Coefficients {
     let (low, high, part) = beside_held_out();
     let (low, high) = (cell(low, density), cell(high, density));
@@ -81,7 +80,7 @@ pub fn interpolated(density: usize) -> Coefficients {
     }
 }
 
-/// Coefficients that eqs 16–19 give at the held-out amplitude, eq 18 as corrected.
+/// Coefficients from eqs 16–19 at the held-out amplitude, with eq 18 corrected.
 pub fn of_surfaces(density: usize) -> Coefficients {
     surfaces::coefficients(
         DENSITIES[density],

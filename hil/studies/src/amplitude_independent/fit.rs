@@ -1,10 +1,10 @@
-//! One law for every amplitude, fitted to loops of several.
+//! One law for every amplitude, fitted to loops of several amplitudes.
 //!
 //! F = k1·y + k3·y³ + c·(1 + λ·|y|)·|v|^α·sgn v + Σ kᵢ·zᵢ
 //!
-//! λ is the load's share in the friction and kᵢ, zᵢ are Jenkins elements. For a given α all but the slip limits is linear, so
-//! that nothing is left to luck: α runs over a grid, the slip limits are picked from another, and the rest is least squares
-//! with c, λ and kᵢ not below 0, which keeps the law passive.
+//! λ is the share of the load in the friction, and kᵢ, zᵢ are Jenkins elements. For a given α the force is linear in everything
+//! except the slip limits. So the search depends on no start: α runs over a grid, the slip limits are picked from another grid, and
+//! the rest is least squares with c, λ and kᵢ not below 0, which keeps the law passive.
 
 use std::collections::BTreeMap;
 
@@ -21,17 +21,17 @@ use crate::nonnegative;
 
 /// Samples of a cycle in a fit.
 pub const SAMPLES: usize = 200;
-/// Slip limits to pick from, and their ends, mm: a tenth of the least amplitude, and nearly the largest.
+/// Candidate slip limits, and their ends, mm: a tenth of the smallest amplitude, and nearly the largest.
 const LIMITS: usize = 12;
 const LIMIT_RANGE: (f64, f64) = (0.005, 0.2);
-/// Where |y| is this small, mm, friction counts as not of the load: λ is then at most its inverse, and c is not 0 where the
-/// friction is all of the load.
+/// Below this |y|, mm, friction does not depend on the load. So λ is at most its inverse, and c is not 0 even if all friction comes
+/// from the load.
 const UNLOADED: f64 = 1e-3;
 /// Step of the exponent, and how many of them the search takes at once until it is near.
 const FINE: f64 = 0.01;
 const COARSE: usize = 5;
 
-/// Places of the columns: those that may be negative first.
+/// Places of the columns: first those that may be negative.
 const K1: usize = 0;
 const K3: usize = 1;
 const FREE: usize = 2;
@@ -40,7 +40,7 @@ const LOAD: usize = 3;
 const ELEMENTS: usize = 4;
 const WIDTH: usize = ELEMENTS + LIMITS;
 
-/// What a law is made of.
+/// The terms of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Structure {
@@ -48,7 +48,7 @@ pub struct Structure {
     pub load_friction: bool,
     /// Most Jenkins elements, up to [`MAX_STICK_SLIP_ELEMENTS`].
     pub elements: usize,
-    /// What a coefficient costs, beside the error: its share of the force of a loop, squared, times this squared.
+    /// Penalty of a coefficient, in addition to the error: the square of its share of a loop's force, times this value squared.
     pub ridge: f64,
 }
 
@@ -61,17 +61,16 @@ impl Structure {
     };
 }
 
-/// The normal equations of one loop at one exponent. Its force has the norm 1, so that every loop counts by its relative
-/// error.
+/// The normal equations of one loop at one exponent. Its force has norm 1, so that every loop counts by its relative error.
 #[derive(Clone, Debug)]
 struct Equations {
     gram: DMatrix<f64>,
     right: DVector<f64>,
 }
 
-/// Loops of one density that laws are fitted to, as normal equations.
+/// Loops of one density for the fit of laws, as normal equations.
 pub struct Loops {
-    /// By loop and, within, by exponent in steps of [`FINE`].
+    /// By loop, then by exponent in steps of [`FINE`].
     equations: Vec<Vec<Equations>>,
     rows: Vec<usize>,
 }
@@ -95,7 +94,7 @@ pub struct FittedLaw {
 }
 
 impl Loops {
-    /// The loops of column `density` of the tables in `rows`, each at every one of `frequencies` Hz.
+    /// The loops of column `density` of the tables in `rows`, each at all `frequencies` in Hz.
     pub fn of_tables(density: usize, rows: &[usize], frequencies: &[f64]) -> Self {
         let each = rows
             .iter()
@@ -110,7 +109,7 @@ impl Loops {
         Self { equations, rows }
     }
 
-    /// The best law of `structure` over all loops but those of the row `left_out`.
+    /// The best law of `structure` over all loops except those of the row `left_out`.
     ///
     /// # Panics
     /// Without a loop.
@@ -127,7 +126,7 @@ impl Loops {
         best(&mut (near.saturating_sub(COARSE)..=(near + COARSE).min(last))).law()
     }
 
-    /// The equations of all loops but those of the row `left_out`, by exponent.
+    /// The equations of all loops except those of the row `left_out`, by exponent.
     fn sums(&self, left_out: Option<usize>) -> Vec<Equations> {
         let taken = self.rows.iter().zip(&self.equations);
         let taken = taken.filter(|&(&row, _)| Some(row) != left_out);
@@ -161,7 +160,7 @@ impl Equations {
             if elements.clone().count() <= structure.elements {
                 return Some(fit);
             }
-            // The element that is missed least goes.
+            // The element with the smallest effect is removed.
             let without = |gone: usize| {
                 let rest = columns.iter().copied().filter(|&column| column != gone);
                 self.solve(&rest.collect::<Vec<_>>(), structure, exponent)
@@ -172,8 +171,8 @@ impl Equations {
         }
     }
 
-    /// The least of the squared error and the ridge over `columns`; the cost is without the forces' own squares, which are
-    /// the same for all.
+    /// The minimum of the squared error and the ridge over `columns`. The cost leaves out the squares of the forces, which are the
+    /// same for all.
     fn solve(&self, columns: &[usize], structure: &Structure, exponent: usize) -> Option<Fit> {
         let count = columns.len();
         let scale = |i: usize| 1.0 / self.gram[(columns[i], columns[i])].sqrt();
@@ -196,7 +195,7 @@ impl Equations {
     }
 }
 
-/// A law of one exponent.
+/// A law at one exponent.
 struct Fit {
     cost: f64,
     exponent: usize,
@@ -241,7 +240,7 @@ impl FittedLaw {
         force
     }
 
-    /// As a model that the rig runs: one node, which no amplitude chooses.
+    /// As a model for the rig: one node, which no amplitude selects.
     pub fn model(&self) -> Model {
         let mut effects = Vec::new();
         let mut add = |family, parameters: BTreeMap<String, f64>| {
@@ -283,13 +282,13 @@ impl FittedLaw {
     }
 }
 
-/// Slip limit `index` of those to pick from, mm.
+/// Candidate slip limit `index`, mm.
 fn slip_limit(index: usize) -> f64 {
     let (least, largest) = LIMIT_RANGE;
     least * (largest / least).powf(index as f64 / (LIMITS - 1) as f64)
 }
 
-/// Of `force` kN under `sine`, for every exponent.
+/// The equations of `force` kN under `sine`, for every exponent.
 fn equations(sine: &Sine, force: &[f64]) -> Vec<Equations> {
     let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();
     let target = DVector::from_fn(SAMPLES, |n, _| force[n] / norm);
@@ -320,7 +319,7 @@ fn equations(sine: &Sine, force: &[f64]) -> Vec<Equations> {
         .collect()
 }
 
-/// The stretch in mm of a Jenkins element on its closed loop: that of the second cycle, after which nothing changes.
+/// The stretch in mm of a Jenkins element on its closed loop, taken from the second cycle, after which nothing changes.
 fn steady_stretch(sine: &Sine, slip_limit: f64) -> Vec<f64> {
     let law = Law::new(0.0, 0.0, 0.0, 0.0).and_then(|nothing| {
         let element = StickSlip::new(&[(1.0, slip_limit)])?;
@@ -344,7 +343,7 @@ fn steady_stretch(sine: &Sine, slip_limit: f64) -> Vec<f64> {
     cycle()
 }
 
-/// Every structure that is tried.
+/// All structures that are tried.
 pub fn structures() -> Vec<Structure> {
     let mut all = Vec::new();
     for load_friction in [false, true] {

@@ -1,4 +1,4 @@
-//! Loops of the published tables: the law of one cell under a sine, which stands for a measurement.
+//! Loops of the published tables: the law of one cell under a sine, in place of a measurement.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +11,8 @@ pub const HELD_OUT: usize = 2;
 /// Rows of the tables whose amplitudes are fitted.
 pub const FITTED: [usize; 4] = [0, 1, 3, 4];
 
-/// Those of the fitted rows that lie between others, as the held-out one does: left out in turn they tell how well a law
-/// gets from amplitude to amplitude. Without an outer one a law would be judged on what it says beyond all it knows.
+/// The fitted rows between others, like the held-out one. Left out in turn, they show how well a law interpolates between
+/// amplitudes. Without an outer row, the test would judge a law by its extrapolation.
 pub const BETWEEN: [usize; 2] = [1, 3];
 
 /// One cycle of a sine that begins at y = 0.
@@ -25,8 +25,8 @@ pub struct Sine {
 }
 
 impl Sine {
-    /// `samples` of a cycle of `amplitude` mm at `frequency` Hz. They lie half a step beside the extremes, so that none has
-    /// v = 0, where rounding alone would decide the sign of the damping force.
+    /// `samples` of a cycle of `amplitude` mm at `frequency` Hz. They lie half a step from the extremes, so that no sample has v =
+    /// 0, where rounding alone would decide the sign of the damping force.
     pub fn new(amplitude: f64, frequency: f64, samples: usize) -> Self {
         let phase = |n: usize| TAU * (n as f64 + 0.5) / samples as f64;
         Self {

@@ -1,18 +1,18 @@
-//! A law without amplitude: one set of coefficients for cycles of any size, beside the laws that need the size beforehand.
+//! A law without amplitude: one set of coefficients for cycles of any size, compared to the laws that need the size beforehand.
 //!
-//! The published coefficients belong to a cycle's amplitude, which a law knows beforehand of a declared sine only. Loops of
-//! Tables 6–9 at 0.05, 0.10, 0.20 and 0.25 mm are fitted here by one law with stick-slip and load-dependent friction, and
-//! the loop at 0.15 mm shows what each law is worth:
+//! The published coefficients depend on a cycle's amplitude, which a law knows beforehand only for a declared sine. Here one law
+//! with stick-slip and load-dependent friction is fitted to loops of Tables 6–9 at 0.05, 0.10, 0.20 and 0.25 mm. The loop at 0.15
+//! mm then tests each of these laws:
 //!
 //! - one set of eq 13,
-//! - the tables, between the rows on either side (the row of 0.15 mm itself is the loop: its error is 0),
-//! - the surfaces, eqs 16–19 with eq 18 as corrected, which were fitted to all rows, the held-out one among them,
+//! - the tables, interpolated between the rows on either side (the row of 0.15 mm itself is the loop: its error is 0),
+//! - the surfaces, eqs 16–19 with eq 18 corrected, which were fitted to all rows including the held-out one,
 //! - the law without amplitude.
 //!
-//! What it is made of is the same for every density, and is chosen by leaving out 0.10 and 0.20 mm in turn; the loop at
-//! 0.15 mm has no part in it. No law of this kind can be expected to do better than the loops themselves, taken between
-//! those on either side phase by phase, which is told as well. The paper tested at 1 Hz. Loops of other frequencies are the tables' own
-//! extrapolation by |v|^α.
+//! Its structure is the same for every density. It is chosen by leaving out 0.10 and 0.20 mm in turn; the loop at 0.15 mm has no
+//! part in the choice. No law of this kind can be expected to do better than the loops themselves, interpolated phase by phase
+//! between those on either side; the study reports that error too. The paper tested at 1 Hz. Loops of other frequencies are the
+//! tables' own extrapolation by |v|^α.
 
 mod compare;
 mod fit;
@@ -35,15 +35,15 @@ use compare::{interpolated, loop_between, of_surfaces};
 use fit::{Loops, structures};
 use loops::{BETWEEN, FITTED, HELD_OUT, amplitude};
 
-/// The law without amplitude of every density, and what it is worth.
+/// The law without amplitude for every density, and its errors.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
-    /// Hz, of the loops.
+    /// Frequencies of the loops, Hz.
     pub frequencies: Vec<f64>,
-    /// What the law is made of.
+    /// The structure of the law.
     pub structure: Structure,
-    /// Every structure that was tried with its mean NRMSE at 0.10 and 0.20 mm, each left out in turn.
+    /// Every structure that was tried, with its mean NRMSE at 0.10 and 0.20 mm, each left out in turn.
     pub tried: Vec<(Structure, f64)>,
     /// By density.
     pub densities: Vec<DensityResult>,
@@ -59,13 +59,13 @@ pub struct DensityResult {
     pub law: FittedLaw,
     /// NRMSE of one set of eq 13.
     pub equation_13: FittedLaw,
-    /// NRMSE of the law without amplitude on the loops that were fitted, by amplitude and frequency.
+    /// NRMSE of the law without amplitude on the fitted loops, by amplitude and frequency.
     pub fitted: Vec<f64>,
     /// NRMSE at 0.15 mm by frequency.
     pub held_out: Vec<HeldOut>,
 }
 
-/// NRMSE of each law on one loop that was held out.
+/// NRMSE of each law on one held-out loop.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldOut {
@@ -73,17 +73,18 @@ pub struct HeldOut {
     pub frequency: f64,
     /// NRMSE of one set of eq 13.
     pub equation_13: f64,
-    /// NRMSE of the tables, between the rows on either side.
+    /// NRMSE of the tables, interpolated between the rows on either side.
     pub tables: f64,
     /// NRMSE of the published surfaces, eqs 16–19.
     pub surfaces: f64,
-    /// NRMSE of the measured loops between, phase by phase: no law, but what the scatter of the tables leaves to be known.
+    /// NRMSE of the measured loops, interpolated phase by phase. This is no law: it shows the limit that the scatter of the tables
+    /// sets.
     pub loops: f64,
-    /// The law without amplitude, by the crate in f32.
+    /// The law without amplitude, computed by the crate in f32.
     pub law: f64,
 }
 
-/// The forces of one loop at the held-out amplitude, kN, as pictures show them.
+/// The forces of one loop at the held-out amplitude, kN, for pictures.
 #[derive(Clone, Debug)]
 pub struct HeldOutLoop {
     /// mm
@@ -103,7 +104,7 @@ pub struct HeldOutLoop {
 /// Fits and compares at `frequencies` Hz.
 ///
 /// # Errors
-/// A law that the crate refuses: at an exponent or a coefficient out of its range.
+/// The crate refuses a law with an exponent or a coefficient out of its range.
 pub fn study(frequencies: &[f64]) -> Result<Study, ModelError> {
     let loops: Vec<Loops> = (0..DENSITIES.len())
         .into_par_iter()
@@ -138,8 +139,7 @@ pub fn study(frequencies: &[f64]) -> Result<Study, ModelError> {
     })
 }
 
-/// Mean NRMSE over the densities and the two amplitudes that lie between fitted ones, each by a law that was fitted to the
-/// other three.
+/// Mean NRMSE over the densities and the two amplitudes between fitted ones, each with a law that was fitted to the other three.
 fn left_out_error(loops: &[Loops], structure: Structure, frequencies: &[f64]) -> f64 {
     let errors = loops.iter().enumerate().flat_map(|(density, loops)| {
         BETWEEN.iter().flat_map(move |&row| {

@@ -1,4 +1,4 @@
-//! The counts as they were, which a run is held against.
+//! The baseline of counts that a run is compared to.
 
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,10 @@ use super::results::{Results, Tools};
 /// In the repository.
 const PATH: &str = "hil/studies/bench-baseline.json";
 
-/// By how much of itself a count may exceed the baseline's.
+/// A count may exceed the baseline's by this fraction.
 const GATE: f64 = 0.05;
 
-/// What a run came to that was good.
+/// The results of an accepted run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -28,13 +28,13 @@ pub struct Baseline {
     /// 1.
     #[serde(default = "version")]
     version: u32,
-    /// With what it was counted.
+    /// The tools of the counts.
     pub tools: Tools,
-    /// The crate's counts; its peers' are none of its business.
+    /// The crate's counts, without those of its peers.
     pub counts: Vec<Entry>,
 }
 
-/// What it is known by; one of before there was the field is one too.
+/// The word that marks the file; a file from before this field counts as one too.
 fn format() -> String {
     "mesh-damper bench-baseline".into()
 }
@@ -48,19 +48,19 @@ fn version() -> u32 {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// On what.
+    /// The core.
     pub core: Core,
-    /// What was called.
+    /// The function that was called.
     pub name: String,
-    /// Which of its calls.
+    /// The kind of call.
     pub moment: String,
     /// Mean of the calls, instructions.
     pub mean: f64,
-    /// Of the longest call, instructions.
+    /// The longest call, instructions.
     pub most: u64,
 }
 
-/// Names that end so are peers.
+/// Names of peers end like this.
 const PEERS: [&str; 4] = ["/libm", "/micromath", "/naive", "/c"];
 
 fn is_own(count: &Count) -> bool {
@@ -68,18 +68,18 @@ fn is_own(count: &Count) -> bool {
 }
 
 impl Baseline {
-    /// Where it is kept among the sources.
+    /// Its path among the sources.
     ///
     /// # Errors
-    /// Sources that cannot be unpacked.
+    /// The sources cannot be unpacked.
     pub fn path() -> Result<PathBuf, InputError> {
         Ok(Sources::find()?.root().join(PATH))
     }
 
-    /// The same in the repository, where it may be written anew.
+    /// Its path in the repository, where it may be written.
     ///
     /// # Errors
-    /// An installed command, which has no repository.
+    /// An installed command has no repository.
     pub fn path_in_repository() -> Result<PathBuf, InputError> {
         let sources = Sources::find()?;
         if !sources.is_repository() {
@@ -92,7 +92,7 @@ impl Baseline {
         Ok(sources.root().join(PATH))
     }
 
-    /// What `results` would be held against from now on.
+    /// The baseline of `results`, for later runs.
     pub fn of(results: &Results) -> Self {
         let own = results.counts.iter().filter(|count| is_own(count));
         Self {
@@ -104,7 +104,7 @@ impl Baseline {
                     core: count.core,
                     name: count.name.clone(),
                     moment: count.moment.clone(),
-                    // As many digits as tell them apart.
+                    // As many digits as distinguish them.
                     mean: (100.0 * count.mean).round() / 100.0,
                     most: count.most,
                 })
@@ -113,7 +113,7 @@ impl Baseline {
     }
 
     /// # Errors
-    /// A file that cannot be read, that is beyond the default [`ReadLimit`], or that is no baseline.
+    /// The file cannot be read, is beyond the default [`ReadLimit`], or is no baseline.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, ReadLimit::default())
     }
@@ -130,14 +130,14 @@ impl Baseline {
         })
     }
 
-    /// The [`Baseline::checks`] that `results` does not pass, a line each.
+    /// The [`Baseline::checks`] that `results` fails, one per line.
     pub fn failures(&self, results: &Results) -> Vec<String> {
         failures(self.checks(results))
     }
 
-    /// That no count of `results` is more than 5 % above this, and that neither lacks a count that the other has.
+    /// No count of `results` is more than 5 % above this, and both have the same counts.
     pub fn checks(&self, results: &Results) -> Vec<Check> {
-        // A core that this machine has no compiler for is left out as a whole, and said so.
+        // If this machine has no compiler for a core, that core is left out completely, with a message.
         let is_counted =
             |entry: &&Entry| results.counts.iter().any(|count| count.core == entry.core);
         let known = self.counts.iter().filter(is_counted);
@@ -165,7 +165,7 @@ fn name_of(name: &str, moment: &str, core: Core) -> String {
 }
 
 impl Entry {
-    /// That this is still counted in `results`, and takes no more than 5 % more.
+    /// `results` still contains this count, and it is at most 5 % larger.
     fn checks(&self, results: &Results) -> Vec<Check> {
         let name = name_of(&self.name, &self.moment, self.core);
         let Some(now) = results.count(self.core, &self.name, &self.moment) else {

@@ -1,4 +1,4 @@
-//! Runs an image that counts, and reads what it says.
+//! Runs a counting image, and reads its output.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -8,7 +8,7 @@ use mesh_damper_link::image::Board;
 use mesh_damper_recording::error::InputError;
 use serde::{Deserialize, Serialize};
 
-/// An image that has not ended after this long has lost its way; they take seconds.
+/// Time limit for an image. Images take seconds; one that takes this long hangs.
 const LONGEST: Duration = Duration::from_secs(180);
 
 /// A core that counts.
@@ -41,42 +41,42 @@ impl Core {
     }
 }
 
-/// What the calls of one region came to, in instructions.
+/// The count of the calls of one region, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Count {
-    /// On what.
+    /// The core.
     pub core: Core,
-    /// What was called.
+    /// The function that was called.
     pub name: String,
-    /// Which of its calls: those that have other work to do are told apart.
+    /// The kind of call: calls with different work are counted separately.
     pub moment: String,
-    /// How many.
+    /// The number of calls.
     pub calls: u64,
     /// Mean of the calls, instructions.
     pub mean: f64,
-    /// Of the shortest call, instructions.
+    /// The shortest call, instructions.
     pub least: u64,
-    /// Of the longest call, instructions.
+    /// The longest call, instructions.
     pub most: u64,
-    /// Over the results of the calls.
+    /// Checksum of the results of the calls.
     #[serde(skip)]
     pub checksum: u32,
 }
 
-/// What an image said.
+/// The output of an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Said {
     /// Line by line.
     pub counts: Vec<Count>,
-    /// Results that it gave beside, each list under a name.
+    /// Further results, each list under a name.
     pub results: Vec<(String, Vec<f32>)>,
 }
 
 /// Runs `elf` on the board of `core` to its end.
 ///
 /// # Errors
-/// No emulator, an image that fails or does not end, or a line that is none.
+/// There is no emulator, the image fails or does not end, or a line is invalid.
 pub fn count(elf: &Path, core: Core) -> Result<Said, InputError> {
     run_to_end(elf, core)?
         .lines()
@@ -89,15 +89,15 @@ fn failed(elf: &Path, problem: String) -> InputError {
     InputError::new(elf.display().to_string(), problem, mend)
 }
 
-/// Runs `elf` on the board of `core` to its end, and gives what it said.
+/// Runs `elf` on the board of `core` to its end, and returns its output.
 ///
 /// # Errors
-/// No emulator, or an image that fails or does not end.
+/// There is no emulator, or the image fails or does not end.
 pub fn run_to_end(elf: &Path, core: Core) -> Result<String, InputError> {
     let failed = |problem: String| failed(elf, problem);
     let mut command = core.board().emulator(elf)?;
     command
-        // An instruction takes 2^10 ns of the emulator's time, and no time passes otherwise.
+        // An instruction takes 2^10 ns of the emulator's time; time passes only that way.
         .args(["-icount", "shift=10,sleep=off"])
         .args(["-chardev", "stdio,id=said"])
         .args([
@@ -151,11 +151,11 @@ pub fn run_to_end(elf: &Path, core: Core) -> Result<String, InputError> {
     }
 }
 
-/// Reads all, so that neither stream fills up while the other is read.
+/// Reads everything, so that neither stream fills up while the other is read.
 fn reader(mut stream: impl std::io::Read + Send + 'static) -> std::thread::JoinHandle<String> {
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What came before an error is what there is.
+        // The output before an error is all there is.
         let _ = stream.read_to_end(&mut bytes);
         String::from_utf8_lossy(&bytes).into_owned()
     })

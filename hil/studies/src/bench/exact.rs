@@ -1,4 +1,4 @@
-//! The motion that is counted, in f64, with nothing of the crate's.
+//! The counted motion in f64, without code from the crate.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ pub struct Exact {
     pub amplitude: f64,
 }
 
-/// What a cycle comes to.
+/// The results of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactCycle {
     /// K, kN/mm.
@@ -48,8 +48,8 @@ impl Exact {
         (y, self.law.force(y, speed * cos))
     }
 
-    /// Cycle `index`, from 0, by the crate's definition: trapezoids from sample to sample, and where the cycle begins and
-    /// ends within a tick, both samples interpolated linearly.
+    /// Cycle `index`, from 0, by the crate's definition: trapezoids from sample to sample, and linear interpolation of both
+    /// channels where the cycle begins and ends within a tick.
     pub fn cycle(&self, index: u64) -> ExactCycle {
         let first = |cycle: u64| (cycle * TURN).div_ceil(STEP);
         let (begin, end) = (first(index), first(index + 1));
@@ -75,8 +75,8 @@ impl Exact {
         }
     }
 
-    /// Cycle `index` as [`mesh_damper::simulation`] defines it: the largest force of its ticks, and the energy of the sine
-    /// itself, not of its chords.
+    /// Cycle `index` as defined by [`mesh_damper::simulation`]: the largest force of its ticks, and the energy of the sine itself,
+    /// not of its chords.
     pub fn demanded_cycle(&self, index: u64) -> ExactCycle {
         const NODES: u64 = 50_000;
         let first = |cycle: u64| (cycle * TURN).div_ceil(STEP);
@@ -100,7 +100,7 @@ impl Exact {
         }
     }
 
-    /// Where cycle `index` begins.
+    /// Start of cycle `index`.
     fn boundary(&self, index: u64) -> (f64, f64) {
         let after = (index * TURN).div_ceil(STEP);
         let beyond = (after * STEP - index * TURN) as f64 / STEP as f64;

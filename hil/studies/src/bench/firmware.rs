@@ -1,4 +1,4 @@
-//! What the firmware's image takes, and how fast it is driven in lockstep.
+//! The size of the firmware's image, and its speed in lockstep.
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,24 +19,24 @@ use super::results::{Rate, Size};
 use super::sizes;
 use mesh_damper_firmware::bench::suite::{Refused, effects};
 
-/// Under which name the sizes are found.
+/// The name of the sizes.
 pub const NAME: &str = "firmware";
-/// What the round trips with it are called.
+/// The name of the round trips.
 pub const ROUND_TRIPS: &str = "round trips with the image";
 
 /// g/cm³ and mm
 const DENSITY: f64 = 3.0;
 const AMPLITUDE: f64 = 0.1;
-/// Runs that are timed. The fastest counts: whatever else the machine does can only slow one down.
+/// Timed runs. The fastest counts: other load on the machine can only slow one down.
 const RUNS: usize = 3;
 
 type Setup = RigSetup<Specimen, 2, MAX_EFFECTS>;
 
-/// Sizes of the image, its stack after a test with ramps, ends of cycles, as many effects as a law holds, and a law swapped,
-/// and the round trips of a test with eq 13 alone.
+/// Sizes of the image; its stack after a test with ramps, ends of cycles, as many effects as a law holds, and a law swapped; and
+/// the round trips of a test with eq 13 alone.
 ///
 /// # Errors
-/// What the compiler or the emulator says, or a test that stops.
+/// An error of the compiler or the emulator, or a test that stops.
 pub fn measure(board: Board) -> Result<(Vec<Size>, Rate), InputError> {
     let elf = build(&FIRMWARE, board)?;
     let mut sizes = of_image(&elf)?;
@@ -77,7 +77,7 @@ fn of_image(elf: &Path) -> Result<Vec<Size>, InputError> {
     ])
 }
 
-/// A test, the stack's high-water mark after it, and when it began.
+/// A test, the stack's high-water mark after it, and its start.
 fn run(board: Board, setup: Setup) -> Result<(RigRun, u32, Instant), InputError> {
     let mut image = Image::start(board, Box::new(|_| ()))?;
     let start = Instant::now();

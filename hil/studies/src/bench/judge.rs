@@ -1,4 +1,4 @@
-//! How far what was counted is from f64: the same lines over the same inputs, run on the host.
+//! The errors of the counted code against f64: the same lines over the same inputs, run on the host.
 
 use std::fmt;
 
@@ -12,20 +12,20 @@ use super::exact::{Exact, ExactCycle};
 use mesh_damper_firmware::bench::suite::tally::{Meter, Region, Tally, When};
 use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick};
 
-/// The largest error of something against f64.
+/// The largest error of a result against f64.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LargestError {
-    /// What was called, as in [`Count::name`].
+    /// The function, as in [`Count::name`].
     pub name: String,
-    /// Which of its results, and over what the error is taken.
+    /// Its result, and the reference of the error.
     pub of: &'static str,
     /// The error, without a unit.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
 }
 
-/// Calls, and keeps the checksum of what comes back.
+/// Calls the functions, and keeps the checksum of their results.
 #[derive(Default)]
 struct Replay(Vec<(String, String, u32)>);
 
@@ -40,10 +40,10 @@ impl Meter for Replay {
     }
 }
 
-/// The counts of `core` whose results are not, bit by bit, those of the host, as `name moment`; and those that are missing.
+/// The counts of `core` whose results differ from the host's in any bit, as `name moment`; and those that are missing.
 ///
 /// # Errors
-/// As the suite.
+/// Errors of the suite.
 pub fn mismatches(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> {
     let mut replay = Replay::default();
     match core {
@@ -61,7 +61,7 @@ pub fn mismatches(core: Core, counts: &[Count]) -> Result<Vec<String>, Refused> 
         .collect())
 }
 
-/// The largest value of many; NaN once there was one.
+/// The largest of several values; NaN if any is NaN.
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most: f64, value| {
         let value = value.abs();
@@ -73,7 +73,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// Of every form of |v|^α over its own size.
+/// Errors of every form of |v|^α, relative to its value.
 ///
 /// # Errors
 /// None: every value is in its range.
@@ -111,8 +111,8 @@ pub fn powers() -> Result<Vec<LargestError>, Refused> {
     Ok(errors)
 }
 
-/// Of the whole tick's force over the cycle's peak, and of K, ΔW and η over themselves, at full amplitude: in floats and in
-/// integers.
+/// Errors of the whole tick's force over the cycle's peak, and of K, ΔW and η relative to themselves, at full amplitude: in floats
+/// and in integers.
 ///
 /// # Errors
 /// None: every value is in its range.
@@ -157,9 +157,9 @@ pub fn ticks() -> Result<Vec<LargestError>, Refused> {
 }
 
 impl Exact {
-    /// Runs `tick` until it is done, and makes `worst` (force, K, ΔW, η) as large as what its results miss by. It gives
-    /// the force in kN, the cycle that ended, as K, ΔW and η, and what happened. `cycle_of` says what a cycle comes to.
-    /// `worst` is NaN where not every cycle at full amplitude came.
+    /// Runs `tick` to the end, and raises `worst` (force, K, ΔW, η) to the errors of its results. `tick` returns the force in kN,
+    /// the completed cycle, as K, ΔW and η, and the events. `cycle_of` gives the true results of a cycle. `worst` is NaN unless
+    /// every cycle at full amplitude appeared.
     fn judge(
         &self,
         worst: &mut [f64; 4],
@@ -178,7 +178,7 @@ impl Exact {
                 errors[0] = (force - self.sample(n).1) / peak;
             }
             if let Some(cycle) = cycle {
-                // The first cycle is the ramp's.
+                // The first cycle belongs to the ramp.
                 if ended > 0 {
                     let exact = cycle_of(self, ended).parts();
                     for ((error, own), exact) in errors.iter_mut().skip(1).zip(cycle).zip(exact) {
@@ -197,19 +197,19 @@ impl Exact {
     }
 }
 
-/// By how much of itself a cycle of the peer in C may differ from f64: it adds up in plain f32.
+/// Tolerance of a cycle of the C peer against f64, relative: it sums in plain f32.
 const PEER_TOLERANCE: f64 = 2e-5;
 
-/// Whether the peer's last cycle of every law, as K, ΔW and η, is that of f64: that it does the same work.
+/// Checks that the peer's last cycle of every law, as K, ΔW and η, equals that of f64: so it does the same work.
 ///
 /// # Errors
-/// What is different.
+/// The differences.
 pub fn check_peer(results: &[(String, Vec<f32>)]) -> Result<(), String> {
     let cells: Vec<_> = tables::cells().collect();
     if results.len() != cells.len() {
         return Err("the peer in C gives another number of cycles".into());
     }
-    // The last that ends within the ticks that it is run for.
+    // The last cycle that ends within its ticks.
     let last = (f64::from(tick::NAIVE_TICKS) * tick::FREQUENCY / tick::TICK_RATE) as u64 - 1;
     for ((_, own), (_, amplitude, law)) in results.iter().zip(cells) {
         let expected = Exact { law, amplitude }.cycle(last).parts();
@@ -230,7 +230,7 @@ pub fn check_peer(results: &[(String, Vec<f32>)]) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    /// The tick of f64 itself, of whose K `stiffness` is given, and `cycles` cycles.
+    /// The tick of f64 itself, with the K `stiffness`, and `cycles` cycles.
     fn judged(cycles: u32, stiffness: f64) -> [f64; 4] {
         let (_, amplitude, law) = tables::cells().next().unwrap();
         let exact = Exact { law, amplitude };

@@ -1,4 +1,4 @@
-//! What is asked of the image.
+//! The requirements on the image.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use super::results::Results;
 use super::uses;
 use mesh_damper_firmware::bench::suite::tick::BLOCK;
 
-/// On which side of a limit a figure has to be.
+/// The side of a limit on which a figure has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -22,26 +22,26 @@ pub enum Side {
     AtLeast,
 }
 
-/// A limit and what was measured.
+/// A limit and the measured value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
-    /// Of what.
+    /// The subject.
     pub name: Cow<'static, str>,
     /// The figure's unit.
     pub unit: &'static str,
-    /// The side that is asked for.
+    /// The required side.
     pub side: Side,
     /// The limit, in the unit.
     pub limit: f64,
-    /// The figure, in the unit; none where it was not measured.
+    /// The figure, in the unit; none if it was not measured.
     pub figure: Option<f64>,
-    /// Why it is not held against a run, where it is not.
+    /// The reason why it does not count against a run, if there is one.
     pub excuse: Option<&'static str>,
 }
 
 impl Verdict {
-    /// Whether the figure is where it is asked to be; what was not measured is not held against anyone.
+    /// Whether the figure meets the limit; an unmeasured figure counts as meeting it.
     pub fn holds(&self) -> bool {
         self.figure.is_none_or(|figure| match self.side {
             Side::AtMost => figure <= self.limit,
@@ -49,7 +49,7 @@ impl Verdict {
         })
     }
 
-    /// The line that says by how much it is missed, where that is held against the run.
+    /// The line about a missed limit, if it counts against the run.
     pub fn failure(&self) -> Option<String> {
         let figure = self.figure.filter(|_| !self.holds())?;
         if self.excuse.is_some() {
@@ -79,7 +79,7 @@ impl Verdict {
     }
 }
 
-/// With as many digits as are of interest.
+/// With a suitable number of digits.
 fn number(value: f64) -> String {
     if value != 0.0 && value.abs() < 0.01 {
         format!("{value:.1e}")
@@ -94,7 +94,7 @@ const INSTRUCTIONS: &str = "instructions";
 const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
-/// Limits that are not reached, and why. What is reached after all has to leave this list.
+/// Limits that are missed, with the reason. A limit that is met has to leave this list.
 const NOT_REACHED: [(&str, &str); 32] = [
     (
         "longest steady tick over the mean",
@@ -353,7 +353,7 @@ fn whole_tick(results: &Results) -> Vec<Verdict> {
             1.7,
             over_mean("cycle-end"),
         ),
-        // What the end of a cycle leaves to later ticks is no better there.
+        // The work that a cycle's end leaves to later ticks is no better there.
         at_most(
             "longest steady tick over the mean",
             RATIO,
@@ -373,7 +373,7 @@ fn whole_tick(results: &Results) -> Vec<Verdict> {
     ]
 }
 
-/// No tick of the rig, with its monitor, may take twice the mean: a ramp's and the end of a cycle's included.
+/// No tick of the rig, with its monitor, may take twice the mean, including those of a ramp and of a cycle's end.
 fn rig(results: &Results) -> Vec<Verdict> {
     let count = |moment| results.count(Core::CortexM4f, "rig/tick", moment);
     let mean = count("steady").map(|count| count.mean);
@@ -407,7 +407,7 @@ fn rig(results: &Results) -> Vec<Verdict> {
     ]
 }
 
-/// The crate's effects, each by the name that it is counted under and by what it is called.
+/// The crate's effects, each with the name of its count and its title.
 pub fn counted_effects() -> impl Iterator<Item = (String, String)> {
     DESCRIPTIONS.iter().map(|effect| {
         let called = effect.name.replace('_', "-");
@@ -419,7 +419,7 @@ pub fn counted_effects() -> impl Iterator<Item = (String, String)> {
     })
 }
 
-/// Corrections, by what they are over, and what their limit is called.
+/// Corrections, by their variable, and the title of their limit.
 const CORRECTIONS: [(&str, &str); 10] = [
     ("correction/without_memory", "correction without memory"),
     ("correction/slip", "correction that remembers a slip"),
@@ -518,7 +518,7 @@ fn image(results: &Results) -> Vec<Verdict> {
     ]
 }
 
-/// What hangs on the machine is shown and not held against anyone.
+/// Figures that depend on the machine are shown and do not count against a run.
 const MACHINE: Option<&str> = Some("this machine, at this moment");
 
 /// How fast the rig is driven.
@@ -556,7 +556,7 @@ mod tests {
         ] {
             assert_eq!(held.failure(), None);
         }
-        // A NaN is no figure that holds.
+        // NaN meets no limit.
         assert!(
             at_most("this", RATIO, 1.0, Some(f64::NAN))
                 .failure()
@@ -564,7 +564,7 @@ mod tests {
         );
     }
 
-    /// What a run would look like in which nothing was counted: nothing is held, nothing panics.
+    /// A run in which nothing was counted: no limit fails, nothing panics.
     #[test]
     fn without_counts_nothing_is_measured() {
         let verdicts = verdicts(&Results::default());

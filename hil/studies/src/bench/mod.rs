@@ -1,22 +1,23 @@
-//! What the crate costs on a microcontroller: instructions counted in an emulator, beside its peers, with the errors
-//! against f64 and the bytes.
+//! The cost of the crate on a microcontroller: instructions counted in an emulator, compared to its peers, with the errors against
+//! f64 and the bytes.
 //!
-//! `firmware/src/bench` is the image that counts: one region is called at a time, and the timer that the emulator advances
-//! by 2¹⁰ ns an instruction is read before and after. A call's count is exact, the same in every run, and includes what the
-//! called function saves and restores; the call itself, as an empty function takes it, is taken off. Sequences of known
-//! length are counted first, and a run whose counts of them are wrong is refused. Instructions are not cycles: an
-//! emulator has no caches, no wait states and no pipeline.
+//! `firmware/src/bench` is the counting image. It calls one region at a time, and reads the timer before and after; the emulator
+//! advances that timer by 2¹⁰ ns per instruction. A call's count is exact and the same in every run. It includes the registers that
+//! the called function saves and restores; the call itself, measured with an empty function, is subtracted. Sequences of known
+//! length are counted first, and a run with wrong counts for them is refused. Instructions are not cycles: an emulator has no
+//! caches, no wait states and no pipeline.
 //!
-//! What is counted stands in `firmware/src/bench/suite`, and is run on the host too, bit for bit the same, to be judged.
+//! The counted code is in `firmware/src/bench/suite`. The host runs it too, with the same result in every bit, to determine its
+//! errors.
 //!
-//! The whole tick is [`mesh_damper::simulation`]'s, of a demanded sine; the generator, the law and the accumulator of which
-//! the rig is made, and which serve any motion and any force, are counted beside it.
+//! The whole tick is that of [`mesh_damper::simulation`], for a demanded sine. The generator, the law and the accumulator, which
+//! make up the rig and work for any motion and any force, are counted as well.
 //!
 //! # Peers
-//! libm and micromath in the same image, and the whole tick as it is written down first, on libm's sine, cosine and power;
-//! the same in C (`hil/studies/bench/peer.c`) on newlib's as an image of its own. Both give the results of the crate's tick and
-//! leave out what that leaves out: means and harmonics, which a sine and an odd law make known. micromath is a peer only: its |v|^α misses by
-//! some percent, which goes into force and loss factor as it is, and there is no quantity in the tick to which that is harmless.
+//! The peers are libm and micromath in the same image, and the whole tick written in the obvious way with libm's sine, cosine and
+//! power; and the same in C (`hil/studies/bench/peer.c`) with newlib's functions, as a separate image. Both give the results of the
+//! crate's tick and leave out the same ones: means and harmonics, which are known for a sine and an odd law. micromath is only a
+//! peer: its |v|^α is off by some percent, which goes directly into force and loss factor. No quantity in the tick tolerates that.
 
 mod baseline;
 mod count;
@@ -50,19 +51,19 @@ pub const IMAGE: Image = Image {
     cfg: None,
 };
 
-/// The same whose rig has no monitor.
+/// The same image, with a rig without a monitor.
 const UNMONITORED: Image = Image {
     cfg: Some("unmonitored"),
     ..IMAGE
 };
 
-/// Ticks to a block of `tick/block`.
+/// Ticks per block of `tick/block`.
 pub const BLOCK: usize = suite::tick::BLOCK;
 
-/// Counts, judges and measures everything. `progress` is told what is being done.
+/// Counts, judges and measures everything. `progress` receives a description of each step.
 ///
 /// # Errors
-/// No emulator or no compiler for the image, an image that fails, or counts that are not to be trusted.
+/// There is no emulator or no compiler for the image, the image fails, or the counts are not reliable.
 pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
     let (elf, counts) = count_core(Core::CortexM4f, progress)?;
     progress("judging what was counted");
@@ -106,7 +107,7 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<Results, InputError> {
     Ok(results)
 }
 
-/// Counts everything on `core`, and sees that its results are the host's.
+/// Counts everything on `core`, and checks that its results equal the host's.
 fn count_core(core: Core, progress: &dyn Fn(&str)) -> Result<(PathBuf, Vec<Count>), InputError> {
     let board = core.board();
     board.check()?;
@@ -147,7 +148,7 @@ fn refused(_: suite::Refused) -> InputError {
     untrusted("the host refuses what the image counted".into())
 }
 
-/// The peer in C, which has to come to the same cycles as ours.
+/// The peer in C, whose cycles have to equal ours.
 fn count_peer(core: Core) -> Result<(Vec<Count>, Vec<Size>), InputError> {
     let directory = tempfile::tempdir()
         .map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
@@ -157,10 +158,10 @@ fn count_peer(core: Core) -> Result<(Vec<Count>, Vec<Size>), InputError> {
     Ok((said.counts, sizes::of_peer(&elf)?))
 }
 
-/// What names of sequences of known length begin with; the length follows.
+/// Prefix of the names of sequences with known length; the length follows.
 const KNOWN: &str = "known/nops-";
 
-/// Refuses counts under which a sequence of known length has another.
+/// Refuses counts in which a sequence of known length has another count.
 fn check_known(counts: &[Count]) -> Result<(), InputError> {
     let mut known = 0;
     for count in counts {
@@ -186,7 +187,7 @@ fn untrusted(problem: String) -> InputError {
     InputError::new("the counts", problem, mend)
 }
 
-/// What a tool says of its version.
+/// A tool's version line.
 fn first_line(tool: &str) -> String {
     let output = Command::new(tool).arg("--version").output();
     output.map_or_else(

@@ -1,4 +1,4 @@
-//! The whole tick in plain C, on newlib: built by whoever has the compiler.
+//! The whole tick in plain C, with newlib: built if the compiler is installed.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,15 +16,15 @@ const FLAGS: [&str; 9] = [
     "-mthumb",
     "-mfloat-abi=hard",
     "-mfpu=fpv4-sp-d16",
-    // Not plain C11, in which a multiplication and an addition may not be one instruction.
+    // Not plain C11, which forbids merging a multiplication and an addition into one instruction.
     "-std=gnu11",
     "-Wall",
     "-Wextra",
     "-Werror",
 ];
 
-/// The compiler's name and version, its library's, and with which options it compiles; `None` where it or the library is
-/// missing.
+/// The name and version of the compiler, the version of its library, and the compiler options; `None` if the compiler or the
+/// library is missing.
 pub fn compiler() -> Option<String> {
     let said = |arguments: &[&str]| {
         let mut command = Command::new(COMPILER);
@@ -47,7 +47,7 @@ pub fn compiler() -> Option<String> {
 /// Builds the image in `directory`. It counts over the same inputs as the image in Rust.
 ///
 /// # Errors
-/// No compiler, no C library for it, or what the compiler says.
+/// There is no compiler, no C library for it, or an error of the compiler.
 pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let mend = "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi (or your system's packages of them)";
     let failed = |problem: String| InputError::new("the peer in C", problem, mend);
@@ -57,7 +57,7 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let here = sources.root().join("hil/studies/bench");
     let elf = directory.join("peer.elf");
     let output = Command::new(COMPILER)
-        // Where the linker finds the memory.x of the board that it is counted on.
+        // Folder of the memory.x for the board of the count.
         .current_dir(sources.root())
         .args(FLAGS)
         .arg("-nostartfiles")
@@ -84,7 +84,7 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
 fn inputs() -> String {
     let mut laws = String::new();
     for (amplitude, law) in tick::laws() {
-        // Rust's shortest decimal that reads back as the same float is C's too; writing to a string does not fail.
+        // Rust's shortest decimal that reads back as the same float is valid in C; writing to a string does not fail.
         let _ = write!(
             laws,
             "{{{amplitude:?}f, {:?}f, {:?}f, {:?}f, {:?}f}}, ",

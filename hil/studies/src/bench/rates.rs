@@ -1,4 +1,4 @@
-//! How fast the harness drives the crate, on this machine's clock.
+//! How fast the harness runs the crate, on this machine's clock.
 
 use std::time::Instant;
 
@@ -11,9 +11,9 @@ use mesh_damper_rig::{Bench, RigSetup, SetupError, TICK_RATE};
 
 use super::results::Rate;
 
-/// Ticks of a batch that is timed.
+/// Ticks of a timed batch.
 const TICKS: u32 = 300_000;
-/// The fastest counts: whatever else the machine does can only slow one down.
+/// The fastest batch counts: other load on the machine can only slow one down.
 const BATCHES: u32 = 10;
 /// mm
 const AMPLITUDE: f64 = 0.1;
@@ -21,7 +21,7 @@ const AMPLITUDE: f64 = 0.1;
 const DENSITY: f64 = 3.0;
 
 impl Rate {
-    /// `count` of something in the time since `start`.
+    /// A rate: `count` items in the time since `start`.
     pub(super) fn since(name: &'static str, start: Instant, count: u32) -> Self {
         let per_second = f64::from(count) / start.elapsed().as_secs_f64();
         Self {
@@ -35,7 +35,7 @@ impl Rate {
 /// Ticks of the rig in this process, with sensors, actuator and specimen.
 ///
 /// # Errors
-/// A rig that cannot be set up or stops.
+/// The rig cannot be set up, or it stops.
 pub fn in_process() -> Result<Rate, InputError> {
     let failed =
         |problem: String| InputError::new("the rig in this process", problem, "report this");
@@ -65,7 +65,7 @@ pub fn in_process() -> Result<Rate, InputError> {
 }
 
 fn bench() -> Result<Bench<Specimen, 1, 1>, SetupError> {
-    // Longer than it is run.
+    // Longer than the run.
     let block = Block::sine(AMPLITUDE, 5.0, 10 * BATCHES * TICKS)?;
     let programme = Programme::new(TICK_RATE, 1)?.with(block)?;
     let law = AugmentedLaw::new(PAPER.lookup(DENSITY as f32, AMPLITUDE as f32).law);

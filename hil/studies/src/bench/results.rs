@@ -1,4 +1,4 @@
-//! What a run of the benchmark came to, as it is shown and as JSON.
+//! The results of a benchmark run, for display and as JSON.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use super::limits::Verdict;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Results {
-    /// With what.
+    /// The tools.
     pub tools: Tools,
     /// Instructions.
     pub counts: Vec<Count>,
@@ -18,15 +18,15 @@ pub struct Results {
     pub errors: Vec<LargestError>,
     /// Bytes.
     pub sizes: Vec<Size>,
-    /// On this machine's clock: no two runs give the same.
+    /// On this machine's clock: they differ from run to run.
     pub rates: Vec<Rate>,
-    /// What is asked for, and whether it holds.
+    /// The limits, and whether they are met.
     pub limits: Vec<Verdict>,
-    /// What could not be measured, and how to have it measured.
+    /// Values that could not be measured, and how to measure them.
     pub left_out: Vec<String>,
 }
 
-/// What the counts depend on beside the code.
+/// The tools on which the counts depend, in addition to the code.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Tools {
@@ -38,38 +38,38 @@ pub struct Tools {
     pub emulator: String,
 }
 
-/// Bytes that something takes.
+/// The size of an item in bytes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Size {
-    /// What takes them.
+    /// The item.
     pub name: String,
-    /// Of which memory.
+    /// The kind of memory.
     pub of: &'static str,
-    /// How many.
+    /// Number of bytes.
     pub bytes: u64,
 }
 
-/// How often something is done in a second.
+/// The rate of an operation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rate {
-    /// What.
+    /// The operation.
     pub name: &'static str,
-    /// How many in a second.
+    /// Operations per second.
     pub per_second: f64,
-    /// Over the 10,000 ticks a second of the rig.
+    /// Relative to the rig's 10,000 ticks per second.
     pub times_real_time: f64,
 }
 
 impl Results {
-    /// What was counted on `core` under `name`, for the calls of one `moment`.
+    /// The count on `core` under `name`, for the calls of one `moment`.
     pub fn count(&self, core: Core, name: &str, moment: &str) -> Option<&Count> {
         let mut counts = self.counts.iter();
         counts.find(|count| count.core == core && count.name == name && count.moment == moment)
     }
 
-    /// The largest error of `name`'s results `of`.
+    /// The largest error of the result `of` of `name`.
     pub fn error(&self, name: &str, of: &str) -> Option<f64> {
         let mut errors = self.errors.iter();
         errors

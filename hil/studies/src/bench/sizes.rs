@@ -1,4 +1,4 @@
-//! Bytes of what is counted, from the images' symbols.
+//! Bytes of the counted code, from the images' symbols.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use object::{Object as _, ObjectSymbol as _};
 
 use super::results::Size;
 
-/// Parts of the mangled names of the functions that a form of |v|^α is made of.
+/// Parts of the mangled names of the functions for each form of |v|^α.
 const IN_RUST: [(&str, &[&str]); 4] = [
     ("power/general", &["5suite5power7general"]),
     ("power/table", &["5suite5power9tabulated"]),
@@ -25,7 +25,7 @@ const SINE: &str = "4sine4SINE";
 /// Code of the forms of |v|^α in Rust, and the tables of the tick.
 ///
 /// # Errors
-/// A file that cannot be read, is none, or lacks what is sized.
+/// The file cannot be read, is no image, or lacks a symbol to size.
 pub fn of_counted(elf: &Path) -> Result<Vec<Size>, InputError> {
     let symbols = symbols(elf)?;
     let table = size_of::<PowerTable>() as u64;
@@ -44,18 +44,18 @@ pub fn of_counted(elf: &Path) -> Result<Vec<Size>, InputError> {
 /// Code of |v|^α in C.
 ///
 /// # Errors
-/// A file that cannot be read, is none, or lacks what is sized.
+/// The file cannot be read, is no image, or lacks a symbol to size.
 pub fn of_peer(elf: &Path) -> Result<Vec<Size>, InputError> {
     code(&symbols(elf)?, &IN_C)
 }
 
-/// Code that could only be there to panic.
+/// Code whose only purpose can be a panic.
 ///
 /// # Errors
-/// A file that cannot be read, is none, or has no symbols.
+/// The file cannot be read, is no image, or has no symbols.
 pub fn of_panics(elf: &Path) -> Result<u64, InputError> {
     let symbols = symbols(elf)?;
-    // An image that was stripped would have no panics either.
+    // A stripped image would also have no panics.
     sum(&symbols, &["main"])?;
     let panics = symbols
         .iter()
@@ -79,7 +79,7 @@ fn symbols(elf: &Path) -> Result<Vec<Symbol>, InputError> {
     Ok(named.collect())
 }
 
-/// Bytes of the symbols whose names contain one of `parts`. There must be some: what was renamed would count as 0 bytes.
+/// Bytes of the symbols whose names contain one of `parts`. There must be some: otherwise a renamed symbol would count as 0 bytes.
 fn sum(symbols: &[Symbol], parts: &[&str]) -> Result<u64, InputError> {
     let is_one = |(name, _): &&Symbol| parts.iter().any(|part| name.contains(part));
     let bytes = symbols.iter().filter(is_one).map(|(_, bytes)| bytes).sum();

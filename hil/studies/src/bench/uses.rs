@@ -1,4 +1,4 @@
-//! Flash, RAM and stack of small images, each of one use of the crate (`firmware/src/sizes`).
+//! Flash, RAM and stack of small images, each with one use of the crate (`firmware/src/sizes`).
 
 use mesh_damper_link::image::{self, Image, sections};
 use mesh_damper_recording::error::InputError;
@@ -6,21 +6,21 @@ use mesh_damper_recording::error::InputError;
 use super::count::{Core, run_to_end};
 use super::results::Size;
 
-/// Mixed damping law, stick-slip and the results of each cycle, in a law whose type names its effects.
+/// Mixed damping law, stick-slip and the results of each cycle, in a law of a static type.
 pub const STATIC_LAW: &str = "static-law";
-/// A law that is read from a pack.
+/// A law read from a pack.
 const RUNNING_LAW: &str = "running-law";
-/// The law with one effect: its type names it, or it is read from a pack.
+/// The law with one effect: as a static type, or read from a pack.
 const ONE_EFFECT: [&str; 2] = ["one-effect-static", "one-effect-pack"];
-/// The damper of docs/firmware.md.
+/// The damper from docs/firmware.md.
 pub const DAMPER: &str = "damper";
-/// What targets call to set all up, one after the other: of this image the stack of each counts alone.
+/// The constructors that targets call, one after the other: for this image only the stack of each counts.
 const CONSTRUCTORS: &str = "constructors";
 
 /// Sizes of each use on the board of `core`, and the stack of each constructor.
 ///
 /// # Errors
-/// What the compiler or the emulator says, or an image that says something else.
+/// An error of the compiler or the emulator, or unexpected output of an image.
 pub fn measure(core: Core) -> Result<Vec<Size>, InputError> {
     let mut all = Vec::new();
     let [of_its_type, from_pack] = ONE_EFFECT;

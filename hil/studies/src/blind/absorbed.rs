@@ -1,4 +1,4 @@
-//! How much of a force eq 13 cannot absorb.
+//! The part of a force that eq 13 cannot absorb.
 
 use mesh_damper_reference::protocol::TestBlock;
 use nalgebra::{Matrix3, Vector3};
@@ -11,10 +11,9 @@ const EXPONENT_STEP: f64 = 0.05;
 /// Golden sections of the interval around the best.
 const SECTIONS: usize = 16;
 
-/// RMS of what is left of `truth` when eq 13 is fitted to it, with coefficients of their own at each amplitude of
-/// `blocks`, kN.
+/// RMS of the residual when eq 13 is fitted to `truth`, with separate coefficients at each amplitude of `blocks`, kN.
 ///
-/// The ramp into each block, where the amplitude is neither, is left out.
+/// The ramp into each block is left out: its amplitude is not that of the block.
 pub fn left_by_eq13(truth: &Truth, blocks: &[TestBlock]) -> f64 {
     let mut amplitudes: Vec<f64> = blocks.iter().map(|b| b.amplitude).collect();
     amplitudes.sort_by(f64::total_cmp);
@@ -42,7 +41,7 @@ pub fn left_by_eq13(truth: &Truth, blocks: &[TestBlock]) -> f64 {
     (sum / count as f64).sqrt()
 }
 
-/// Least sum of squares of force − eq 13 over (displacement, velocity, force): for each exponent a linear problem.
+/// Smallest sum of squares of force − eq 13 over (displacement, velocity, force): a linear problem for each exponent.
 pub(super) fn least_squares(samples: &[[f64; 3]]) -> f64 {
     let rest = |alpha: f64| linear_rest(samples, alpha);
     let tried = (0..=EXPONENTS).map(|i| i as f64 * EXPONENT_STEP);
@@ -63,7 +62,7 @@ pub(super) fn least_squares(samples: &[[f64; 3]]) -> f64 {
     rest(0.5 * (low + high)).min(rest(best))
 }
 
-/// The least sum of squares with exponent `alpha`.
+/// The smallest sum of squares with exponent `alpha`.
 fn linear_rest(samples: &[[f64; 3]], alpha: f64) -> f64 {
     let row = |&[y, v, _]: &[f64; 3]| {
         let friction = if v == 0.0 {

@@ -1,8 +1,9 @@
-//! Trials over the crate's own descriptions of effects: each effect that the crate has is hidden, with parameters about typical.
+//! Trials over the crate's own descriptions of effects: each effect of the crate is hidden in turn, with roughly typical
+//! parameters.
 //!
-//! The truth is the crate's law in f64, so these trials say whether a trace finds what the crate has, and not whether the crate's
-//! physics are right: that the other draw asks, whose specimens share no code with the crate. An effect that is added to the
-//! crate is drawn here without a line more.
+//! The truth is the crate's law in f64. So these trials test whether a trace finds the crate's effects, and not whether the crate's
+//! physics are correct: the other draw tests that, with specimens that share no code with the crate. An effect that is added to the
+//! crate is drawn here without further code.
 
 use mesh_damper::effects::description::{Dependence, Description};
 use mesh_damper::effects::{AugmentedLaw, CONTROLS, DESCRIPTIONS, Effect, Motion};
@@ -21,15 +22,15 @@ use super::families::{idle, log_uniform, schedule};
 use super::programme::{self, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
-/// Ticks a second of the law that stands for the specimen.
+/// Ticks per second of the law that represents the specimen.
 const TICK_RATE: f64 = 4000.0;
-/// A parameter is within this factor of the typical one,
+/// A parameter is within this factor of its typical value.
 const VARIED: f64 = 1.4;
-/// and with every draw that a test does not show, or too clearly, within this factor more: in the end within four.
+/// With every draw that a test does not show, or shows too clearly, the factor grows by this one: up to four in the end.
 const WIDER: f64 = 1.02;
-/// What eq 13 leaves of the effect, over the force's noise: as clear as it can be without being all that is there.
+/// Residual of eq 13 for the effect, over the force's noise: clear, but not larger than everything else.
 const VISIBLE: (f64, f64) = (5.0, 300.0);
-/// What is drawn before an effect is given up: no test shows it.
+/// Draws before an effect is given up because no test shows it.
 const DRAWS: i32 = 50;
 
 /// An effect of the crate.
@@ -72,7 +73,7 @@ impl DescribedEffect {
     }
 }
 
-/// How many effects are drawn in turn: seed n hides number n modulo these.
+/// The number of effects that are drawn in turn: seed n hides number n modulo this.
 pub fn described() -> u64 {
     DESCRIPTIONS.len() as u64
 }
@@ -106,7 +107,7 @@ fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) 
     let rate = *[1000.0, 500.0, 2000.0].choose(rng)?;
     let noise = log_uniform(0.002, 0.01, rng);
     let effect = DescribedEffect::drawn(description, within, rng);
-    // Whether the force depends on it or not, so that the thermometer gives nothing away.
+    // Whether the force depends on it or not, so that the thermometer reveals nothing.
     let chamber = HiddenEffect::Temperature {
         beta: 0.0,
         rise: rng.random_range(5.0..30.0),
@@ -156,7 +157,7 @@ fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) 
     }))
 }
 
-/// What the crate's law with the effect gives for a motion at [`TICK_RATE`], kN; `None` where it refuses the parameters.
+/// The force of the crate's law with the effect for a motion at [`TICK_RATE`], kN; `None` if it refuses the parameters.
 fn force_of(
     density: f64,
     effect: &DescribedEffect,
@@ -194,7 +195,7 @@ fn force_of(
     .collect()
 }
 
-/// One sample of `step`.
+/// One sample of every `step`.
 fn every(truth: &Truth, force: &[f64], step: usize) -> Truth {
     fn of<T: Clone>(values: &[T], step: usize) -> Vec<T> {
         values.iter().step_by(step).cloned().collect()
@@ -212,7 +213,7 @@ fn every(truth: &Truth, force: &[f64], step: usize) -> Truth {
 mod tests {
     use super::*;
 
-    /// Within four times what is typical, and seen in both tests, which are not the same.
+    /// Within four times the typical values, and visible in both tests, which differ.
     #[test]
     fn every_description_is_shown_by_a_test() {
         for (seed, description) in (0..).zip(DESCRIPTIONS) {
@@ -241,7 +242,7 @@ mod tests {
         assert_eq!(one.training.force, again.training.force);
     }
 
-    /// Hardening by k5·y⁵ beside the law of the block.
+    /// Hardening by k5·y⁵ in addition to the law of the block.
     #[test]
     fn the_force_is_the_laws_with_the_effect() {
         let description = DESCRIPTIONS.iter().find(|each| each.name == "hardening");

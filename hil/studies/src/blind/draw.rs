@@ -17,29 +17,29 @@ use super::families::{
 use super::programme::{self, Programme, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
 
-/// Seeds of a group, in which each class has its fixed share.
+/// Seeds of a group, in which each class has a fixed share.
 pub const GROUP: u64 = 50;
-/// Of a group: nothing hidden, one listed effect, two of them; the rest is unlisted.
+/// In a group: nothing hidden, one listed effect, two of them; the rest is unlisted.
 const NONE: usize = 10;
 const SINGLE: usize = LISTED;
 const PAIRS: usize = 9;
 
-/// What is left by eq 13 of an effect that stands alone, over the force's noise.
+/// Residual of eq 13 for a single effect, over the force's noise.
 const SIZES: (f64, f64) = (1.0, 50.0);
-/// The same of each effect of a pair.
+/// The same for each effect of a pair.
 const SIZES_IN_PAIR: (f64, f64) = (3.0, 50.0);
-/// RMS of an effect's force is at most this part of that of eq 13.
+/// RMS of an effect's force over that of eq 13, at most.
 const LARGEST_SHARE: f64 = 0.6;
-/// The size may miss the one drawn by this factor.
+/// The size may differ from the drawn one by this factor.
 const MISS: f64 = 1.15;
-/// Trials of a size before another is drawn.
+/// Attempts at a size before another is drawn.
 const SIZINGS: usize = 8;
-/// Times a second at which sizes are computed.
+/// Rate at which sizes are computed, Hz.
 const SIZING_RATE: f64 = 500.0;
-/// Times a second that the specimen is called at least.
+/// Lowest rate at which the specimen is computed, Hz.
 const TRUTH_RATE: f64 = 4000.0;
 
-/// What the tracer should say.
+/// The right answer of the tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -50,18 +50,18 @@ pub enum Class {
     Listed,
     /// Two listed effects.
     Pair,
-    /// One that no tracer has a name for.
+    /// One unlisted effect.
     Unlisted,
 }
 
-/// What is hidden in a specimen.
+/// The hidden effect of a specimen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Hidden {
-    /// By physics of its own.
+    /// With separate physics.
     Specimen(HiddenEffect),
-    /// By the crate's.
+    /// With the crate's physics.
     Described(DescribedEffect),
 }
 
@@ -83,7 +83,7 @@ impl Hidden {
     }
 }
 
-/// An effect and how much it matters.
+/// An effect and its size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sized {
@@ -91,21 +91,21 @@ pub struct Sized {
     pub effect: Hidden,
     /// RMS of its force in the training test over that of the noise.
     pub size: f64,
-    /// RMS of what eq 13, fitted at each amplitude by itself, leaves of it, over that of the noise.
+    /// RMS of the residual of eq 13, fitted separately at each amplitude, over that of the noise.
     pub visible: f64,
 }
 
-/// What is hidden in a trial.
+/// The hidden truth of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Secret {
-    /// That drew it.
+    /// The seed.
     pub seed: u64,
-    /// What the tracer should say.
+    /// The right answer of the tracer.
     pub class: Class,
     /// g/cm³.
     pub density: f64,
-    /// What is hidden.
+    /// The hidden effects.
     pub effects: Vec<Sized>,
     /// The tests.
     pub programme: Programme,
@@ -113,9 +113,9 @@ pub struct Secret {
     pub rate: f64,
     /// RMS of the force's noise over that of the force.
     pub noise: f64,
-    /// Whether the chamber warms though nothing depends on it.
+    /// Whether the chamber warms although nothing depends on it.
     pub warms: bool,
-    /// Whether somebody sets a current though nothing depends on it.
+    /// Whether a current is set although nothing depends on it.
     pub is_set: bool,
 }
 
@@ -125,7 +125,7 @@ impl Secret {
         self.effects.iter().map(|e| e.effect.family()).collect()
     }
 
-    /// The least visible of the effects; infinite where there is none.
+    /// The visibility of the least visible effect; infinite if there is none.
     pub fn visible(&self) -> f64 {
         self.effects
             .iter()
@@ -133,10 +133,10 @@ impl Secret {
     }
 }
 
-/// Two recordings and what is hidden in them.
+/// Two recordings and their hidden truth.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What the tracer must not see.
+    /// The truth, which the tracer must not see.
     pub secret: Secret,
     /// To be fitted.
     pub training: Recording,
@@ -148,10 +148,10 @@ pub struct Trial {
 
 /// The trial of `seed`: the same for the same seed.
 ///
-/// Of 50 seeds 50n…50n + 49, 10 hide nothing, 18 a listed effect, 9 two, and 13 an unlisted one, in an order drawn for
-/// the 50. The density is between 2 and 4 g/cm³, the noise of the force 0.2–3 % of its RMS and most often 0.4 %, the
-/// rate mostly 1 kHz. An effect's size is drawn evenly over the logarithm of what eq 13 cannot absorb of it, 1–50 times
-/// the noise (3–50 in pairs), and drawn again with all else where no specimen or no test could have it.
+/// Of 50 seeds 50n…50n + 49, 10 hide nothing, 18 hide a listed effect, 9 hide two, and 13 an unlisted one, in an order drawn for
+/// the 50. The density is between 2 and 4 g/cm³, the noise of the force 0.2–3 % of its RMS and most often 0.4 %, the rate mostly 1
+/// kHz. An effect's size is drawn evenly over the logarithm of the part that eq 13 cannot absorb, 1–50 times the noise (3–50 in
+/// pairs). If no specimen or no test could have that size, everything is drawn again.
 pub fn draw(seed: u64) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (class, number) = class(seed);
@@ -162,7 +162,7 @@ pub fn draw(seed: u64) -> Trial {
     }
 }
 
-/// The trial with that number among those whose effect is on no list.
+/// The trial with that number among those with an unlisted effect.
 pub fn draw_unlisted(number: u64) -> Trial {
     let of_group = GROUP - (NONE + SINGLE + PAIRS) as u64;
     let group = number / of_group * GROUP;
@@ -170,7 +170,7 @@ pub fn draw_unlisted(number: u64) -> Trial {
     draw(seeds.nth((number % of_group) as usize).unwrap_or(group))
 }
 
-/// The class of `seed` and its number among those of its class.
+/// The class of `seed` and its number within the class.
 fn class(seed: u64) -> (Class, usize) {
     let group = (seed / GROUP) as usize;
     let mut places: [usize; GROUP as usize] = std::array::from_fn(|i| i);
@@ -189,7 +189,7 @@ fn class(seed: u64) -> (Class, usize) {
     }
 }
 
-/// A secret of its class and its effects, if what is drawn is possible.
+/// A secret of its class and its effects, if the draw is possible.
 fn secret(
     seed: u64,
     class: Class,
@@ -237,7 +237,7 @@ fn secret(
     Some((secret, drawn))
 }
 
-/// Which effects, and the shape of a test that shows all of them.
+/// The effects, and the shape of a test that shows all of them.
 fn hidden(
     seed: u64,
     class: Class,
@@ -264,7 +264,7 @@ fn hidden(
             .to_vec(),
         Class::Unlisted => vec![LISTED + number % UNLISTED],
     };
-    // Neither shapes nor the family's name depend on what is drawn within it.
+    // Neither the shapes nor the family's name depend on draws within it.
     let examples: Vec<Unsized> = effects
         .iter()
         .map(|&which| effect(which, 1.0, rng))
@@ -279,8 +279,8 @@ fn hidden(
     Some((*shapes.choose(rng)?, effects))
 }
 
-/// The effect scaled until what eq 13 leaves of it is `wanted` times the noise; none where it would have to be larger
-/// than one can be.
+/// The effect scaled until the residual of eq 13 is `wanted` times the noise; `None` if that needs more than the largest possible
+/// size.
 fn size(
     secret: &Secret,
     law: &Truth,
@@ -312,7 +312,7 @@ fn size(
             };
             return (added <= LARGEST_SHARE * law_rms).then_some((effect, sized));
         }
-        // Before anything is seen of it a step is larger than proportion would have it.
+        // Before the effect is visible, a step is larger than proportional.
         factor *= (wanted / visible.max(1e-3 * wanted)).clamp(1e-3, 1e3);
         if factor < drawn.factors.0 || factor > drawn.factors.1 {
             return None;
@@ -344,7 +344,7 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
     let tests = Tests::of(&secret.programme, rate, |which, blocks| {
         if which == Which::HeldOut {
             for effect in &mut effects {
-                // Another day, another walk, and other currents.
+                // Another day, another random walk, and other currents.
                 match effect {
                     HiddenEffect::Unlisted(Unlisted::RandomWalk { seed, .. }) => *seed ^= 1,
                     HiddenEffect::ControlInput { schedule, .. } => schedule.seed ^= 1,
@@ -364,14 +364,14 @@ fn trial(secret: Secret, mut effects: Vec<HiddenEffect>, rng: &mut impl Rng) -> 
     tests.expect("each is recorded").hiding(secret)
 }
 
-/// Which test of a programme.
+/// The test of a programme.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Which {
-    /// The one that is fitted,
+    /// The one to fit,
     Training,
     /// the one to predict,
     HeldOut,
-    /// or the one to predict that begins with the one that is fitted.
+    /// or the one to predict that begins with the fitted one.
     Whole,
 }
 
@@ -388,12 +388,12 @@ impl Which {
 pub(super) struct Tests {
     training: Recording,
     held_out: Recording,
-    /// Noise over force of what is scored.
+    /// Noise over force of the scored recording.
     held_out_noise: f64,
 }
 
 impl Tests {
-    /// `record` gives the recording of one and the deviation of its force's noise in kN. `None` where that does.
+    /// `record` gives the recording of a test and the deviation of its force's noise in kN. `None` if `record` does.
     pub fn of(
         programme: &Programme,
         rate: f64,

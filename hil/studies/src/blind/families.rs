@@ -1,4 +1,4 @@
-//! Effects of size one, to be scaled: what is hidden, before it is known how large.
+//! Effects of size one, to be scaled: the hidden effects before their size is known.
 
 use std::f64::consts::TAU;
 
@@ -8,13 +8,13 @@ use rand::{Rng, RngExt};
 
 use super::programme::TestShape;
 
-/// Listed effects, by the shapes that a family may have; each is as likely as another.
+/// Listed effects, by the shapes that a family may have; each is equally likely.
 pub const LISTED: usize = 18;
 /// Unlisted ones.
 pub const UNLISTED: usize = 14;
-/// Numbers of listed effects that came later, each with the first seed of the trial that may draw it: what seeds below draw is as it was
-/// when their figures were published. A dashpot that yields; what a control input sets, damping that differs between the directions, play
-/// that travels, stiffness that is lost.
+/// Numbers of listed effects that were added later, each with the first seed of the trial that may draw it: draws below that seed
+/// are as they were when their figures were published. The effects are a dashpot that yields, a force set by a control input,
+/// damping that differs between the directions, play that travels, and stiffness that is lost.
 pub const LATER: [(usize, u64); 5] = [
     (LISTED + UNLISTED, 500),
     (CONTROL_INPUT, FIRST_WITH_CONTROL),
@@ -22,22 +22,22 @@ pub const LATER: [(usize, u64); 5] = [
     (LISTED + UNLISTED + 3, FIRST_WITH_CONTROL),
     (LISTED + UNLISTED + 4, FIRST_WITH_CONTROL),
 ];
-/// Number of what a control input sets.
+/// Number of the force set by a control input.
 const CONTROL_INPUT: usize = LISTED + UNLISTED + 1;
-/// The first seed of any trial that may draw it, and a test with an input on which nothing depends.
+/// The first seed of any trial that may draw it, or a test with an input on which nothing depends.
 pub const FIRST_WITH_CONTROL: u64 = 2000;
 
 /// Sliders of an Iwan element.
 const SLIDERS: usize = 12;
 
-/// An effect that has yet to be scaled, with the largest factor that a specimen could have.
+/// An effect to be scaled, with the largest possible factor.
 #[derive(Clone, Copy, Debug)]
 pub struct Unsized {
-    /// With size one, or another at which to begin.
+    /// With size one, or another initial size.
     pub effect: HiddenEffect,
-    /// Factors between which its size may be.
+    /// Range of its size.
     pub factors: (f64, f64),
-    /// Shapes of programme in which it can be seen; drawn from these.
+    /// Shapes of programme in which it is visible; one of them is drawn.
     pub shapes: &'static [TestShape],
 }
 
@@ -62,7 +62,8 @@ const WITH_LONG: &[TestShape] = &[
     TestShape::Long,
 ];
 
-/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`] before the [`LATER`], for a test whose largest amplitude is `largest` mm.
+/// Effect number `which`, the [`LISTED`] before the [`UNLISTED`] before the [`LATER`], for a test whose largest amplitude is
+/// `largest` mm.
 pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     match which.checked_sub(LISTED + UNLISTED) {
         None if which < LISTED => listed(which, largest, rng),
@@ -72,7 +73,7 @@ pub fn effect(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     }
 }
 
-/// What real dampers have.
+/// Effects of real dampers.
 fn measured(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     let any_size = (1e-6, 1e6);
     let (effect, factors, shapes) = match which {
@@ -107,8 +108,8 @@ fn measured(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     }
 }
 
-/// A current of up to an ampere that somebody sets now and then. At one ampere the branch has a stiffness of 1 and yields as
-/// [`yielding`] does.
+/// A current of up to an ampere that is changed now and then. At one ampere the branch has a stiffness of 1 and yields like
+/// [`yielding`].
 fn control_input(largest: f64, rng: &mut impl Rng) -> HiddenEffect {
     let force = largest * rng.random_range(0.1..0.4);
     let rate = largest * log_uniform(3.0, 20.0, rng);
@@ -239,8 +240,8 @@ fn listed(which: usize, largest: f64, rng: &mut impl Rng) -> Unsized {
     }
 }
 
-/// Of a stiffness of 1: between a tenth and a half of the largest amplitude it yields, at a rate that a test of some Hz passes, and its
-/// viscosity adds up to about as much again.
+/// With a stiffness of 1. It yields between a tenth and a half of the largest amplitude, at a rate that a test of some Hz exceeds,
+/// and its viscosity adds up to about as much again.
 fn yielding(largest: f64, rng: &mut impl Rng) -> Unsized {
     let force = largest * rng.random_range(0.1..0.4);
     let rate = largest * log_uniform(3.0, 20.0, rng);
@@ -342,7 +343,7 @@ pub fn largest_amplitude(blocks: &[TestBlock]) -> f64 {
     blocks.iter().fold(0.0, |x, block| x.max(block.amplitude))
 }
 
-/// Evenly over the logarithm between `low` and `high`.
+/// Evenly distributed over the logarithm between `low` and `high`.
 pub fn log_uniform(low: f64, high: f64, rng: &mut impl Rng) -> f64 {
     rng.random_range(low.ln()..high.ln()).exp()
 }

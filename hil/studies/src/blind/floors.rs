@@ -1,4 +1,4 @@
-//! What the blind trial has to reach: what it reached when this was last written, less what one more seed may change.
+//! The requirements on the blind trial: its results when this was last written, minus the change that one more seed may cause.
 
 use std::ops::Range;
 
@@ -6,22 +6,22 @@ use mesh_damper_rig::check::{Check, failures};
 
 use super::summary::{Rate, Summary};
 
-/// Least rates, and the largest of false discoveries.
+/// Lowest rates, and the highest of false discoveries.
 #[derive(Clone, Copy, Debug)]
 pub struct Floors {
-    /// Of [`Summary::listed`].
+    /// For [`Summary::listed`].
     pub listed: f64,
-    /// Of [`Summary::listed_or_among`].
+    /// For [`Summary::listed_or_among`].
     pub listed_or_among: f64,
-    /// The most of [`Summary::false_discoveries`].
+    /// Highest [`Summary::false_discoveries`].
     pub false_discoveries: f64,
-    /// Of [`Summary::pairs`].
+    /// For [`Summary::pairs`].
     pub pairs: f64,
-    /// Of [`Summary::unlisted`].
+    /// For [`Summary::unlisted`].
     pub unlisted: f64,
-    /// The most of [`Summary::unlisted_named`].
+    /// Highest [`Summary::unlisted_named`].
     pub unlisted_named: f64,
-    /// Of [`Summary::unlisted_mended`].
+    /// For [`Summary::unlisted_mended`].
     pub unlisted_mended: f64,
 }
 
@@ -36,7 +36,7 @@ pub const FLOORS: Floors = Floors {
     unlisted_mended: 0.87,
 };
 
-/// Over unlisted seeds 0…429. Nothing else is hidden there.
+/// Over unlisted seeds 0…429. No other effects are hidden there.
 pub const FLOORS_OF_THE_UNLISTED: Floors = Floors {
     listed: 0.0,
     listed_or_among: 0.0,
@@ -47,7 +47,7 @@ pub const FLOORS_OF_THE_UNLISTED: Floors = Floors {
     unlisted_mended: 0.82,
 };
 
-/// Over the crate's own effects, described seeds 0…95. Nothing else is hidden there.
+/// Over the crate's own effects, described seeds 0…95. No other effects are hidden there.
 pub const FLOORS_OF_THE_DESCRIBED: Floors = Floors {
     listed: 0.92,
     listed_or_among: 0.94,
@@ -58,10 +58,10 @@ pub const FLOORS_OF_THE_DESCRIBED: Floors = Floors {
     unlisted_mended: 0.0,
 };
 
-/// Seeds that are tried with every change.
+/// Seeds that are tested with every change.
 pub const PART: Range<u64> = 0..25;
 
-/// Over these.
+/// Over these seeds.
 pub const FLOORS_OF_A_PART: Floors = Floors {
     listed: 1.0,
     listed_or_among: 1.0,
@@ -72,7 +72,7 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
     unlisted_mended: 0.66,
 };
 
-/// That a bound `holds`; where it does not, what was reached in the place of it is `said`.
+/// Checks that a bound `holds`; if not, the message gives the result, `said`.
 pub(super) fn bounded(holds: bool, what: &str, said: &str, end: &str, bound: f64) -> Check {
     Check::new(what, holds, || {
         format!("{what}: {said}, {end} {bound:.3} has been reached")
@@ -80,14 +80,14 @@ pub(super) fn bounded(holds: bool, what: &str, said: &str, end: &str, bound: f64
 }
 
 impl Floors {
-    /// The [`Floors::checks`] that `summary` does not pass, each in a line.
+    /// The [`Floors::checks`] that `summary` fails, one per line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
         failures(self.checks(summary))
     }
 
-    /// What `summary` has to reach.
+    /// The requirements on `summary`.
     pub fn checks(&self, summary: &Summary) -> Vec<Check> {
-        // Of none there is no rate to be held to anything.
+        // Without trials there is no rate to check.
         let said = |rate: Rate| format!("{} of {}", rate.count, rate.of);
         let least = |what: &str, rate: Rate, bound: f64| {
             let holds = rate.of == 0 || rate.value() >= bound;

@@ -1,4 +1,4 @@
-//! What a tracer made of a trial, and what it should have.
+//! The answer of a tracer to a trial, and the right answer.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::{TraceError, trace};
@@ -7,17 +7,17 @@ use serde::Serialize;
 
 use super::draw::{Class, Secret, Trial};
 
-/// A trial and what was said of it.
+/// A trial and its answer.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
-    /// What was hidden.
+    /// The truth.
     pub secret: Secret,
-    /// What was said; where the trace was refused, why.
+    /// The answer; if the trace was refused, the reason.
     pub said: Result<Said, String>,
 }
 
-/// What a trace said.
+/// The answer of a trace.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Said {
@@ -25,7 +25,7 @@ pub struct Said {
     pub verdict: Verdict,
     /// The families that it named.
     pub families: Vec<String>,
-    /// What its residual table remembers, where it has one that does.
+    /// The memory of its residual table, if it has a table with one.
     pub remembers: Option<Remembered>,
     /// Held-out error of eq 13 over the noise.
     pub before: f64,
@@ -33,20 +33,20 @@ pub struct Said {
     pub after: f64,
 }
 
-/// How well an answer fits a secret.
+/// How well an answer fits the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
-    /// As it is.
+    /// Exactly.
     Right,
-    /// What is hidden is among several that the trace could not tell apart.
+    /// The truth is among several effects that the trace could not distinguish.
     Among,
-    /// Something else.
+    /// Another answer.
     Wrong,
 }
 
-/// Traces `trial` and keeps what was said.
+/// Traces `trial` and stores the answer.
 pub fn judge(trial: &Trial) -> Outcome {
     let training = std::slice::from_ref(&trial.training);
     let held_out = std::slice::from_ref(&trial.held_out);
@@ -79,13 +79,13 @@ impl Said {
 }
 
 impl Outcome {
-    /// Whether it counts towards the rates: what is hidden stands at least three times above the noise.
+    /// Whether it counts towards the rates: the hidden effect is at least three times above the noise.
     pub fn counts(&self) -> bool {
         self.secret.visible() >= super::LEAST_VISIBLE
     }
 
-    /// How well the answer fits. A listed effect has to be the only one named, of a pair both have to be; an unlisted one has
-    /// to be called so, or by its name where a tracer has learnt it and the law is mended with it.
+    /// How well the answer fits. A listed effect has to be the only one named, and both of a pair have to be named. An unlisted
+    /// effect has to be reported as unlisted, or by its name if the tracer has learnt it and the law is corrected with it.
     pub fn mark(&self) -> Mark {
         let Ok(said) = &self.said else {
             return Mark::Wrong;
@@ -114,13 +114,13 @@ impl Outcome {
         }
     }
 
-    /// Whether it was found to be what it is not.
+    /// Whether it was given a wrong name.
     pub fn is_called_another(&self) -> bool {
         let found = |said: &Said| matches!(said.verdict, Verdict::Found | Verdict::Ambiguous);
         self.said.as_ref().is_ok_and(found) && self.mark() == Mark::Wrong
     }
 
-    /// Whether the law was mended: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
+    /// Whether the law was corrected: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
     pub fn mended(&self) -> bool {
         self.said
             .as_ref()
@@ -150,8 +150,8 @@ impl Outcome {
     }
 }
 
-/// The name under which a tracer knows what is hidden: a spring-pot is Maxwell branches of all times, damping that is there one way only
-/// differs between the directions, and rubber that a larger stretch has softened has lost stiffness.
+/// The tracer's name for a hidden effect. A spring-pot is a set of Maxwell branches of all times; damping in one direction only is
+/// damping that differs between the directions; rubber that a larger stretch has softened has lost stiffness.
 fn learnt_as(hidden: &str) -> &str {
     match hidden {
         "fractional" => "relaxation",
@@ -161,7 +161,7 @@ fn learnt_as(hidden: &str) -> &str {
     }
 }
 
-/// Families in the order of the alphabet.
+/// Families in alphabetical order.
 fn named<S: AsRef<str> + Ord>(mut families: Vec<S>) -> String {
     families.sort();
     let families: Vec<&str> = families.iter().map(AsRef::as_ref).collect();

@@ -1,4 +1,4 @@
-//! The blind trial: specimens whose effect, size, noise and test are drawn by a seed that the tracer never sees.
+//! The blind trial: specimens whose effect, size, noise and test are drawn from a seed that the tracer never sees.
 
 mod absorbed;
 mod described;
@@ -25,22 +25,22 @@ pub use programme::{Programme, TestShape};
 pub use summary::{Rate, Ratios, Summary};
 pub use test_rig::{Sensors, Truth, answer, record};
 
-/// What eq 13 leaves of a hidden effect is at least so many times the noise where its trial counts.
+/// A trial counts if the residual of eq 13 for the hidden effect is at least this multiple of the noise.
 pub const LEAST_VISIBLE: f64 = 3.0;
 
-/// What makes a seed's trial.
+/// How a seed makes a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draw {
-    /// [`draw()`]: specimens whose physics are their own.
+    /// [`draw()`]: specimens with separate physics.
     Specimens,
-    /// [`draw_unlisted`]: those of them whose effect is on no list.
+    /// [`draw_unlisted`]: those of them with an unlisted effect.
     Unlisted,
     /// [`draw_described`]: the effects that the crate describes.
     Described,
 }
 
 impl Draw {
-    /// What it has to reach.
+    /// Its requirements.
     pub fn floors(self) -> &'static Floors {
         match self {
             Self::Specimens => &FLOORS,
@@ -49,7 +49,7 @@ impl Draw {
         }
     }
 
-    /// The trial of `seed`; `None` where no test shows what it would hide.
+    /// The trial of `seed`; `None` if no test shows its effect.
     pub fn trial(self, seed: u64) -> Option<Trial> {
         match self {
             Self::Specimens => Some(draw(seed)),

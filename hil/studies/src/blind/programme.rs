@@ -1,4 +1,4 @@
-//! The tests that a drawn specimen is put through.
+//! The tests of a drawn specimen.
 
 use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
@@ -15,9 +15,9 @@ pub enum TestShape {
     Amplitudes,
     /// One amplitude at several frequencies, and another.
     Frequencies,
-    /// One long block, which goes on while held out.
+    /// One long block, which continues in the held-out part.
     Long,
-    /// One short block; held out is the same once more.
+    /// One short block; the held-out test repeats it.
     Single,
 }
 
@@ -27,17 +27,17 @@ pub enum TestShape {
 pub struct Programme {
     /// Its shape.
     pub shape: TestShape,
-    /// What is fitted.
+    /// The fitted blocks.
     pub training: Vec<TestBlock>,
-    /// What is held out; of [`TestShape::Long`] the training block with more cycles.
+    /// The held-out blocks; for [`TestShape::Long`] the training block with more cycles.
     pub held_out: Vec<TestBlock>,
 }
 
-/// The tables' amplitudes, mm. Coefficients are linear between them: a test that is to be predicted at other amplitudes has
-/// all of these that it spans, else no law could know how they go on.
+/// The tables' amplitudes, mm. Coefficients are linear between them. A test to be predicted at other amplitudes needs all of these
+/// within its range, because otherwise no law could know how the coefficients continue.
 const NODES: [f64; 5] = tables::AMPLITUDES;
 
-/// A programme of `shape`, its amplitudes on a grid of 5 µm and its frequencies on one of 0.1 Hz.
+/// A programme of `shape`, with its amplitudes on a grid of 5 µm and its frequencies on a grid of 0.1 Hz.
 pub fn draw(shape: TestShape, rng: &mut impl Rng) -> Programme {
     let (training, held_out) = match shape {
         TestShape::Amplitudes => amplitudes(rng),
@@ -67,8 +67,8 @@ pub fn draw(shape: TestShape, rng: &mut impl Rng) -> Programme {
     }
 }
 
-/// Such as 0.05, 0.1, 0.2 mm at 1 and 5 Hz each and 0.15 mm at 2 Hz, in this order or another, at times with a block that
-/// returns; held out are two amplitudes between them at two frequencies between theirs.
+/// For example 0.05, 0.1, 0.2 mm at 1 and 5 Hz each and 0.15 mm at 2 Hz, in this order or another, sometimes with a block that
+/// returns. Held out are two amplitudes between these at two frequencies between these.
 fn amplitudes(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     let mut nodes = if rng.random_bool(0.25) {
         NODES.to_vec()
@@ -78,7 +78,7 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     let (least, largest) = (nodes[0], nodes[nodes.len() - 1]);
     let slow = grid(rng.random_range(0.5..1.5), 0.1);
     let fast = grid(rng.random_range(4.0..8.0), 0.1);
-    // One amplitude is run at a frequency of its own, as in 0.15 mm at 2 Hz.
+    // One amplitude runs at a separate frequency, such as 0.15 mm at 2 Hz.
     let alone = nodes.remove(rng.random_range(1..nodes.len()));
     let mut training: Vec<TestBlock> = nodes
         .iter()
@@ -109,7 +109,7 @@ fn amplitudes(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     (training, held_out)
 }
 
-/// Such as 0.1 mm at 0.5, 1, 2, 5 and 10 Hz and 0.15 mm at 3 Hz; held out are an amplitude between and another frequency.
+/// For example 0.1 mm at 0.5, 1, 2, 5 and 10 Hz and 0.15 mm at 3 Hz; held out are an amplitude in between and another frequency.
 fn frequencies(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
     let node = *[0, 1, 1, 1, 2].choose(rng).unwrap_or(&1);
     let (amplitude, other) = (NODES[node], NODES[node + 1]);
@@ -144,6 +144,6 @@ fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
 }
 
 fn grid(value: f64, step: f64) -> f64 {
-    // Rounded to decimals too, so that 0.1 is 0.1.
+    // Also rounded to decimals, so that 0.1 is 0.1.
     ((value / step).round() * step * 1e6).round() / 1e6
 }

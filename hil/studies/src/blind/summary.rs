@@ -7,18 +7,18 @@ use serde::Serialize;
 use super::draw::Class;
 use super::judge::{Mark, Outcome};
 
-/// So many of so many.
+/// A count out of a total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rate {
-    /// Of these.
+    /// The count.
     pub count: usize,
-    /// All.
+    /// The total.
     pub of: usize,
 }
 
 impl Rate {
-    /// Between 0 and 1; not a number where there are none.
+    /// Between 0 and 1; NaN if the total is 0.
     pub fn value(&self) -> f64 {
         self.count as f64 / self.of as f64
     }
@@ -48,38 +48,38 @@ pub struct Ratios {
     pub worst: f64,
 }
 
-/// What came out of many trials. Rates of hidden effects count those that stand at least three times above the noise.
+/// The results of many trials. Rates of hidden effects count only effects at least three times above the noise.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// One listed effect, and it alone named.
+    /// One listed effect, and only it named.
     pub listed: Rate,
-    /// The same, or named among several that cannot be told apart.
+    /// The same, or named among several that cannot be distinguished.
     pub listed_or_among: Rate,
-    /// Nothing hidden, and something found.
+    /// Nothing hidden, but an effect found.
     pub false_discoveries: Rate,
     /// Two listed effects, both named.
     pub pairs: Rate,
     /// The same, or named among several.
     pub pairs_or_among: Rate,
-    /// An unlisted effect, called so.
+    /// An unlisted effect, reported as unlisted.
     pub unlisted: Rate,
-    /// An unlisted effect, called by the name of another.
+    /// An unlisted effect with the name of another.
     pub unlisted_named: Rate,
-    /// An unlisted effect without which the law predicts to 1.5 times the noise or a tenth of eq 13's error.
+    /// An unlisted effect that the law predicts to 1.5 times the noise or a tenth of eq 13's error.
     pub unlisted_mended: Rate,
     /// By class.
     pub ratios: BTreeMap<Class, Ratios>,
-    /// For each truth how often what was said. Unlisted truths are in brackets.
+    /// For each truth, how often each answer was given. Unlisted truths are in brackets.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
-    /// Seeds of what no test shows.
+    /// Seeds whose effect no test shows.
     pub not_shown: Vec<u64>,
     /// The trials.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Summary {
-    /// Counts `outcomes`, beside which are the seeds `not_shown`.
+    /// Counts `outcomes`; the seeds `not_shown` are separate.
     pub fn of(outcomes: Vec<Outcome>, not_shown: Vec<u64>) -> Self {
         let counted = |class| {
             outcomes

@@ -1,4 +1,4 @@
-//! The simulated test that a trial's recordings come from: no controller in it, only a motion, a specimen and sensors.
+//! The simulated test for a trial's recordings: it has no controller, only a motion, a specimen and sensors.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_reference::protocol::{MotionSample, TestBlock, motion};
@@ -22,20 +22,20 @@ const TEMPERATURE_STEP: f64 = 0.01;
 pub struct Truth {
     /// At each sample.
     pub motion: Vec<MotionSample>,
-    /// kN, likewise.
+    /// kN, at each sample.
     pub force: Vec<f64>,
-    /// °C, likewise.
+    /// °C, at each sample.
     pub temperature: Vec<f64>,
-    /// The control input at each sample; none of a specimen that is under none.
+    /// The control input at each sample; none for a specimen without one.
     pub control: Vec<f64>,
-    /// Index of the block of `blocks`, likewise.
+    /// Index of the block within `blocks`, at each sample.
     pub block: Vec<usize>,
 }
 
-/// What a specimen of `density` g/cm³ with `effects` answers to `blocks`, `rate` times a second.
+/// The response of a specimen of `density` g/cm³ with `effects` to `blocks`, sampled `rate` times a second.
 ///
-/// Coefficients are those of the tables at the block's amplitude. The specimen is called about `call_rate` times a second,
-/// and four times as often with a spring in series, whose steps are of first order.
+/// Coefficients are those of the tables at the block's amplitude. The specimen is computed about `call_rate` times a second, and
+/// four times as often with a spring in series, whose steps are of first order.
 pub fn answer(
     density: f64,
     effects: &[HiddenEffect],
@@ -94,20 +94,20 @@ pub struct Sensors {
     pub force_noise: f64,
     /// Whether the temperature is recorded.
     pub thermometer: bool,
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
 /// The recording of `truth`: white noise on every channel, then the converters' steps.
 ///
 /// # Panics
-/// When the test is of less than eight samples or does not move.
+/// The test has fewer than eight samples, or does not move.
 pub fn record(name: String, truth: &Truth, sensors: &Sensors) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(sensors.seed);
     let largest = truth.force.iter().fold(0.0_f64, |x, f| x.max(f.abs()));
     let force_range = (1.2 * largest).log2().ceil().exp2();
     let time = truth.motion.iter().map(|m| m.time).collect();
-    // Sample by sample, so that a test that runs on has the same noise at its beginning.
+    // Sample by sample, so that a longer test has the same noise at its beginning.
     let channels: Vec<[f64; 3]> = truth
         .motion
         .iter()
@@ -145,7 +145,7 @@ pub fn record(name: String, truth: &Truth, sensors: &Sensors) -> Recording {
     };
     let recording = match truth.control.as_slice() {
         [] => recording,
-        // What was set is known as it is.
+        // The set value is known exactly.
         control => recording.and_then(|r| r.with_control(CURRENT, control.to_vec())),
     };
     recording.expect("a simulated test moves")

@@ -1,10 +1,10 @@
-//! The Bouc–Wen benchmark of nonlinear identification: is the oscillator that a trace finds in a record of force and displacement
-//! the one that made it?
+//! The Bouc–Wen benchmark of nonlinear identification: does a trace find the oscillator that produced a record of force and
+//! displacement?
 //!
 //! Noël and Schoukens (2016), Hysteretic benchmark with a dynamic nonlinearity, Workshop on Nonlinear System Identification
 //! Benchmarks, Brussels. The force is the input u; as a damper's law, m·y″ + c·y′ + k·y + z = u has `inertia`, `viscous`, k1 and
-//! `stick_slip`. The model that was traced on the training record is then judged by its force on the tests' motion, and by the
-//! displacement that it simulates under the tests' force, which is the benchmark's own figure of merit.
+//! `stick_slip`. The model from the training record is judged by its force on the tests' motion, and by the displacement that it
+//! simulates under the tests' force, which is the benchmark's own figure of merit.
 
 mod signals;
 mod system;
@@ -32,10 +32,10 @@ pub use system::System;
 
 /// RMS of the noise on the training's displacement, m.
 const NOISE: f64 = 8e-6;
-/// Periods before a record begins: the slowest swing of the oscillator has fallen to e^(−27) after one of the benchmark's.
+/// Periods before a record begins: the slowest oscillation has decayed to e^(−27) after one of the benchmark's periods.
 const SETTLING: usize = 1;
 
-/// What is recorded, and how much of it.
+/// The contents and the length of the records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Programme {
     /// The oscillator.
@@ -46,12 +46,12 @@ pub struct Programme {
     pub periods: usize,
     /// Rise of the sweep's frequency, Hz a minute.
     pub sweep_rate: f64,
-    /// Draws phases and noise.
+    /// Seed of phases and noise.
     pub seed: u64,
 }
 
 impl Programme {
-    /// The benchmark's own.
+    /// The benchmark's programme.
     pub fn of_benchmark(seed: u64) -> Self {
         Self {
             system: System::BENCHMARK,
@@ -63,15 +63,15 @@ impl Programme {
     }
 }
 
-/// A record that is never fitted, and which samples of it are judged.
+/// A record that is never fitted, and the samples of it that are judged.
 #[derive(Clone, Debug)]
 pub struct Test {
     /// `multisine` or `sweep`.
     pub name: &'static str,
     /// Without noise.
     pub recording: Recording,
-    /// What is judged: all but the beginning of a record of a steady motion, of which a simulation from rest does not know how it
-    /// came about.
+    /// The judged samples: all except the beginning of a record of a steady motion, because a simulation from rest does not know
+    /// its history.
     pub judged: Range<usize>,
 }
 
@@ -80,37 +80,37 @@ pub struct Test {
 pub struct Records {
     /// With noise on the displacement.
     pub training: Recording,
-    /// Without.
+    /// Without noise.
     pub tests: Vec<Test>,
 }
 
-/// How a model does on a test.
+/// The score of a model on a test.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// The test's name.
     pub test: &'static str,
-    /// RMS of the model's force from the record's over the RMS of that.
+    /// RMS of the difference between the forces of model and record, over the RMS of the record's force.
     pub force_nrmse: f64,
     /// RMS of the record's displacement, m.
     pub displacement_rms: f64,
-    /// RMS by which the simulated displacement is off, m; null where the model has no motion.
+    /// RMS error of the simulated displacement, m; null if the model has no motion.
     pub displacement_error: Option<f64>,
-    /// Why it has none.
+    /// The reason for having no motion.
     pub refused: Option<String>,
 }
 
-/// What became of the benchmark.
+/// The result of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BoucWenResult {
-    /// Draws phases and noise.
+    /// Seed of phases and noise.
     pub seed: u64,
-    /// Of the trace.
+    /// Verdict of the trace.
     pub verdict: Verdict,
     /// Families that the trace named.
     pub families: Vec<String>,
-    /// Mass that it found, kg; the true one is 2 kg.
+    /// Mass that it found, kg; the true mass is 2 kg.
     pub mass: Option<f64>,
     /// Test by test.
     pub scores: Vec<Score>,
@@ -119,7 +119,7 @@ pub struct BoucWenResult {
 /// Simulates the records.
 ///
 /// # Errors
-/// Never for a programme of some hundred samples and more: what a recording refuses.
+/// Never for a programme of some hundred samples or more: errors of a recording.
 pub fn records(programme: &Programme) -> Result<Records, InputError> {
     let Programme {
         system,
@@ -128,7 +128,7 @@ pub fn records(programme: &Programme) -> Result<Records, InputError> {
         sweep_rate,
         seed,
     } = *programme;
-    // A seed draws three things.
+    // A seed draws three signals.
     let of_multisine = |which: u64, periods: usize, name: &str| {
         let points = 2 * OVERSAMPLING * samples;
         let force = multisine(samples, points, seed.wrapping_mul(4).wrapping_add(which));
@@ -144,7 +144,7 @@ pub fn records(programme: &Programme) -> Result<Records, InputError> {
             *y += noise.sample(&mut random);
         }
     }
-    // A simulation swings in during the first of two periods.
+    // A simulation settles during the first of two periods.
     let steady = of_multisine(1, 2, "test-multisine")?;
     let half_step = 0.5 / (RATE * OVERSAMPLING as f64);
     let u = |half: usize| sweep(half as f64 * half_step, sweep_rate);
@@ -167,7 +167,7 @@ pub fn records(programme: &Programme) -> Result<Records, InputError> {
     })
 }
 
-/// Of `displacement` in m under a force of `u` N at every half step.
+/// For `displacement` in m under a force of `u` N at every half step.
 fn recording(
     name: &str,
     displacement: &[f64],
@@ -192,7 +192,7 @@ fn recording(
 /// Traces the training record and judges the model on the tests.
 ///
 /// # Errors
-/// What the trace refuses, and a test that cannot be prepared for a prediction.
+/// Errors of the trace, and a test that cannot be prepared for a prediction.
 pub fn bouc_wen(
     programme: &Programme,
     records: &Records,
@@ -218,10 +218,10 @@ pub fn bouc_wen(
     Ok((found, result))
 }
 
-/// How `model` does on `test`.
+/// The score of `model` on `test`.
 ///
 /// # Errors
-/// A test that cannot be prepared for a prediction, a model that the crate refuses.
+/// A test that cannot be prepared for a prediction, or a model that the crate refuses.
 pub fn score(model: &Model, test: &Test) -> Result<Score, TraceError> {
     let recording = &test.recording;
     let trajectory = Trajectory::of(recording)?;

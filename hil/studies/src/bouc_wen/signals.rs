@@ -43,7 +43,7 @@ pub fn sweep(time: f64, rate: f64) -> f64 {
     SWEEP_AMPLITUDE * (TAU * (SWEEP[0] + 0.5 * rate / 60.0 * time) * time).sin()
 }
 
-/// How long the sweep takes, s.
+/// Duration of the sweep, s.
 pub fn sweep_time(rate: f64) -> f64 {
     60.0 * (SWEEP[1] - SWEEP[0]) / rate
 }

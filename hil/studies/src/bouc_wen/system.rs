@@ -1,6 +1,6 @@
-//! The benchmark's oscillator, integrated by itself: it shares no code with the crate.
+//! The benchmark's oscillator, integrated separately: it shares no code with the crate.
 
-/// Steps between two samples of a record: as the benchmark does it, at 15 kHz.
+/// Steps between two samples of a record: as in the benchmark, at 15 kHz.
 pub const OVERSAMPLING: usize = 20;
 
 /// m·y″ + c·y′ + k·y + z = u, z′ = α·y′ − β·(γ·|y′|·|z|^(ν−1)·z + δ·y′·|z|^ν), in m, N and s.
@@ -63,8 +63,8 @@ impl System {
         })
     }
 
-    /// Displacement in m at `count` samples, `tick` s apart, from rest, under a force of `u(time)` N at every half step, which is
-    /// given its number.
+    /// Displacement in m at `count` samples, `tick` s apart, from rest, under a force of `u(time)` N at every half step, given by
+    /// its number.
     pub fn displacements(&self, tick: f64, count: usize, u: impl Fn(usize) -> f64) -> Vec<f64> {
         let step = tick / OVERSAMPLING as f64;
         let mut state = [0.0; 3];

@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use crate::amplitude_independent::Sine;
 
-/// Phases at which the largest force is looked for; it may have two maxima where the cubic stiffens much.
+/// Phases at which the largest force is searched for; it may have two maxima if the cubic stiffens a lot.
 const PHASES: usize = 48;
-/// Steps by which it is then narrowed down, each to 0.62 of the width: to 1e-8 of a radian.
+/// Steps that then narrow it down, each to 0.62 of the width: to 1e-8 of a radian.
 const STEPS: usize = 32;
 
 /// Samples of a cycle that is sampled.
@@ -27,7 +27,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Of `law` under A·sin(ωt), `amplitude` A in mm, `frequency` in Hz.
+    /// For `law` under A·sin(ωt), `amplitude` A in mm, `frequency` in Hz.
     ///
     /// The force is odd over half a cycle, so that K = F_max/A; and with v = Aω·cos θ
     ///
@@ -50,7 +50,7 @@ impl Figures {
         }
     }
 
-    /// Of the same loop by its samples and eqs 3–7, as of a recording: another way to the same figures.
+    /// For the same loop from its samples and eqs 3–7, as for a recording: an independent way to the same figures.
     pub fn of_samples(law: &Coefficients, amplitude: f64, frequency: f64) -> Option<Self> {
         let sine = Sine::new(amplitude, frequency, SAMPLES);
         let found = characterize(&sine.displacement, &sine.force(law))?;

@@ -1,4 +1,4 @@
-//! The reverse use: which density, in cycles of which amplitude, gives a stiffness and a loss factor.
+//! The inverse problem: the density, and the amplitude of the cycles, for a required stiffness and loss factor.
 //!
 //! ```
 //! use mesh_damper_studies::design::{Wanted, design};
@@ -28,7 +28,7 @@ use serde::Serialize;
 
 use search::{Search, amplitudes_about};
 
-/// What is wanted.
+/// The requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wanted {
@@ -36,17 +36,17 @@ pub struct Wanted {
     pub stiffness: f64,
     /// Dynamic loss factor η*, above 0.
     pub loss_factor: f64,
-    /// Of the excitation, Hz. The tables are of 1 Hz; elsewhere they are extrapolated by |v|^α.
+    /// Frequency of the excitation, Hz. The tables are for 1 Hz; elsewhere they are extrapolated by |v|^α.
     pub frequency: f64,
-    /// The amplitudes that may be chosen from, mm; a single one when both are equal.
+    /// The range of permitted amplitudes, mm; a single one if both are equal.
     pub amplitudes: (f64, f64),
-    /// By what part of each figure a solution may miss it.
+    /// A solution may miss each figure by this fraction.
     pub tolerance: f64,
-    /// Of the specimens that are chosen from.
+    /// The coefficients of the specimens.
     pub law: Source,
 }
 
-/// A field of [`Wanted`] that cannot be, or a rig that could not be set up.
+/// An impossible field of [`Wanted`], or a rig that could not be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
     /// The field, its value and its range.
@@ -54,34 +54,34 @@ pub enum DesignError {
     OutOfRange {
         /// The field's name.
         field: &'static str,
-        /// What it was.
+        /// Its value.
         value: f64,
-        /// The least that it may be.
+        /// Its lower limit.
         low: f64,
-        /// The most.
+        /// Its upper limit.
         high: f64,
     },
-    /// Amplitudes that fall.
+    /// Decreasing amplitudes.
     #[error("{0} mm is above {1} mm")]
     Amplitudes(f64, f64),
     /// The rig.
     #[error(transparent)]
     Rig(#[from] SetupError),
-    /// The rig stopped on a limit.
+    /// The rig stopped at a limit.
     #[error("the rig stopped after {time:.2} s: {fault:?}")]
     Stopped {
         /// s since the start.
         time: f64,
-        /// Why.
+        /// The reason.
         fault: TripCause,
     },
 }
 
 impl Wanted {
-    /// At 1 Hz, within 5 %, at any amplitude of the tables, by the tables.
+    /// At 1 Hz, within 5 %, at any amplitude of the tables, with the tables' coefficients.
     ///
     /// # Errors
-    /// What is not positive.
+    /// A value is not positive.
     pub fn new(stiffness: f64, loss_factor: f64) -> Result<Self, DesignError> {
         let wanted = Self {
             stiffness,
@@ -124,7 +124,7 @@ impl Wanted {
     }
 }
 
-/// A specimen and the cycle that it is in, with what it has there by eq 13.
+/// A specimen and its cycle, with their figures from eq 13.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Point {
@@ -138,7 +138,7 @@ pub struct Point {
     pub loss_factor: f64,
 }
 
-/// How far a solution has what is wanted.
+/// How well a solution meets the requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -149,49 +149,49 @@ pub enum Meets {
     WithinTolerance,
 }
 
-/// A density and amplitude that give what is wanted.
+/// A density and amplitude that meet the requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Solution {
-    /// Where both figures are met, or, where they can be met within the tolerance only, are nearest.
+    /// The point where both figures are met or, if they can be met only within the tolerance, are nearest.
     pub point: Point,
     /// Which of the two.
     pub meets: Meets,
-    /// What the other set of coefficients gives there, by samples and eqs 3–7: nothing of it was used to find the point.
+    /// The result of the other set of coefficients there, from samples and eqs 3–7: it had no part in finding the point.
     pub by_other_law: Figures,
-    /// The amplitudes about it at which this density keeps both within the tolerance, mm.
+    /// The range of amplitudes around it at which this density keeps both within the tolerance, mm.
     pub amplitudes: (f64, f64),
 }
 
-/// What densities and amplitudes can give at all.
+/// The figures that any density and amplitude can give.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reachable {
-    /// Least and largest K, kN/mm.
+    /// Smallest and largest K, kN/mm.
     pub stiffness: (f64, f64),
-    /// Least and largest η.
+    /// Smallest and largest η.
     pub loss_factor: (f64, f64),
-    /// Least and largest η where K is the one wanted; `None` where it is nowhere.
+    /// Smallest and largest η with the required K; `None` if no point has it.
     pub loss_factor_at_stiffness: Option<(f64, f64)>,
-    /// Least and largest K where η is the one wanted, kN/mm.
+    /// Smallest and largest K with the required η, kN/mm.
     pub stiffness_at_loss_factor: Option<(f64, f64)>,
-    /// Where K and η are nearest to those wanted, by the logarithms of their ratios.
+    /// The point where K and η are nearest to the required values, by the logarithms of their ratios.
     pub nearest: Point,
 }
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Design {
-    /// What was asked.
+    /// The requirements.
     pub wanted: Wanted,
-    /// Every solution, by density; empty where none is within the tolerance.
+    /// Every solution, by density; empty if none is within the tolerance.
     pub solutions: Vec<Solution>,
-    /// What can be had.
+    /// The possible figures.
     pub reachable: Reachable,
 }
 
-/// Every density of 2…4 g/cm³, with the amplitude where that is free, that gives what is wanted.
+/// Every density of 2…4 g/cm³, with the amplitude if that is free, that meets the requirements.
 ///
 /// # Errors
 /// The field of `wanted` that is out of range.

@@ -1,13 +1,13 @@
-//! Both figures at once in one cell of the grid, by Newton's method.
+//! Solves for both figures at once in one cell of the grid, by Newton's method.
 
 use super::Wanted;
 use super::search::misfit;
 
-/// Starts of Newton's method in a cell, each way.
+/// Starts of Newton's method in a cell, in each direction.
 const STARTS: usize = 3;
 /// Most of its steps.
 const STEPS: usize = 60;
-/// Logarithms of K/K* and η/η* below this are 0.
+/// Logarithms of K/K* and η/η* below this count as 0.
 const EXACT: f64 = 1e-9;
 
 /// A cell of the grid, in which both figures are smooth.
@@ -20,14 +20,14 @@ pub(super) struct Cell<'w> {
 }
 
 impl Cell<'_> {
-    /// Densities and amplitudes within it at which both figures are those wanted; one may be there more than once.
+    /// Densities and amplitudes within it at which both figures have the required values; a point may occur more than once.
     pub(super) fn solutions(&self) -> impl Iterator<Item = (f64, f64)> {
         let part = |i: usize| (i as f64 + 0.5) / STARTS as f64;
         (0..STARTS * STARTS).filter_map(move |i| self.newton(part(i / STARTS), part(i % STARTS)))
     }
 
-    /// From a start within the cell, both coordinates 0…1 there. It never leaves the cell, beyond which the coefficients go
-    /// another way.
+    /// From a start within the cell, with both coordinates 0…1 there. It never leaves the cell, beyond which the coefficients have
+    /// another slope.
     fn newton(&self, mut u: f64, mut w: f64) -> Option<(f64, f64)> {
         const DIFFERENCE: f64 = 1e-5;
         let point = |u: f64, w: f64| {
@@ -54,7 +54,7 @@ impl Cell<'_> {
             }
             let step_u = (here[0] * by_w[1] - here[1] * by_w[0]) / determinant;
             let step_w = (here[1] * by_u[0] - here[0] * by_u[1]) / determinant;
-            // Half a cell at most: it is as far as the derivatives can be trusted.
+            // At most half a cell: the derivatives are not reliable further.
             let shortened = (0.5 / step_u.abs().max(step_w.abs())).min(1.0);
             (u, w) = (
                 (u - shortened * step_u).clamp(0.0, 1.0),

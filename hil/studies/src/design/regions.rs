@@ -1,7 +1,7 @@
 //! Regions of a grid.
 
-/// The connected regions of the nodes of `rows` × `columns` that belong to one, each as rows and columns. Neighbours are the
-/// eight around a node.
+/// The connected regions of the marked nodes of `rows` × `columns`, each as rows and columns. Neighbours are the eight around a
+/// node.
 pub(super) fn regions(
     rows: usize,
     columns: usize,

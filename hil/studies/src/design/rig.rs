@@ -1,5 +1,5 @@
-//! A design on the simulated rig: a specimen of that density in cycles of that amplitude, and what the crate's accumulator
-//! reports there.
+//! A design on the simulated rig: a specimen of that density in cycles of that amplitude, and the results of the crate's
+//! accumulator.
 
 use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::error::ConfigError;
@@ -21,24 +21,24 @@ const RAMP_CYCLES: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnRig {
-    /// How many.
+    /// Number of cycles.
     pub cycles: usize,
     /// Amplitude that the actuator reached, mm.
     pub amplitude: f64,
     /// K of the specimen, measured with the sensors' noise, kN/mm.
     pub stiffness: f64,
-    /// η of the specimen, likewise.
+    /// η of the specimen, measured in the same way.
     pub loss_factor: f64,
-    /// K of the crate's law that ran beside it on the measured motion, kN/mm.
+    /// K of the crate's law that ran in parallel on the measured motion, kN/mm.
     pub model_stiffness: f64,
-    /// η of the crate's law, likewise.
+    /// η of the crate's law, in the same way.
     pub model_loss_factor: f64,
 }
 
 /// Runs `point` on the rig at `frequency` Hz, a specimen and a law with the coefficients of `source`.
 ///
 /// # Errors
-/// A rig that cannot be set up or stops on a limit.
+/// The rig cannot be set up, or it stops at a limit.
 pub fn on_rig(point: &Point, source: Source, frequency: f64) -> Result<OnRig, DesignError> {
     let law = source.coefficients(point.density, point.amplitude);
     let refused = |error: ConfigError| SetupError::from(error);

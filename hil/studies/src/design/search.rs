@@ -1,9 +1,9 @@
-//! Every density and amplitude at which stiffness and loss factor are those wanted.
+//! Finds every density and amplitude with the required stiffness and loss factor.
 //!
-//! Over a grid of densities and amplitudes, whose lines include those of the tables so that the coefficients are smooth in
-//! every cell, a cell is searched by Newton's method wherever the logarithms of K/K* and η/η* may both pass through 0 in it.
-//! A region of the grid within the tolerance where they don't is a near miss.
-//! At one given amplitude there is one unknown for two figures: the density at which they are nearest is sought then.
+//! The search covers a grid of densities and amplitudes. Its lines include those of the tables, so that the coefficients are smooth
+//! in every cell. Newton's method searches a cell wherever the logarithms of K/K* and η/η* may both pass through 0 in it. A region
+//! of the grid within the tolerance where they do not is a near miss. At one given amplitude there is one unknown for two figures:
+//! then the search looks for the density at which they are nearest.
 
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
@@ -13,27 +13,28 @@ use super::newton::Cell;
 use super::regions::regions;
 use super::{Meets, Point, Reachable, Wanted};
 
-/// Cells between two lines of the tables, each way.
+/// Cells between two lines of the tables, in each direction.
 const CELLS: usize = 24;
 /// The same along the densities of a single amplitude.
 const CELLS_OF_LINE: usize = 400;
-/// What a figure may do within a cell beyond its corners: this part of their difference, and so much of its logarithm.
+/// Possible excess of a figure within a cell beyond its corners: this fraction of their difference, plus this much of its
+/// logarithm.
 const BEYOND: (f64, f64) = (0.5, 2e-3);
-/// Solutions nearer to each other than this, g/cm³ and mm, are one.
+/// Solutions closer to each other than this, g/cm³ and mm, are one.
 const SAME: (f64, f64) = (1e-4, 1e-5);
-/// Part of a cell by which it is seen which way a figure goes from its end.
+/// Fraction of a cell that shows the slope of a figure at the cell's end.
 const PROBE: f64 = 1e-3;
 /// At a single amplitude both figures are met where their distance is below this.
 const MET: f64 = 1e-6;
-/// A region within the tolerance has a solution that is so many nodes beside it: it may end between two.
+/// A region within the tolerance has a solution that is this many nodes away: it may end between two nodes.
 const BESIDE: f64 = 1.0;
-/// How often the surroundings of the nearest point are searched more finely.
+/// How often the surroundings of the nearest point are searched with a finer grid.
 const ZOOMS: usize = 12;
 
 /// ln(K/K*) and ln(η/η*).
 type Misfit = [f64; 2];
 
-/// The densities and amplitudes that are searched.
+/// The densities and amplitudes of the search.
 pub(super) struct Search<'w> {
     wanted: &'w Wanted,
     densities: Vec<f64>,
@@ -65,8 +66,8 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// The points that meet both figures, and from every other region of densities and amplitudes that keeps both within the
-    /// tolerance the one that is nearest.
+    /// The points that meet both figures. For every other region of densities and amplitudes that keeps both within the tolerance,
+    /// also its nearest point.
     pub(super) fn solutions(&self) -> Vec<(Point, Meets)> {
         let mut found: Vec<(f64, f64, Meets)> = Vec::new();
         for (density, amplitude, meets) in self.candidates() {
@@ -100,7 +101,7 @@ impl<'w> Search<'w> {
         let exact = self.of_cells();
         let mut near = self.near_misses(&exact);
         if exact.is_empty() && near.is_empty() {
-            // A region may be so narrow that it lies between the nodes.
+            // A region may be narrow enough to lie between the nodes.
             let Point {
                 density, amplitude, ..
             } = self.nearest();
@@ -110,13 +111,13 @@ impl<'w> Search<'w> {
         all(exact, near)
     }
 
-    /// The nearest point of every region of the grid within the tolerance that has none of the `exact` solutions in it or
-    /// beside it.
+    /// The nearest point of every region of the grid within the tolerance that has none of the `exact` solutions in it or next to
+    /// it.
     fn near_misses(&self, exact: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let (rows, columns) = (self.amplitudes.len(), self.densities.len());
         let keeps =
             |row: usize, column: usize| within(self.misfits[row][column], self.wanted.tolerance);
-        // Places among the nodes, with a part of the way to the next.
+        // Places among the nodes, with a fraction of the way to the next.
         let place = |nodes: &[f64], value: f64| {
             let above = nodes.partition_point(|&node| node < value).max(1);
             let (low, high) = (nodes[above - 1], nodes[above]);
@@ -146,11 +147,12 @@ impl<'w> Search<'w> {
             .map(|(row, column)| {
                 self.refined(row, column, |misfit| within(misfit, self.wanted.tolerance))
             });
-        // A narrow region falls apart on the grid.
+        // A narrow region breaks up on the grid.
         self.apart(exact, nearest.collect())
     }
 
-    /// Those of `near`, the nearest first, that the tolerance parts from the `exact` solutions and from each other.
+    /// Those of `near`, the nearest first, that points outside the tolerance separate from the `exact` solutions and from each
+    /// other.
     fn apart(&self, exact: &[(f64, f64)], mut near: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
         near.sort_by(|a, b| self.missed(a).total_cmp(&self.missed(b)));
         let mut kept: Vec<(f64, f64)> = Vec::new();
@@ -163,12 +165,12 @@ impl<'w> Search<'w> {
         kept
     }
 
-    /// The distance of a density and amplitude from what is wanted.
+    /// The distance of a density and amplitude from the requirements.
     fn missed(&self, &(density, amplitude): &(f64, f64)) -> f64 {
         distance(misfit(self.wanted, density, amplitude))
     }
 
-    /// Whether both figures are within the tolerance on the whole straight way between two densities and amplitudes.
+    /// Whether both figures are within the tolerance on the whole straight line between two densities and amplitudes.
     fn joined(&self, from: (f64, f64), to: (f64, f64)) -> bool {
         const PARTS: u32 = 100;
         (1..PARTS).all(|part| {
@@ -182,7 +184,7 @@ impl<'w> Search<'w> {
         })
     }
 
-    /// What can be had, and the point nearest to what is wanted.
+    /// The possible figures, and the point nearest to the requirements.
     pub(super) fn reachable(&self) -> Reachable {
         let all = || self.misfits.iter().flatten();
         let of = |index: usize, wanted: f64| {
@@ -204,7 +206,7 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// The misfits where figure `index` passes through the one wanted along the lines of the grid, interpolated.
+    /// The misfits where figure `index` passes through its required value along the lines of the grid, interpolated.
     fn passages(&self, index: usize) -> Vec<Misfit> {
         let mut passages = Vec::new();
         let mut pass = |a: Misfit, b: Misfit| {
@@ -237,7 +239,7 @@ impl<'w> Search<'w> {
         Point::at(self.wanted, density, amplitude)
     }
 
-    /// Where about a node the distance is least, of what `may_be`.
+    /// The place near a node where the distance is smallest, among those that `may_be`.
     fn refined(&self, row: usize, column: usize, may_be: impl Fn(Misfit) -> bool) -> (f64, f64) {
         let mut best = (
             self.densities[column],
@@ -268,11 +270,12 @@ impl<'w> Search<'w> {
         (best.0, best.1)
     }
 
-    /// The densities at which the distance is least, where it is within the tolerance.
+    /// The densities at which the distance is smallest, if it is within the tolerance.
     fn of_line(&self) -> Vec<(f64, f64)> {
         let amplitude = self.amplitudes[0];
         let at = |density: f64| self.missed(&(density, amplitude));
-        // Figures may turn at a node, which is the least then; where they fall into a cell from both its ends, one is in it.
+        // Figures may turn at a node, which is then the minimum; if they fall into a cell from both its ends, the minimum is
+        // inside.
         let in_cell = |cell: &[f64]| {
             let (low, high) = (cell[0], cell[1]);
             let aside = PROBE * (high - low);
@@ -341,7 +344,7 @@ impl Point {
     }
 }
 
-/// The amplitudes about `point` at which its density keeps both figures within the tolerance, mm.
+/// The amplitudes around `point` at which its density keeps both figures within the tolerance, mm.
 pub(super) fn amplitudes_about(wanted: &Wanted, point: &Point) -> (f64, f64) {
     const PARTS: usize = 400;
     const HALVINGS: usize = 40;
@@ -383,14 +386,14 @@ fn distance(misfit: Misfit) -> f64 {
     misfit[0].hypot(misfit[1])
 }
 
-/// Whether a figure with these misfits at a cell's corners may be the one wanted somewhere in it.
+/// Whether a figure with these misfits at a cell's corners may reach its required value somewhere in the cell.
 fn may_vanish(corners: [f64; 4]) -> bool {
     let (low, high) = least_and_largest(corners);
     let beyond = BEYOND.0 * (high - low) + BEYOND.1;
     low - beyond <= 0.0 && high + beyond >= 0.0
 }
 
-/// The ends of the range and the lines of the tables between them, with `cells` cells in between.
+/// The ends of the range and the lines of the tables in between, with `cells` cells between them.
 fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
     let mut ends = vec![low];
     ends.extend(
@@ -411,7 +414,7 @@ fn nodes(lines: &[f64], (low, high): (f64, f64), cells: usize) -> Vec<f64> {
     nodes
 }
 
-/// Where a function that falls and then rises between `low` and `high` is least.
+/// The minimum of a function that falls and then rises between `low` and `high`.
 fn minimum(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     // Each step leaves two thirds.
     for _ in 0..80 {

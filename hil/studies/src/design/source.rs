@@ -1,4 +1,4 @@
-//! Where the coefficients of a design come from.
+//! The source of a design's coefficients.
 
 use std::sync::OnceLock;
 
@@ -13,14 +13,14 @@ use crate::surfaces::{self, Surfaces};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// Tables 6–9, between their cells in straight lines.
+    /// Tables 6–9, interpolated linearly between their cells.
     Tables,
-    /// The surfaces that are fitted to their loops.
+    /// The surfaces fitted to their loops.
     Surfaces,
 }
 
 impl Source {
-    /// Of a specimen of `density` g/cm³, 2…4, in cycles of `amplitude` mm, 0.05…0.25; beyond, those of the nearest edge.
+    /// For a specimen of `density` g/cm³, 2…4, in cycles of `amplitude` mm, 0.05…0.25; beyond, those of the nearest edge.
     pub fn coefficients(self, density: f64, amplitude: f64) -> Coefficients {
         match self {
             Self::Tables => tables::interpolate(density, amplitude),

@@ -1,4 +1,4 @@
-//! A meshed body: its equations, and the displacements at which it rests.
+//! A meshed body: its equations, and its equilibrium displacements.
 
 use nalgebra::{SMatrix, Vector3, Vector6};
 
@@ -13,7 +13,7 @@ use super::relaxation::{History, Prony, Step};
 /// Newton steps within which a body has to come to rest.
 const MOST_STEPS: usize = 40;
 
-/// How small the forces that are left have to be beside those that are there.
+/// Limit for the residual forces, relative to the acting ones.
 const TOLERANCE: f64 = 1e-6;
 
 /// A body of one material.
@@ -37,7 +37,7 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Of a body that was never deformed.
+    /// For a body that was never deformed.
     pub fn new(body: &Body, prony: Prony) -> Self {
         Self {
             prony,
@@ -45,7 +45,7 @@ impl Memory {
         }
     }
 
-    /// As after infinitely many periods like the one of `period` s that led from `start` to here.
+    /// The state after infinitely many periods like the one of `period` s that led from `start` to here.
     pub fn repeat(&mut self, start: &Self, period: f64) {
         let both = self.histories.iter_mut().zip(&start.histories);
         for (end, start) in both.flat_map(|(end, start)| end.iter_mut().zip(start)) {
@@ -56,16 +56,16 @@ impl Memory {
 
 /// The equations at one state.
 struct Assembled {
-    /// Force on each degree of freedom, N: what holds the body as it is, the mandrel's push among it.
+    /// Force on each degree of freedom, N, that keeps the body in its state, including the mandrel's push.
     force: Vec<f64>,
     /// Entries of the pattern.
     values: Vec<f64>,
-    /// N, of the largest force that an element exerts.
+    /// N, the largest force of an element.
     scale: f64,
 }
 
 impl Body {
-    /// A body whose degrees of freedom in `prescribed` (3·node + axis) are held where they are put.
+    /// A body whose degrees of freedom in `prescribed` (3·node + axis) have given displacements.
     ///
     /// # Errors
     /// [`FiniteElementError::Inverted`] for a mesh with an element inside out, [`FiniteElementError::TooLarge`] for one too fine.
@@ -138,25 +138,25 @@ impl Body {
         &self.mesh
     }
 
-    /// Displacements of a body at rest with nothing moved, mm, of each degree of freedom.
+    /// Displacements of the undeformed body, mm, for each degree of freedom.
     pub fn undeformed(&self) -> Vec<f64> {
         vec![0.0; self.equations.len()]
     }
 
-    /// How many displacements are not prescribed.
+    /// The number of free displacements.
     pub fn unknowns(&self) -> usize {
         self.equations.iter().flatten().count()
     }
 
-    /// Brings the body to rest by Newton's method: from `displacements` (mm, of each degree of freedom), in which the
-    /// prescribed ones are as they shall be and the others as near as is known. With a step of time and its memory the shear
-    /// relaxes; the memory stays as it was.
+    /// Finds the equilibrium of the body by Newton's method, starting from `displacements` (mm, for each degree of freedom). The
+    /// prescribed ones have their final values there, and the others are estimates. With a time step and its memory the shear
+    /// relaxes; the memory is not changed.
     ///
     /// Returns the forces on every degree of freedom that hold it there, N.
     ///
     /// # Errors
-    /// [`FiniteElementError::NotConverged`], [`FiniteElementError::Unstable`], [`FiniteElementError::Inverted`]; then
-    /// `displacements` are those of the last attempt.
+    /// [`FiniteElementError::NotConverged`], [`FiniteElementError::Unstable`], [`FiniteElementError::Inverted`]; `displacements`
+    /// are then those of the last attempt.
     pub fn rest(
         &self,
         displacements: &mut [f64],
@@ -188,7 +188,7 @@ impl Body {
         Err(FiniteElementError::NotConverged)
     }
 
-    /// Ends a step of time at `displacements`.
+    /// Ends a time step at `displacements`.
     ///
     /// # Errors
     /// [`FiniteElementError::Inverted`].
@@ -215,7 +215,7 @@ impl Body {
         (0..self.equations.len()).filter(|&unknown| self.equations[unknown].is_none())
     }
 
-    /// Stored energy, N·mm, of a body that does not relax.
+    /// Stored energy, N·mm, of a body without relaxation.
     #[cfg(test)]
     pub fn energy(&self, displacements: &[f64]) -> Result<f64, FiniteElementError> {
         (0..self.elements.len())

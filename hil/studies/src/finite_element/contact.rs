@@ -1,11 +1,11 @@
-//! Frictionless contact with a rigid mandrel that the surface may leave.
+//! Frictionless contact with a rigid mandrel, which the surface may leave.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// A rigid round mandrel around z, and the nodes that lie on it.
+/// A rigid round mandrel around z, and the nodes on its surface.
 ///
-/// A node within the mandrel is pushed out along the radius by a pressure in proportion to its depth: a penalty, whose
-/// stiffness is chosen so high that the depth does not count beside the material's own deformation.
+/// A pressure proportional to its depth pushes a node within the mandrel out along the radius. This is a penalty; its stiffness is
+/// chosen high enough that the depth is negligible compared to the material's deformation.
 #[derive(Clone, Debug)]
 pub(super) struct Mandrel {
     /// mm
@@ -14,11 +14,11 @@ pub(super) struct Mandrel {
     pub stiffness: f64,
     /// Nodes of the surface with the area that each stands for, mm².
     pub surface: Vec<(usize, f64)>,
-    /// Whether a node may leave the mandrel; if not, it is pulled back as it is pushed out.
+    /// Whether a node may leave the mandrel; if not, it is pulled back in the same way.
     pub separable: bool,
 }
 
-/// What a node in contact adds to the equations of its x and y.
+/// The contribution of a node in contact to the equations of its x and y.
 pub(super) struct Push {
     /// The force that holds the node against the mandrel, N.
     pub force: Vector2<f64>,
@@ -27,12 +27,12 @@ pub(super) struct Push {
 }
 
 impl Mandrel {
-    /// On the node that stands for `area` mm² and is at `position`, mm; `None` where it does not touch.
+    /// For the node that represents `area` mm² and is at `position`, mm; `None` without contact.
     pub fn push(&self, area: f64, position: &Vector3<f64>) -> Option<Push> {
         let across = position.xy();
         let distance = across.norm();
         let depth = self.radius - distance;
-        // At the very axis there is no way out to choose; no solution is there.
+        // On the axis itself the direction is undefined; no solution is there.
         if (self.separable && depth <= 0.0) || distance == 0.0 {
             return None;
         }

@@ -1,4 +1,4 @@
-//! A body that is driven by a part of its surface: compressed once, or moved as a sine until the loop repeats itself.
+//! A body driven by a part of its surface: compressed once, or moved as a sine until the loop repeats itself.
 
 use std::f64::consts::TAU;
 
@@ -9,23 +9,23 @@ use super::FiniteElementError;
 use super::body::{Body, Memory};
 use super::relaxation::{Prony, Step};
 
-/// The most cycles until a loop has to repeat itself.
+/// Most cycles until a loop has to repeat itself.
 const MOST_CYCLES: usize = 8;
 
-/// A loop repeats itself when no force differs from that of the cycle before by more than this share of the largest. What
-/// still changes then takes less than that again: it falls to a half and less from cycle to cycle.
+/// A loop repeats itself if no force differs from the cycle before by more than this fraction of the largest. The remaining change
+/// is smaller than that: it falls to a half or less from cycle to cycle.
 const REPEATED: f64 = 5e-3;
 
-/// A body and what drives it.
+/// A body and its drive.
 pub(super) struct Drive {
     pub body: Body,
-    /// The degrees of freedom that are moved together. All others that the body has prescribed stay where they are.
+    /// The degrees of freedom that are moved together. All other prescribed ones stay where they are.
     pub moved: Vec<usize>,
-    /// The force that is given, of 1 N on the degrees of freedom that are moved.
+    /// Reported force for 1 N on the moved degrees of freedom.
     pub force_scale: f64,
 }
 
-/// Force over displacement of a compression that goes on rising.
+/// Force over displacement of a continuing compression.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticCurve {
@@ -45,13 +45,13 @@ pub struct ForceLoop {
     pub velocity: Vec<f64>,
     /// kN
     pub force: Vec<f64>,
-    /// Which cycle from rest it is, from 1.
+    /// Number of the cycle from rest, from 1.
     pub cycle: usize,
-    /// By how much the force differs from that of the cycle before at most, as a share of the largest; 1 of the first cycle.
+    /// Largest difference of the force from the cycle before, as a fraction of the largest force; 1 for the first cycle.
     pub change: f64,
 }
 
-/// Where a body is, and where it was a step before; mm, of each degree of freedom.
+/// The state of a body, and its state one step earlier; mm, for each degree of freedom.
 struct At {
     displacements: Vec<f64>,
     before: Vec<f64>,
@@ -66,7 +66,7 @@ impl At {
     }
 }
 
-/// A sine as a body is driven by it.
+/// A sine motion that drives a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrivenSine {
     /// mm
@@ -77,7 +77,7 @@ pub(super) struct DrivenSine {
     pub steps: usize,
 }
 
-/// A drive on its way through the cycles of a sine.
+/// A drive during the cycles of a sine.
 pub(super) struct Cycles<'a> {
     drive: &'a Drive,
     motion: DrivenSine,
@@ -102,10 +102,10 @@ impl Drive {
         Ok(at.displacements)
     }
 
-    /// Compresses the body to `largest` mm in `points` equal steps. It does not relax.
+    /// Compresses the body to `largest` mm in `points` equal steps, without relaxation.
     ///
     /// # Errors
-    /// An equilibrium that is not found.
+    /// No equilibrium is found.
     pub fn static_curve(
         &self,
         largest: f64,
@@ -126,7 +126,7 @@ impl Drive {
         Ok(curve)
     }
 
-    /// The loops of cycle after cycle of `motion`, of a body whose shear relaxes as `prony` says and that was at rest before.
+    /// The loops of successive cycles of `motion`, for a body that was at rest before and whose shear relaxes according to `prony`.
     pub fn cycles(&self, prony: Prony, motion: DrivenSine) -> Cycles<'_> {
         Cycles {
             drive: self,
@@ -138,7 +138,7 @@ impl Drive {
         }
     }
 
-    /// Moves what is moved to `displacement` mm, and the rest on as it went before, near to where it will come to rest.
+    /// Moves the driven part to `displacement` mm, and continues the motion of the rest as an estimate of its equilibrium.
     fn put(&self, at: &mut At, displacement: f64) {
         for (now, before) in at.displacements.iter_mut().zip(&mut at.before) {
             let on = 2.0 * *now - *before;
@@ -164,7 +164,7 @@ impl Cycles<'_> {
     /// The loop of the next cycle.
     ///
     /// # Errors
-    /// An equilibrium that is not found.
+    /// No equilibrium is found.
     pub fn next(&mut self) -> Result<ForceLoop, FiniteElementError> {
         let DrivenSine {
             amplitude,
@@ -200,10 +200,10 @@ impl Cycles<'_> {
         Ok(next)
     }
 
-    /// The loop once it repeats itself. After each cycle the histories go to where infinitely many like it would take them.
+    /// The loop once it repeats itself. After each cycle the histories are set to their values after infinitely many such cycles.
     ///
     /// # Errors
-    /// An equilibrium that is not found, or a loop that still changes after the most cycles.
+    /// No equilibrium is found, or the loop still changes after the most cycles.
     pub fn steady(mut self) -> Result<ForceLoop, FiniteElementError> {
         for _ in 0..MOST_CYCLES {
             let start = self.memory.clone();

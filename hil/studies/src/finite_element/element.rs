@@ -1,18 +1,18 @@
 //! The linear hexahedron with one volume change for the whole element (mean dilatation, the finite-strain B-bar).
 //!
-//! Eight corner nodes, eight integration points. The isochoric energy is taken point by point and the volumetric one at the
-//! element's mean J. So an element has one volumetric condition for its 24 degrees of freedom and does not lock where the
-//! material hardly changes its volume. Of the ways to that, this one derives from an energy: its tangent is symmetric, rigid
-//! motions cost nothing, and no mode but these has to be stabilised, as with reduced integration, or can go unstable
-//! under compression, as with enhanced strains. It stays too stiff in bending over long thin elements, which a thick-walled
-//! ring has no need of.
+//! It has eight corner nodes and eight integration points. The isochoric energy is evaluated at each point, and the volumetric
+//! energy at the element's mean J. So an element has one volumetric condition for its 24 degrees of freedom and does not lock where
+//! the material hardly changes its volume. Of the methods for that, this one derives from an energy: its tangent is symmetric, and
+//! rigid motions cost nothing. No other mode needs stabilisation, as with reduced integration, or can become unstable under
+//! compression, as with enhanced strains. It stays too stiff in bending over long thin elements, which a thick-walled ring does not
+//! need.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 use super::FiniteElementError;
 use super::material::{COMPONENTS, MooneyRivlin, column, symmetric_product, tensor};
 
-/// Corners, counted as is usual: those of one face around, then those of the face opposite.
+/// Corners in the usual order: those of one face around, then those of the opposite face.
 pub(super) const NODES: usize = 8;
 
 /// Integration points.
@@ -33,7 +33,7 @@ const CORNERS: [[f64; 3]; NODES] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// An element where nothing is deformed.
+/// An undeformed element.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     points: [Point; POINTS],
@@ -43,7 +43,7 @@ pub(super) struct Element {
 /// An integration point.
 #[derive(Clone, Copy, Debug)]
 struct Point {
-    /// Of each shape function by the position, 1/mm.
+    /// Gradients of the shape functions, 1/mm.
     gradients: SMatrix<f64, 3, NODES>,
     /// Its share of the volume, mm³.
     weight: f64,
@@ -52,7 +52,7 @@ struct Point {
 /// Displacements of an element's corners, mm, a column each.
 pub(super) type Displacements = SMatrix<f64, 3, NODES>;
 
-/// What relaxation makes of the isochoric stress S: `factor`·S + the memory of each point, MPa.
+/// The effect of relaxation on the isochoric stress S: `factor`·S + the memory of each point, MPa.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Relaxed<'a> {
     pub factor: f64,
@@ -67,16 +67,16 @@ impl Relaxed<'static> {
     };
 }
 
-/// What an element adds to the equations.
+/// The contribution of an element to the equations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contribution {
-    /// Forces that hold the element as it is, N.
+    /// Forces that keep the element in its state, N.
     pub force: SVector<f64, UNKNOWNS>,
     /// Their derivative, N/mm.
     pub tangent: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
 }
 
-/// How a point is deformed.
+/// The deformation at a point.
 struct Deformation {
     gradient: Matrix3<f64>,
     right_cauchy_green: Matrix3<f64>,
@@ -88,7 +88,7 @@ impl Element {
     /// The element of `corners`, mm.
     ///
     /// # Errors
-    /// [`FiniteElementError::Inverted`] when it is turned inside out anywhere.
+    /// [`FiniteElementError::Inverted`] if it is turned inside out anywhere.
     pub fn new(corners: &[Vector3<f64>; NODES]) -> Result<Self, FiniteElementError> {
         let positions = SMatrix::<f64, 3, NODES>::from_columns(corners);
         let mut points = [Point {
@@ -122,7 +122,7 @@ impl Element {
         })
     }
 
-    /// Stored energy, N·mm, of a material that does not relax.
+    /// Stored energy, N·mm, of a material without relaxation.
     ///
     /// # Errors
     /// As [`Element::contribution`].
@@ -142,7 +142,7 @@ impl Element {
         Ok(isochoric + self.volume * material.volumetric_energy(self.mean_volume_ratio(&deformed)))
     }
 
-    /// S at each point, MPa, as it is without relaxation.
+    /// S at each point, MPa, without relaxation.
     ///
     /// # Errors
     /// As [`Element::contribution`].
@@ -159,7 +159,7 @@ impl Element {
     /// Forces and tangent at `moved`.
     ///
     /// # Errors
-    /// [`FiniteElementError::Inverted`] when it is turned inside out at a point.
+    /// [`FiniteElementError::Inverted`] if it is turned inside out at a point.
     pub fn contribution(
         &self,
         moved: &Displacements,
@@ -170,7 +170,7 @@ impl Element {
         let pressure = material.pressure(self.mean_volume_ratio(&deformed));
         let mut force = SVector::zeros();
         let mut tangent = SMatrix::zeros();
-        // Of the element's volume by the displacements.
+        // Derivative of the element's volume with respect to the displacements.
         let mut volume_slope = SVector::<f64, UNKNOWNS>::zeros();
         for ((point, d), memory) in self.points.iter().zip(&deformed).zip(relaxed.memory) {
             let isochoric = d.isochoric(material);
@@ -185,7 +185,7 @@ impl Element {
             volume_slope += strain.tr_mul(&(inverse * (d.volume_ratio * point.weight)));
             point.add_stiffness(&mut tangent, &strain, &modulus, &tensor(&stress));
         }
-        // The pressure is one for the element: it changes with the mean of J alone.
+        // The element has one pressure: it depends only on the mean of J.
         tangent +=
             volume_slope * volume_slope.transpose() * (material.bulk_modulus() / self.volume);
         Ok(Contribution { force, tangent })
@@ -231,7 +231,7 @@ impl Deformation {
 }
 
 impl Point {
-    /// Of the Green–Lagrange strain by the corners' displacements, at the deformation gradient `f`.
+    /// Derivative of the Green–Lagrange strain with respect to the corners' displacements, at the deformation gradient `f`.
     fn strain_by_displacement(&self, f: &Matrix3<f64>) -> SMatrix<f64, 6, UNKNOWNS> {
         SMatrix::from_fn(|row, unknown| {
             let (node, axis) = (unknown / 3, unknown % 3);
@@ -245,7 +245,7 @@ impl Point {
         })
     }
 
-    /// Adds what the change of stress and the turning of `stress` give.
+    /// Adds the contributions of the change of stress and of the rotation of `stress`.
     fn add_stiffness(
         &self,
         tangent: &mut SMatrix<f64, UNKNOWNS, UNKNOWNS>,

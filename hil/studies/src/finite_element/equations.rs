@@ -1,13 +1,13 @@
-//! The symmetric equations of a mesh, and their solution by Cholesky's factor within their envelope.
+//! The symmetric equations of a mesh, and their solution by a Cholesky factorisation within their envelope.
 //!
-//! Of each row what lies between its first entry and the diagonal is kept: the factor has no entry outside. A ring's nodes are
-//! numbered around it, so that the envelope is as narrow as a cross-section.
+//! Each row stores the entries from its first one to the diagonal: the factor has no entries outside. A ring's nodes are numbered
+//! around it, so that the envelope is as narrow as a cross-section.
 
 use nalgebra::DVectorView;
 
 use super::FiniteElementError;
 
-/// Where the entries of a symmetric matrix go. Only its lower triangle is kept, row after row.
+/// The places of the entries of a symmetric matrix. Only its lower triangle is stored, row after row.
 pub(super) struct Pattern {
     /// The column of each row's first entry.
     first: Vec<usize>,
@@ -16,10 +16,10 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// Of `size` equations, of which those of one group in `groups` are coupled with each other.
+    /// For `size` equations; those within each of `groups` are coupled with each other.
     ///
     /// # Errors
-    /// [`FiniteElementError::TooLarge`] when the factor would not fit into memory.
+    /// [`FiniteElementError::TooLarge`] if the factor would not fit into memory.
     pub fn new(
         size: usize,
         groups: impl Iterator<Item = Vec<usize>>,
@@ -44,15 +44,15 @@ impl Pattern {
         Ok(Self { first, starts })
     }
 
-    /// How many entries the lower triangle has.
+    /// The number of entries in the lower triangle.
     pub fn entries(&self) -> usize {
         self.starts[self.first.len()]
     }
 
-    /// Which entry of the lower triangle is in `row` and `column`, `row` ≥ `column`, of one group.
+    /// The index in the lower triangle of the entry in `row` and `column`, `row` ≥ `column`, of one group.
     ///
     /// # Panics
-    /// When the row begins after `column`: the entry would be one of the row before.
+    /// If the row begins after `column`: the entry would belong to the row before.
     pub fn entry(&self, row: usize, column: usize) -> usize {
         let place = column.checked_sub(self.first[row]);
         self.starts[row] + place.expect("row and column are of one group")
@@ -66,7 +66,7 @@ impl Pattern {
     /// Solves the equations with `values` as the entries of the lower triangle, in place.
     ///
     /// # Errors
-    /// [`FiniteElementError::Unstable`] when the matrix is not positive definite: the body would leave its equilibrium.
+    /// [`FiniteElementError::Unstable`] if the matrix is not positive definite: the body would leave its equilibrium.
     pub fn solve(&self, values: &[f64], right: &mut [f64]) -> Result<(), FiniteElementError> {
         let mut factor = values.to_vec();
         for row in 0..self.first.len() {
@@ -122,7 +122,7 @@ mod tests {
 
     use super::*;
 
-    /// Two bars of three equations that share one, on springs: K = Σ groups.
+    /// Two bars, with three equations and one in common, on springs: K = Σ groups.
     fn matrix(pattern: &Pattern, spring: f64) -> Vec<f64> {
         let mut values = vec![0.0; pattern.entries()];
         for (row, column, value) in [
@@ -166,8 +166,8 @@ mod tests {
         }
     }
 
-    /// Groups of 3 to 6 of `size` unknowns, which overlap where they like and leave gaps in rows. Each comes with the entries of
-    /// a square of its own.
+    /// Groups of 3 to 6 of `size` unknowns, which may overlap and leave gaps in rows. Each comes with the entries of its own
+    /// square.
     fn groups(size: usize) -> impl Strategy<Value = Vec<(Vec<usize>, Vec<f64>)>> {
         let unknowns: Vec<usize> = (0..size).collect();
         let group = proptest::sample::subsequence(unknowns, 3..=6);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     proptest! {
-        /// Σ B·Bᵀ over the groups, on springs: positive definite. Groups that overlap fill entries that no group has.
+        /// Σ B·Bᵀ over the groups, on springs: positive definite. Overlapping groups fill entries that no group has.
         #[test]
         fn groups_that_overlap_are_solved_as_a_dense_matrix_is(
             (size, groups) in (6_usize..40).prop_flat_map(|size| (Just(size), groups(size))),
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// Of the least stiff motion of the random matrices.
+    /// Stiffness of the softest motion of the random matrices.
     const SPRING: f64 = 0.1;
 
     #[test]

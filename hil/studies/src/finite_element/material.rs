@@ -1,6 +1,6 @@
 //! Mooney–Rivlin hyperelasticity, eqs 8–10, in the reference configuration.
 //!
-//! Symmetric tensors are columns of six, in the order 11, 22, 33, 12, 23, 13; strains carry twice their shear components.
+//! Symmetric tensors are columns of six, in the order 11, 22, 33, 12, 23, 13; strains have twice their shear components.
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
@@ -21,18 +21,18 @@ pub struct MooneyRivlin {
     pub d: f64,
 }
 
-/// The stress of an isochoric deformation, and how it changes with the strain.
+/// The stress of an isochoric deformation, and its derivative with respect to the strain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Isochoric {
     /// Second Piola–Kirchhoff stress, MPa.
     pub stress: Vector6<f64>,
-    /// Its derivative by the Green–Lagrange strain, MPa.
+    /// Its derivative with respect to the Green–Lagrange strain, MPa.
     pub tangent: Matrix6<f64>,
 }
 
 impl MooneyRivlin {
-    /// Shear modulus where nothing is deformed, MPa: 2·(C10 + C01). C11 stiffens with the fourth power of the strain and has no
-    /// part in it.
+    /// Shear modulus without deformation, MPa: 2·(C10 + C01). C11 stiffens with the fourth power of the strain and has no part in
+    /// it.
     pub fn shear_modulus(&self) -> f64 {
         2.0 * (self.c10 + self.c01)
     }
@@ -42,7 +42,7 @@ impl MooneyRivlin {
         2.0 * self.d
     }
 
-    /// Poisson's ratio where nothing is deformed.
+    /// Poisson's ratio without deformation.
     pub fn poisson_ratio(&self) -> f64 {
         let (bulk, shear) = (self.bulk_modulus(), self.shear_modulus());
         (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
@@ -61,7 +61,7 @@ impl MooneyRivlin {
         self.d * (volume_ratio - 1.0).powi(2)
     }
 
-    /// The derivative of D·(J − 1)² by J, MPa.
+    /// The derivative of D·(J − 1)² with respect to J, MPa.
     pub(super) fn pressure(&self, volume_ratio: f64) -> f64 {
         2.0 * self.d * (volume_ratio - 1.0)
     }
@@ -83,7 +83,7 @@ impl MooneyRivlin {
         let inverse_column = column(inverse);
         let double_inverse = symmetric_product(inverse);
 
-        // ∂I1/∂C and ∂I2/∂C of the isochoric invariants, in their parts without and with C⁻¹.
+        // ∂I1/∂C and ∂I2/∂C of the isochoric invariants, split into the parts without and with C⁻¹.
         let first_plain = identity * first_scale;
         let second_plain = column(&(Matrix3::identity() * trace - c)) * second_scale;
         let first_slope = first_plain - inverse_column * (first / 3.0);
@@ -124,7 +124,7 @@ pub(super) fn tensor(column: &Vector6<f64>) -> Matrix3<f64> {
     Matrix3::new(a, ab, ac, ab, b, bc, ac, bc, c)
 }
 
-/// ½·(A_ik·A_jl + A_il·A_jk): what maps a symmetric E to A·E·A.
+/// ½·(A_ik·A_jl + A_il·A_jk), which maps a symmetric E to A·E·A.
 pub(super) fn symmetric_product(a: &Matrix3<f64>) -> Matrix6<f64> {
     Matrix6::from_fn(|row, col| {
         let ((i, j), (k, l)) = (COMPONENTS[row], COMPONENTS[col]);

@@ -9,14 +9,14 @@ use super::element::NODES;
 /// Nodes and the elements between them.
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
-    /// Positions where nothing is deformed, mm.
+    /// Undeformed positions, mm.
     pub nodes: Vec<Vector3<f64>>,
     /// The corners of each element, in the order of [`super::element`].
     pub elements: Vec<[usize; NODES]>,
 }
 
 impl Mesh {
-    /// The unit cube in `counts` elements along its axes, each node moved to where `place` puts it. `place` must not mirror.
+    /// The unit cube in `counts` elements along its axes, with each node moved by `place`, which must not mirror.
     pub fn of_cube(counts: [usize; 3], place: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Self {
         let [nx, ny, nz] = counts;
         let index = |i: usize, j: usize, k: usize| (i * (ny + 1) + j) * (nz + 1) + k;
@@ -53,8 +53,8 @@ impl Mesh {
         Self { nodes, elements }
     }
 
-    /// A quarter of a ring around z, mm: x ≥ 0, from +y around to −y, and 0 ≤ z ≤ `half_height`. `counts` elements around,
-    /// along the radius and along z.
+    /// A quarter of a ring around z, mm: x ≥ 0, from +y around to −y, and 0 ≤ z ≤ `half_height`. `counts` elements around, along
+    /// the radius and along z.
     pub fn of_ring(
         inner_radius: f64,
         outer_radius: f64,
@@ -62,7 +62,7 @@ impl Mesh {
         counts: [usize; 3],
     ) -> Self {
         Self::of_cube(counts, |at| {
-            // From −y, so that the elements are not mirrored.
+            // Starting from −y, so that the elements are not mirrored.
             let angle = PI * (at.x - 0.5);
             let radius = outer_radius + (inner_radius - outer_radius) * at.y;
             Vector3::new(
@@ -73,7 +73,7 @@ impl Mesh {
         })
     }
 
-    /// The nodes at which `is_there`.
+    /// The nodes for which `is_there` holds.
     pub fn nodes_where<'a>(
         &'a self,
         is_there: impl Fn(&Vector3<f64>) -> bool + 'a,
@@ -81,7 +81,7 @@ impl Mesh {
         (0..self.nodes.len()).filter(move |&node| is_there(&self.nodes[node]))
     }
 
-    /// The area of the surface at whose nodes `is_there`, by node, mm²: of each face a quarter for each of its corners.
+    /// The surface area at the nodes for which `is_there` holds, by node, mm²: a quarter of each face for each of its corners.
     pub fn areas(&self, is_there: impl Fn(&Vector3<f64>) -> bool) -> Vec<(usize, f64)> {
         const FACES: [[usize; 4]; 6] = [
             [0, 1, 2, 3],

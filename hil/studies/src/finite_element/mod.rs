@@ -1,19 +1,20 @@
-//! The paper's other method: finite elements, eqs 8–12, against which the law is measured.
+//! The paper's other method: finite elements, eqs 8–12, with which it compares the law.
 //!
-//! A ring of linear hexahedra (`element`) of Mooney–Rivlin material (`material`) whose shear relaxes
-//! (`relaxation`), bonded to a rigid fixture that moves it across a rigid, frictionless mandrel (`ring`,
-//! `contact`). Strains are finite and counted from the undeformed ring (total Lagrange): 0.5 mm is a tenth of the wall,
-//! and the ring is half as stiff again there as at first, which a linear one would miss.
+//! A ring of linear hexahedra (`element`) of Mooney–Rivlin material (`material`) with relaxing shear (`relaxation`) is bonded to a
+//! rigid fixture, which moves it across a rigid, frictionless mandrel (`ring`, `contact`). Strains are finite and relative to the
+//! undeformed ring (total Lagrange): 0.5 mm is a tenth of the wall. There the ring is half as stiff again as at first, which a
+//! linear model would miss.
 //!
-//! # What the paper leaves open
+//! # Gaps in the paper
 //!
 //! - D1 = 0.35, printed under "MPa", and eq 8's D ([`VolumetricReading`]). The program that the paper used asks for an
-//!   incompressibility parameter D1 with W = (J − 1)²/D1, which is what [`RingModel::new`] takes.
-//! - The signs of C01 ([`SignReading`]). With positive ones the densities 2.5 and 3.5 g/cm³ become the stiffest of all.
+//!   incompressibility parameter D1 with W = (J − 1)²/D1, and [`RingModel::new`] uses that.
+//! - The signs of C01 ([`SignReading`]). With positive ones, the densities 2.5 and 3.5 g/cm³ become the stiffest of all.
 //! - Eq 10 leaves out C11, which Table 4 has; here it counts. Its **b** is a tensor of second order, not of fourth.
-//! - Whether the stiffnesses of Table 4 are the sudden or the lasting ones ([`TABLE_5`]): only the sudden ones can be meant.
-//! - Which cycle of the sine its loops are. With a bore that leaves its mandrel nearly half of the stiffness is lost from the
-//!   first cycle to the third, as [`Bore`] says.
+//! - Whether the stiffnesses of Table 4 are the instantaneous or the long-term ones ([`TABLE_5`]): only the instantaneous ones are
+//!   possible.
+//! - The cycle of the sine that its loops show. With a bore that leaves its mandrel, nearly half of the stiffness is lost from the
+//!   first cycle to the third, as [`Bore`] explains.
 //!
 //! # Errors
 //!
@@ -42,7 +43,7 @@ pub use published::{Reading, SignReading, TABLE_5, VolumetricReading};
 pub use relaxation::Prony;
 pub use ring::{Bore, Divisions, RingModel};
 
-/// Why a model gives no answer.
+/// The reason why a model gives no answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FiniteElementError {
     /// Table 4 does not have this density, g/cm³.
@@ -54,7 +55,7 @@ pub enum FiniteElementError {
     /// The tangent is not positive definite.
     #[error("the ring is unstable there: its stiffness is not positive definite")]
     Unstable,
-    /// No rest after the most Newton steps.
+    /// No equilibrium after the most Newton steps.
     #[error("no equilibrium was found")]
     NotConverged,
     /// The loop still changes after the most cycles.

@@ -1,4 +1,4 @@
-//! Tables 4 and 5, and what they leave open.
+//! Tables 4 and 5, and their ambiguities.
 
 use serde::Serialize;
 
@@ -17,23 +17,24 @@ const TABLE_4: [[f64; 4]; 5] = [
 /// Table 4, D1, the same for every density; printed under "MPa".
 const D1: f64 = 0.35;
 
-/// Table 5, read as shares of the sudden shear modulus and seconds. They add up to 0.9884: of the sudden stiffness 1.16 %
-/// lasts. Shares of a modulus that lasts they can't be, which would make the sudden one 86 times Table 4's.
+/// Table 5, read as fractions of the instantaneous shear modulus and seconds. The fractions add up to 0.9884, so 1.16 % of the
+/// instantaneous stiffness remains. They cannot be fractions of a long-term modulus, which would make the instantaneous one 86
+/// times Table 4's.
 pub const TABLE_5: Prony = Prony {
     shares: [0.5548, 0.4336],
     times: [0.4, 0.2],
 };
 
-/// What D1 = 0.35 is.
+/// The meaning of D1 = 0.35.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum VolumetricReading {
-    /// Eq 8's D, in MPa as Table 4 says: a bulk modulus of 0.7 MPa.
+    /// Eq 8's D, in MPa as in Table 4: a bulk modulus of 0.7 MPa.
     Equation8,
     /// The program's incompressibility parameter, W = (J − 1)²/D1, in 1/MPa: a bulk modulus of 5.7 MPa.
     Incompressibility,
-    /// Poisson's ratio where nothing is deformed. By the other two the ratio is negative at 2.5, 3.5 and 4.0 g/cm³.
+    /// Poisson's ratio without deformation. In the other two readings the ratio is negative at 2.5, 3.5 and 4.0 g/cm³.
     PoissonRatio,
 }
 
@@ -44,7 +45,7 @@ pub enum VolumetricReading {
 pub enum SignReading {
     /// Negative: C01 makes the material softer.
     AsPrinted,
-    /// The same figures as positive ones.
+    /// The same values as positive ones.
     Positive,
 }
 
@@ -59,7 +60,7 @@ pub struct Reading {
 }
 
 impl VolumetricReading {
-    /// As a reader has it.
+    /// In words for a reader.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Equation8 => "eq 8's D, MPa",
@@ -70,7 +71,7 @@ impl VolumetricReading {
 }
 
 impl SignReading {
-    /// As a reader has it.
+    /// In words for a reader.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::AsPrinted => "as printed, negative",
@@ -112,7 +113,7 @@ impl Reading {
         ]
     };
 
-    /// The material of `density` g/cm³; `None` for a density that Table 4 does not have.
+    /// The material of `density` g/cm³; `None` for a density that is not in Table 4.
     pub fn material(self, density: f64) -> Option<MooneyRivlin> {
         let &[_, c10, c01, c11] = TABLE_4.iter().find(|row| row[0] == density)?;
         let c01 = match self.sign {

@@ -1,15 +1,15 @@
-//! Relaxation of the shear by a Prony series, eqs 11 and 12, over finite strains.
+//! Relaxation of the shear by a Prony series, eqs 11 and 12, for finite strains.
 //!
-//! The isochoric second Piola–Kirchhoff stress S relaxes as eq 11 lets the deviatoric stress relax: with the history
-//! H_i(t) = ∫ exp(−(t − s)/τ_i)·Ṡ(s) ds of each term the stress is g∞·S + Σ g_i·H_i. This is Simo's model in Holzapfel's
-//! form; at small strains it is eq 11 with a constant bulk modulus, for which the paper gives no series.
+//! The isochoric second Piola–Kirchhoff stress S relaxes in the same way as the deviatoric stress in eq 11. With the history H_i(t)
+//! = ∫ exp(−(t − s)/τ_i)·Ṡ(s) ds of each term, the stress is g∞·S + Σ g_i·H_i. This is Simo's model in Holzapfel's form. At small
+//! strains it is eq 11 with a constant bulk modulus, for which the paper gives no series.
 
 use nalgebra::Vector6;
 
-/// How many terms a series has.
+/// Number of terms in a series.
 const TERMS: usize = 2;
 
-/// G(t)/G(0) = g∞ + Σ g_i·exp(−t/τ_i), with g∞ = 1 − Σ g_i: what the elastic constants give is the response to a sudden strain.
+/// G(t)/G(0) = g∞ + Σ g_i·exp(−t/τ_i), with g∞ = 1 − Σ g_i: the elastic constants give the response to a sudden strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prony {
     /// g_i, the share of the shear modulus that relaxes.
@@ -19,7 +19,7 @@ pub struct Prony {
 }
 
 impl Prony {
-    /// g∞: the share that stays.
+    /// g∞: the fraction that remains.
     pub fn lasting(&self) -> f64 {
         1.0 - self.shares.iter().sum::<f64>()
     }
@@ -33,8 +33,8 @@ impl Prony {
                 .sum::<f64>()
     }
 
-    /// Storage and loss modulus over the sudden one at `frequency` Hz:
-    /// g∞ + Σ g_i·(ωτ_i)²/(1 + (ωτ_i)²) and Σ g_i·ωτ_i/(1 + (ωτ_i)²).
+    /// Storage and loss modulus over the instantaneous one at `frequency` Hz: g∞ + Σ g_i·(ωτ_i)²/(1 + (ωτ_i)²) and Σ g_i·ωτ_i/(1 +
+    /// (ωτ_i)²).
     pub fn moduli(&self, frequency: f64) -> (f64, f64) {
         let omega = std::f64::consts::TAU * frequency;
         let terms = self.shares.iter().zip(&self.times);
@@ -46,7 +46,7 @@ impl Prony {
     }
 }
 
-/// One step of time of every history: H(t + Δt) = exp(−Δt/τ)·H(t) + w·(S(t + Δt) − S(t)), exact where S goes straight.
+/// One time step of every history: H(t + Δt) = exp(−Δt/τ)·H(t) + w·(S(t + Δt) − S(t)), exact if S changes linearly.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     lasting: f64,
@@ -66,7 +66,7 @@ impl Step {
         }
     }
 
-    /// What a change of S counts for in the stress at the end of the step.
+    /// Weight of a change of S in the stress at the end of the step.
     pub fn factor(&self) -> f64 {
         let terms = self.shares.iter().zip(&self.weights);
         self.lasting + terms.map(|(share, weight)| share * weight).sum::<f64>()
@@ -99,8 +99,8 @@ impl History {
         self.stress = stress;
     }
 
-    /// Where the terms would be after infinitely many periods like the one that led from `start` to here: what the period
-    /// added, over the share of itself that a term loses in it.
+    /// The terms after infinitely many periods like the one that led from `start` to here: the change over the period, divided by
+    /// the fraction of itself that a term loses in it.
     pub fn repeat(&mut self, start: &Self, prony: &Prony, period: f64) {
         for (i, term) in self.terms.iter_mut().enumerate() {
             let decay = (-period / prony.times[i]).exp();

@@ -1,4 +1,4 @@
-//! The ring on its mandrel, as the paper's Figure 4 has it.
+//! The ring on its mandrel, as in the paper's Figure 4.
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -23,27 +23,26 @@ const HALF_HEIGHT: f64 = 7.5;
 /// Nodes within this distance of a surface, mm, are on it.
 const ON_SURFACE: f64 = 1e-9;
 
-/// The mandrel's pressure over depth as a multiple of the wall's: of the material's modulus over its thickness. What the
-/// nodes sink in then takes 0.3 % of the force.
+/// The mandrel's pressure over depth as a multiple of the wall's: of the material's modulus over its thickness. The penetration of
+/// the nodes then changes the force by 0.3 %.
 const MANDREL_STIFFNESS: f64 = 1000.0;
 
-/// How the bore sits on the mandrel.
+/// The contact between bore and mandrel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Bore {
-    /// Frictionless, and free to leave the mandrel, as in the paper. Nothing presses the bore on but the motion, and of the
-    /// sudden stiffness 1.16 % lasts: so the bore creeps away from the mandrel, cycle by cycle for some twenty, until it hardly
-    /// touches it any more. A loop of it is that of a cycle counted from rest, and never the steady one of a test.
+    /// Frictionless, and free to leave the mandrel, as in the paper. Only the motion presses the bore on, and 1.16 % of the
+    /// instantaneous stiffness remains. So the bore creeps away from the mandrel over some twenty cycles, until it hardly touches
+    /// it any more. Such a loop belongs to a cycle counted from rest, and is never the steady loop of a test.
     Separable,
-    /// Frictionless, and never off the mandrel, as of a ring that was pressed on to it: the simplification that has a
-    /// steady loop.
+    /// Frictionless, and never off the mandrel, as if the ring was pressed on to it: this simplification has a steady loop.
     Gliding,
     /// Bonded to it.
     Bonded,
 }
 
-/// How finely a quarter of the ring is meshed.
+/// The fineness of the mesh of a quarter of the ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divisions {
@@ -56,7 +55,7 @@ pub struct Divisions {
 }
 
 impl Divisions {
-    /// `n` through the wall, and as many around and along as make elements of like edges.
+    /// `n` through the wall, and as many around and along as give elements with similar edges.
     pub const fn through_wall(n: usize) -> Self {
         Self {
             around: 4 * n,
@@ -68,8 +67,8 @@ impl Divisions {
 
 /// A finite-element model of the ring: a rigid fixture, bonded to the outer surface, moves it across a rigid mandrel.
 ///
-/// By symmetry a quarter stands for the whole: half the circumference and half the height. Inertia is left out: at 1 Hz it
-/// takes a ten-thousandth of a newton.
+/// By symmetry a quarter represents the whole: half the circumference and half the height. Inertia is neglected: at 1 Hz it takes a
+/// ten-thousandth of a newton.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RingModel {
@@ -86,7 +85,7 @@ pub struct RingModel {
 }
 
 impl RingModel {
-    /// The model of `density` g/cm³ that stands for the paper's: see the module for why these readings and this mesh.
+    /// The model of `density` g/cm³ that corresponds to the paper's: the module explains these readings and this mesh.
     pub fn new(density: f64) -> Self {
         Self {
             density,
@@ -100,10 +99,10 @@ impl RingModel {
         }
     }
 
-    /// The force of a sudden compression to `largest` mm in `points` equal steps: that of Table 4 alone, without relaxation.
+    /// The force of a sudden compression to `largest` mm in `points` equal steps, from Table 4 alone, without relaxation.
     ///
     /// # Errors
-    /// A density that Table 4 does not have, or an equilibrium that is not found.
+    /// The density is not in Table 4, or no equilibrium is found.
     pub fn static_curve(
         &self,
         largest: f64,
@@ -133,8 +132,8 @@ impl RingModel {
     /// The loop at `amplitude` mm and `frequency` Hz once it repeats itself.
     ///
     /// # Errors
-    /// As [`RingModel::static_curve`], and where the loop does not become steady within eight cycles, as with a bore that leaves
-    /// its mandrel.
+    /// As [`RingModel::static_curve`]; or the loop does not become steady within eight cycles, as with a bore that leaves its
+    /// mandrel.
     pub fn steady_loop(
         &self,
         amplitude: f64,
@@ -156,7 +155,7 @@ impl RingModel {
     /// The material, as [`Reading::material`] has it.
     ///
     /// # Errors
-    /// A density that Table 4 does not have.
+    /// The density is not in Table 4.
     pub fn material(&self) -> Result<MooneyRivlin, FiniteElementError> {
         self.reading
             .material(self.density)
@@ -167,7 +166,7 @@ impl RingModel {
         self.drive_on(MANDREL_STIFFNESS)
     }
 
-    /// The quarter, its outer surface to be moved along y, on a mandrel of `mandrel_stiffness` times the wall's.
+    /// The quarter on a mandrel of `mandrel_stiffness` times the wall's stiffness; its outer surface moves along y.
     pub(super) fn drive_on(&self, mandrel_stiffness: f64) -> Result<Drive, FiniteElementError> {
         let Divisions {
             around,

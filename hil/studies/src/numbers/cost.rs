@@ -1,4 +1,4 @@
-//! What a variation of a number costs in the blind trial.
+//! The cost of a variation of a number in the blind trial.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,11 +6,11 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a blind trial comes to in two counts.
+/// The result of a blind trial in two counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
-    /// Trials that were called what they are.
+    /// Trials with the right answer.
     pub right: usize,
     /// Trials that count.
     pub of: usize,
@@ -19,7 +19,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// Of the JSON that `hil blind` writes; `None` where it is something else.
+    /// From the JSON of `hil blind`; `None` if it is something else.
     pub fn of(summary: &Value) -> Option<Self> {
         let rate = |name: &str, part: &str| Some(summary.get(name)?.get(part)?.as_u64()? as usize);
         let named = ["listed", "pairs", "unlisted"];
@@ -38,7 +38,7 @@ impl Score {
     }
 }
 
-/// The scores of a number's variations; `None` where the number cannot be varied so, or the trial failed with it.
+/// The scores of a number's variations; `None` if the number cannot be varied in that way, or the trial failed with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cost {
@@ -48,13 +48,13 @@ pub struct Cost {
     pub doubled: Option<Score>,
 }
 
-/// What a study of the numbers measured.
+/// The results of a study of the numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Costs {
     /// The seeds of the blind trial.
     pub seeds: Range<u64>,
-    /// With all numbers as they are; `None` where nothing was measured.
+    /// With all numbers at their defaults; `None` if nothing was measured.
     pub default: Option<Score>,
     /// By the number's path.
     pub costs: BTreeMap<String, Cost>,

@@ -1,6 +1,6 @@
-//! What each tuned number is worth: the blind trial with the number halved and doubled.
+//! The importance of each tuned number: the blind trial with the number halved and doubled.
 //!
-//! The list of numbers is that of the policies themselves, so that none can be missing.
+//! The list of numbers comes from the policies themselves, so that none can be missing.
 
 mod cost;
 mod table;
@@ -13,18 +13,18 @@ use serde_json::Value;
 pub use cost::{Cost, Costs, Score};
 pub use table::table;
 
-/// All numbers that decide, crate by crate.
+/// All policy numbers, crate by crate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Policies {
-    /// How a recording is read.
+    /// Numbers for reading a recording.
     pub recording: recording::Policy,
-    /// What a fit and a trace find.
+    /// Numbers for a fit and a trace.
     pub identify: identify::Policy,
 }
 
 impl Policies {
-    /// Puts them in use for the whole process, before any work.
+    /// Puts them into use for the whole process, before any work.
     ///
     /// # Errors
     /// A number was read before.
@@ -34,12 +34,12 @@ impl Policies {
     }
 }
 
-/// One of them.
+/// One number.
 #[derive(Clone, Debug)]
 pub struct Number {
     /// Its path, as in a file of [`Policies`]: `identify.select.beam`.
     pub path: String,
-    /// What it decides, and where it comes from.
+    /// Its meaning and its source.
     pub field: Field,
     /// Its default.
     pub default: Value,
@@ -75,8 +75,8 @@ impl Number {
         self.field.mark == Mark::Tuned
     }
 
-    /// The policies with this number, or each of several, times `factor`; `None` where that is no other number. Counts are whole
-    /// and at least 1; what is at most 1 stays so, because it is a part or a chance.
+    /// The policies with this number, or each of several, multiplied by `factor`; `None` if that changes nothing. Counts are whole
+    /// and at least 1; a value of at most 1 stays so, because it is a fraction or a probability.
     pub fn varied(&self, factor: f64) -> Option<Policies> {
         let varied = scaled(&self.default, factor)?;
         if varied == self.default {
@@ -143,7 +143,7 @@ mod tests {
         let around = number("recording.spikes.times_around");
         let around = around.varied(2.0).unwrap().recording.spikes.times_around;
         assert_eq!(around, [16.0, 6.0]);
-        // All else stays as it is.
+        // Everything else stays unchanged.
         let mut policies = beam.varied(2.0).unwrap();
         policies.identify.select.beam = 3;
         assert_eq!(policies, Policies::default());

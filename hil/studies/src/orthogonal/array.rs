@@ -9,9 +9,9 @@ pub const COLUMNS: usize = 4;
 
 /// L9(3⁴): the level, 0…2, of each of four factors in each of nine runs.
 ///
-/// The first two columns count through a and b in the field of three elements, the others are the lines a + b and 2a + b:
-/// any two of the four are independent linear forms, so that every pair of levels meets exactly once. These four are all
-/// that there are up to a factor, so that the array has no room for a fifth. Rows and columns stand as in Table 3.
+/// The first two columns count through a and b in the field of three elements, and the others are a + b and 2a + b. Any two of the
+/// four are independent linear forms, so every pair of levels meets exactly once. Up to a factor there are no others, so the array
+/// has no room for a fifth column. Rows and columns are in the order of Table 3.
 pub fn l9() -> [[usize; COLUMNS]; RUNS] {
     std::array::from_fn(|run| {
         let (a, b) = (run / LEVELS, run % LEVELS);
@@ -19,8 +19,8 @@ pub fn l9() -> [[usize; COLUMNS]; RUNS] {
     })
 }
 
-/// The first pair of levels of two columns that does not meet exactly once, with how often it meets; `None` for
-/// orthogonal columns.
+/// The first pair of levels of two columns that does not meet exactly once, with the number of meetings; `None` for orthogonal
+/// columns.
 pub fn unequal_pair(
     first: &[usize; RUNS],
     second: &[usize; RUNS],

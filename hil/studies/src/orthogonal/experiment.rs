@@ -1,4 +1,4 @@
-//! What was tried and what came out: the columns of an orthogonal array and the results of its runs.
+//! An experiment: the columns of an orthogonal array and the results of its runs.
 
 use mesh_damper_reference::orthogonal_test::{FACTORS, LEVELS as TABLE_2, Printed, UNITS};
 
@@ -7,7 +7,7 @@ use super::array::{COLUMNS, LEVELS, RUNS, l9, unequal_pair};
 /// A factor and its level in every run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// As it is called.
+    /// Its name.
     pub name: String,
     /// Its levels.
     pub levels: [String; LEVELS],
@@ -18,9 +18,9 @@ pub struct Factor {
 /// A result of every run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// As it is called.
+    /// Its name.
     pub name: String,
-    /// The values of every run, one for each time that it was done; as many for one run as for any other.
+    /// The values of every run, one for each repetition; all runs have the same number.
     pub runs: [Vec<f64>; RUNS],
 }
 
@@ -31,7 +31,7 @@ pub struct Experiment {
     responses: Vec<Response>,
 }
 
-/// What keeps factors and results from being an experiment on an L9.
+/// The reason why factors and results are no experiment on an L9.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Defect {
     /// Fewer than two factors or more than four.
@@ -40,14 +40,14 @@ pub enum Defect {
     /// No result.
     #[error("no result")]
     Responses,
-    /// A level that does not stand in three runs.
+    /// A level that does not occur in three runs.
     #[error("level {level} stands in {count} runs, where each of three levels needs {LEVELS}")]
     Unbalanced {
         /// The factor.
         factor: String,
         /// The level.
         level: String,
-        /// How often.
+        /// Number of occurrences.
         count: usize,
     },
     /// Two levels of two factors that do not meet exactly once.
@@ -61,10 +61,10 @@ pub enum Defect {
         other: String,
         /// Its level.
         other_level: String,
-        /// How often they meet.
+        /// Number of meetings.
         count: usize,
     },
-    /// A run was done another number of times than the first, or not at all.
+    /// A run was repeated a different number of times than the first, or is missing.
     #[error("run {run} has {count} values, where the first has {first}")]
     Repeats {
         /// The result.
@@ -76,7 +76,7 @@ pub enum Defect {
         /// The first run's values.
         first: usize,
     },
-    /// A value that is no finite number.
+    /// A value that is not finite.
     #[error("a value of run {run} is not finite")]
     NotFinite {
         /// The result.
@@ -87,10 +87,10 @@ pub enum Defect {
 }
 
 impl Experiment {
-    /// Two to four factors, and one result or more.
+    /// Two to four factors, and one or more results.
     ///
     /// # Errors
-    /// Columns that are not balanced or not orthogonal, values that are missing or not finite.
+    /// The columns are not balanced or not orthogonal, or values are missing or not finite.
     pub fn new(factors: Vec<Factor>, responses: Vec<Response>) -> Result<Self, Defect> {
         if !(2..=COLUMNS).contains(&factors.len()) {
             return Err(Defect::Factors(factors.len()));
@@ -145,7 +145,7 @@ impl Experiment {
         Ok(Self { factors, responses })
     }
 
-    /// The paper's: Tables 2 and 3.
+    /// The paper's experiment: Tables 2 and 3.
     ///
     /// # Panics
     /// Never: the columns are those of [`l9`].

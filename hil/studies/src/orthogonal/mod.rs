@@ -1,7 +1,7 @@
 //! Orthogonal tests: which of up to four factors matters, from nine runs on an L9(3⁴) instead of 81.
 //!
-//! The paper orders factors by the ranges of their level sums. A range tells an effect from error as little as it tells
-//! how large the error is, so that an analysis of variance stands beside it, which says when nothing can be told.
+//! The paper orders factors by the ranges of their level sums. A range neither distinguishes an effect from error nor shows the
+//! size of the error. So this module adds an analysis of variance, which also shows when the data allow no conclusion.
 //!
 //! ```
 //! use mesh_damper_studies::orthogonal::{Experiment, analyse};
@@ -28,7 +28,7 @@ pub use variance::{Effect, ErrorSource, FREE_COLUMNS, SIGNIFICANCE, Variance};
 
 use serde::Serialize;
 
-/// What one result of an experiment says.
+/// The analysis of one result of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analysis {

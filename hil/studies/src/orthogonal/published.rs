@@ -1,15 +1,15 @@
-//! Table 3 recomputed: its sums, ranges and orders from its own nine runs, against what is printed.
+//! Table 3 recomputed: its sums, ranges and orders from its own nine runs, compared to the printed ones.
 
 use mesh_damper_reference::orthogonal_test::{FACTORS, Printed};
 use serde::Serialize;
 
 use super::{Experiment, analyse, order};
 
-/// Half of the last digit printed, with room for rounding: some cells are printed with one digit less, and are compared
-/// to all four places, as Table 3 prints its runs.
+/// Half of the last printed digit, with a margin for rounding: some cells are printed with one digit less, and are compared to all
+/// four places, as Table 3 prints its runs.
 const HALF_DIGIT: f64 = 0.501e-4;
 
-/// A figure of Table 3 that its runs do not give.
+/// A figure of Table 3 that does not follow from its runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misprint {
@@ -19,11 +19,11 @@ pub struct Misprint {
     pub factor: &'static str,
     /// As printed, in the result's unit.
     pub printed: f64,
-    /// As the runs give it, in the same unit.
+    /// From the runs, in the same unit.
     pub recomputed: f64,
 }
 
-/// One result of Table 3: what its runs give, and what is printed.
+/// One result of Table 3, from its runs and as printed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AgainstPrint {
@@ -31,7 +31,7 @@ pub struct AgainstPrint {
     pub response: &'static str,
     /// Figures that differ in the fourth decimal or before.
     pub misprints: Vec<Misprint>,
-    /// The factors in the order of the ranges that the runs give.
+    /// The factors in the order of the ranges from the runs.
     pub order_of_runs: [&'static str; 4],
     /// In the order of the ranges as printed.
     pub order_of_printed_ranges: [&'static str; 4],
@@ -39,7 +39,7 @@ pub struct AgainstPrint {
     pub order_in_text: [&'static str; 4],
 }
 
-/// Compares one result of Table 3 with what its runs give.
+/// Compares one result of Table 3 with its runs.
 pub fn against_print(printed: &Printed) -> AgainstPrint {
     let ranges: Vec<_> = analyse(&Experiment::published(&[*printed]))
         .into_iter()

@@ -1,4 +1,4 @@
-//! The paper's range analysis: the sums of a result over the runs of every level, and how far they are apart.
+//! The paper's range analysis: the sums of a result over the runs of every level, and their range.
 
 use mesh_damper_recording::extremes::least_and_largest;
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::array::LEVELS;
 use super::experiment::{Factor, Response};
 
-/// What the levels of one factor came to.
+/// The sums for the levels of one factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LevelSums {
@@ -14,9 +14,9 @@ pub struct LevelSums {
     pub factor: String,
     /// Its levels.
     pub levels: [String; LEVELS],
-    /// ΣK of every level: the sum over its three runs, each by its mean, in the result's unit.
+    /// ΣK for every level: the sum of the means of its three runs, in the result's unit.
     pub sums: [f64; LEVELS],
-    /// R, the largest of the sums less the smallest, in the result's unit.
+    /// R, the largest of the sums minus the smallest, in the result's unit.
     pub range: f64,
 }
 
@@ -36,7 +36,7 @@ impl LevelSums {
     }
 }
 
-/// The indices of `ranges` from the largest to the smallest; equal ones in the order in which they stand.
+/// The indices of `ranges` from the largest to the smallest; equal ones keep their order.
 pub fn order(ranges: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..ranges.len()).collect();
     order.sort_by(|&a, &b| ranges[b].total_cmp(&ranges[a]));

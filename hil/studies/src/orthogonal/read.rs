@@ -1,4 +1,4 @@
-//! An experiment from CSV: columns `factor_NAME` and `result_NAME`, a row to each of the nine runs.
+//! An experiment from CSV: columns `factor_NAME` and `result_NAME`, one row for each of the nine runs.
 //!
 //! ```text
 //! # anything
@@ -6,8 +6,8 @@
 //! 2.0,15,0.10,0.022,0.025
 //! ```
 //!
-//! A factor's cells name its level, as numbers or words; cells are the same level when their text is. Results are
-//! numbers. Columns that differ only in a number after a point are repeats of one result. Any other column is ignored.
+//! A factor's cells name its level, as numbers or words; cells with the same text are the same level. Results are numbers. Columns
+//! that differ only in a number after a point are repeats of one result. All other columns are ignored.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -22,16 +22,16 @@ use super::experiment::{Defect, Experiment, Factor, Response};
 
 const FACTOR: &str = "factor_";
 const RESULT: &str = "result_";
-/// How a table is to be headed.
+/// An example header for a table.
 const HEADER: &str = "factor_density,factor_angle,factor_wire,result_stiffness";
 
 impl Experiment {
     /// Reads CSV, or gzipped CSV.
     ///
     /// # Errors
-    /// The file, the line or column, what is wrong and how to mend it: no such file, not UTF-8, empty, beyond the default
-    /// [`ReadLimit`], no factor or no result, a column twice, not nine runs, a row too short or too long, a last row without a line end, whose
-    /// last number may have been cut, an empty cell, a result that is no finite number, not three levels, columns that are not
+    /// The error names the file, the line or column, the problem and the remedy: no such file, not UTF-8, empty, beyond the default
+    /// [`ReadLimit`], no factor or no result, a column twice, not nine runs, a row too short or too long, a last row without a line
+    /// end, whose last number may be cut off, an empty cell, a result that is not finite, not three levels, or columns that are not
     /// orthogonal.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         Self::read_within(path, ReadLimit::default())
@@ -93,7 +93,7 @@ impl Table {
                 .at(Place::Line(line(&row))));
             }
             runs += 1;
-            // Those beyond are only counted, for the message.
+            // Further rows are only counted, for the message.
             if runs <= RUNS {
                 rows.push(row.clone());
             }
@@ -135,7 +135,7 @@ impl Table {
         Ok(table)
     }
 
-    /// The columns of a kind: where they stand and what follows the kind in their name.
+    /// The columns of a kind: their place and the rest of their name after the kind.
     fn columns(&self, kind: &'static str) -> impl Iterator<Item = (usize, &str)> {
         let columns = self.header.iter().enumerate();
         columns.filter_map(move |(index, column)| Some((index, column.strip_prefix(kind)?)))

@@ -1,24 +1,24 @@
-//! Analysis of variance of an L9: which factors stand out of the error, and whether there is an error to hold them against.
+//! Analysis of variance for an L9: which factors stand out from the error, and whether there is an error for comparison.
 //!
-//! A factor's sum of squares is 3r·Σ(mean of a level − mean of everything)² over its three levels, with 2 degrees of freedom;
-//! r is how often every run was done. What it is held against is, in this order:
+//! A factor's sum of squares is 3r·Σ(mean of a level − mean of everything)² over its three levels, with 2 degrees of freedom; r is
+//! the number of repetitions of every run. It is compared with the first of these that exists:
 //!
-//! 1. where runs were repeated, the scatter between repeats: 9·(r − 1) degrees of freedom;
-//! 2. where columns are left, what the factors leave of the runs: 2 for every column without a factor, error only as far
-//!    as nothing else, an interaction say, falls into it;
-//! 3. in a saturated array, four factors in nine runs done once, nothing is left. Pooling, taking the smallest column for
-//!    the error, is what is done then; but a column that was chosen for being small makes every other look large.
+//! 1. if runs were repeated: the scatter between repeats, with 9·(r − 1) degrees of freedom;
+//! 2. if columns are free: the remainder of the runs without the factors, with 2 for every column without a factor. It is error
+//!    only if it contains nothing else, such as an interaction;
+//! 3. in a saturated array, with four factors in nine single runs: nothing remains. The usual method is pooling, which takes the
+//!    smallest column for the error; but a column that was chosen for being small makes every other one look large.
 //!
-//! In the third case the distribution is known. Were all four columns error, normal and independent, each sum of
-//! squares would be σ²·χ² of 2 degrees of freedom, an exponential variable; the excess of a column over the smallest,
-//! S₁ the least of four, is exponential again and independent of it (it has no memory). So, with F = S/S₁,
+//! In the third case the distribution is known. If all four columns were error, normal and independent, each sum of squares would
+//! be σ²·χ² with 2 degrees of freedom, an exponential variable. The excess of a column over the smallest, S₁ the least of four, is
+//! again exponential and independent of it (it has no memory). So, with F = S/S₁,
 //!
 //! ```text
 //! P(S/S₁ ≥ F) = 4/(3 + F)        where the F distribution says 1/(1 + F)
 //! P(S_max/ΣS ≥ g) = Σ_j (−1)^(j+1)·(4 over j)·(1 − j·g)³ over j·g < 1     (Fisher 1929, Proc. R. Soc. A 125, 54)
 //! ```
 //!
-//! The first is p of each column, the second that of the largest, which asks for no pooling at all.
+//! The first is p of each column, the second that of the largest, which needs no pooling at all.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
@@ -27,26 +27,26 @@ use super::array::{COLUMNS, LEVELS, RUNS};
 use super::experiment::{Experiment, Response};
 use super::ranges::mean;
 
-/// Names what the columns show that no factor has.
+/// Name for the columns without a factor.
 pub const FREE_COLUMNS: &str = "free columns";
 
-/// An effect counts as told from error when error alone gives one as large in fewer cases than this.
+/// An effect counts as distinct from error if error alone gives one as large in fewer cases than this.
 pub const SIGNIFICANCE: f64 = 0.05;
 
 /// Degrees of freedom of three levels.
 const FREEDOM: usize = LEVELS - 1;
 
-/// Sums of squares that are a smaller part than this of the squares themselves are rounding.
+/// Sums of squares below this fraction of the squares themselves are rounding.
 const ROUNDING: f64 = 1e-24;
 
-/// What the factors are held against.
+/// The error that the factors are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorSource {
     /// The scatter between repeats of the same run.
     Repeats,
-    /// The columns that no factor has.
+    /// The columns without a factor.
     FreeColumns,
     /// The factor with the smallest sum of squares: the array is saturated.
     SmallestColumn,
@@ -58,19 +58,19 @@ pub enum ErrorSource {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
-    /// The factor, or `free columns` for what repeated runs show of the columns that no factor has: interactions.
+    /// The factor, or `free columns` for the columns without a factor in repeated runs, which show interactions.
     pub name: String,
     /// In the square of the result's unit.
     pub sum_of_squares: f64,
     /// Degrees of freedom.
     pub freedom: usize,
-    /// Part of the total sum of squares, 0…1.
+    /// Fraction of the total sum of squares, 0…1.
     pub share: f64,
-    /// F: mean square over that of the error. `None` for the error itself, and where there is none.
+    /// F: mean square over that of the error. `None` for the error itself, and without an error.
     pub f: Option<f64>,
-    /// The probability that error alone gives such an F, by the F distribution.
+    /// The probability that error alone gives such an F, from the F distribution.
     pub p_nominal: Option<f64>,
-    /// The same with regard to how the error was chosen; differs in a saturated array only.
+    /// The same probability, accounting for the choice of the error; it differs only in a saturated array.
     pub p: Option<f64>,
 }
 
@@ -78,9 +78,9 @@ pub struct Effect {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Variance {
-    /// One for each factor, in their order, and one for free columns where runs were repeated.
+    /// One for each factor, in their order, and one for free columns if runs were repeated.
     pub effects: Vec<Effect>,
-    /// What they are held against.
+    /// The error for comparison.
     pub error: ErrorSource,
     /// Its degrees of freedom.
     pub error_freedom: usize,
@@ -88,9 +88,9 @@ pub struct Variance {
     pub error_mean_square: f64,
     /// Sum of squares about the mean of everything, in the square of the result's unit.
     pub total: f64,
-    /// In a saturated array the probability that error alone gives a largest column of such a part of the total.
+    /// In a saturated array, the probability that error alone gives a largest column with this fraction of the total.
     pub p_largest: Option<f64>,
-    /// What can be told from error at [`SIGNIFICANCE`], largest first.
+    /// The factors distinct from error at [`SIGNIFICANCE`], largest first.
     pub told: Vec<String>,
 }
 
@@ -145,7 +145,7 @@ impl Variance {
         let error_mean_square = of_error / error_freedom as f64;
         let mut p_largest = None;
         if error != ErrorSource::None {
-            // Both degrees of freedom are at least 2, so that there is such a distribution.
+            // Both degrees of freedom are at least 2, so this distribution exists.
             for effect in &mut effects {
                 effect.hold_against(error, error_freedom, error_mean_square);
             }
@@ -221,7 +221,7 @@ impl Effect {
     }
 }
 
-/// The probability that a column of error is `f` times the smallest of four, it being another.
+/// The probability that a column of error is `f` times the smallest of four, if it is another one.
 fn probability_beside_smallest(f: f64) -> f64 {
     COLUMNS as f64 / (COLUMNS as f64 - 1.0 + f)
 }
@@ -248,7 +248,7 @@ mod tests {
     use rand::RngExt as _;
     use rand::SeedableRng as _;
 
-    /// Both against 200 000 draws of four columns of error, whose sums of squares are exponential.
+    /// Both compared to 200 000 draws of four columns of error, whose sums of squares are exponential.
     #[test]
     fn the_probabilities_of_a_saturated_array_are_those_of_draws() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);

@@ -1,4 +1,4 @@
-//! What the loops of Tables 6–9 come to: stiffness, loss factor, energy and inflections.
+//! Results of the loops of Tables 6–9: stiffness, loss factor, energy and inflections.
 
 use mesh_damper_reference::dynamic_test;
 use mesh_damper_reference::law::Coefficients;
@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use crate::amplitude_independent::Sine;
 
-/// Samples of a cycle; the largest force is missed by less than (π/N)²/2 of itself.
+/// Samples of a cycle; the error of the largest force is below (π/N)²/2 of it.
 const SAMPLES: usize = 4000;
 
-/// The motion of the paper's test, Hz.
+/// The frequency of the paper's test, Hz.
 pub const FREQUENCY: f64 = 1.0;
 
-/// One loop by eqs 3–7.
+/// Results of one loop from eqs 3–7.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dynamics {
@@ -35,9 +35,9 @@ pub struct Cell {
     pub amplitude: f64,
     /// As printed.
     pub coefficients: Coefficients,
-    /// Of its loop at 1 Hz.
+    /// Results of its loop at 1 Hz.
     pub dynamics: Dynamics,
-    /// How often a branch of its loop changes the sense of its curvature; an ellipse's never does.
+    /// How often the curvature of a branch of its loop changes sign; for an ellipse never.
     pub inflections: usize,
 }
 
@@ -98,7 +98,7 @@ pub fn inflections(law: &Coefficients, amplitude: f64) -> usize {
 mod tests {
     use super::*;
 
-    /// Against second differences of the force itself.
+    /// Compared to second differences of the force itself.
     #[test]
     fn the_curvature_is_the_forces() {
         let count = |law: &Coefficients| inflections(law, 0.2);

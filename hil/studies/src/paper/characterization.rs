@@ -1,4 +1,4 @@
-//! Section 2: what stiffness and loss factor are made of, and the test.
+//! Section 2: the definitions of stiffness and loss factor, and the test.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -30,7 +30,7 @@ pub fn claims(cells: &[[Cell; 5]; 5]) -> Vec<Claim> {
     ]
 }
 
-/// A loop of branches k·x ± b·x·(x_max − x), whose areas are known: U = k·x_max²/2 and ΔW = b·x_max³/3.
+/// A loop with branches k·x ± b·x·(x_max − x), whose areas are known: U = k·x_max²/2 and ΔW = b·x_max³/3.
 fn equation_1() -> Claim {
     let (k, b, largest, steps) = (2.0, 0.8, 0.5, 2000);
     let at = |i: usize| largest * i as f64 / steps as f64;
@@ -56,8 +56,8 @@ fn equation_1() -> Claim {
     .with("largest relative error", largest)
 }
 
-/// One ellipse F = k·x ± b·√(X² − x²) by both: eq 4 has b/k, eq 2 takes the potential energy from the turning point on, over
-/// 2·X, and has half of that.
+/// One ellipse F = k·x ± b·√(X² − x²) with both definitions: eq 4 gives b/k. Eq 2 counts the potential energy from the turning
+/// point, over 2·X, and gives half of that.
 fn two_loss_factors() -> Claim {
     let (amplitude, k, b) = (0.1, 2.0, 0.5);
     let law = Coefficients {
@@ -101,7 +101,7 @@ fn equation_7(cells: &[[Cell; 5]; 5]) -> Claim {
         let sine = Sine::new(cell.amplitude, FREQUENCY, SAMPLES);
         let force = sine.force(&cell.coefficients);
         let result = dynamic_test::characterize(&sine.displacement, &force).expect("a cycle");
-        // The samples lie half a step beside the phase that eq 7 counts from.
+        // The samples lie half a step from the phase that eq 7 counts from.
         let alpha = -FRAC_PI_2 - PI / SAMPLES as f64;
         let direct =
             dynamic_test::loss_factor_from_samples(&force, FREQUENCY, SAMPLES as f64, alpha);
@@ -175,7 +175,7 @@ fn frequency(cells: &[[Cell; 5]; 5]) -> Claim {
     .with("largest ratio of energy", most_energy)
 }
 
-/// The displacement that the test load would take along a line of slope k_eq.
+/// The displacement of the test load along a line of slope k_eq.
 fn static_stiffness() -> Claim {
     let loads = super::orthogonal::level_of_runs(3).map(|level| LEVELS[3][level]);
     let travels: Vec<f64> = loads

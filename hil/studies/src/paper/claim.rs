@@ -1,20 +1,20 @@
-//! One statement of the paper and what became of it.
+//! One statement of the paper and its verification.
 
 use std::collections::BTreeMap;
 
 use mesh_damper_recording::extremes::least_and_largest;
 use serde::Serialize;
 
-/// Whether a statement stands.
+/// Whether a statement holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The recomputation gives what is said.
+    /// The recomputation confirms the statement.
     Holds,
-    /// It gives something else.
+    /// It gives another result.
     Fails,
-    /// The paper does not give what it would take.
+    /// The paper does not give the data that it takes.
     CannotTell,
 }
 
@@ -24,7 +24,7 @@ impl Verdict {
         if holds { Self::Holds } else { Self::Fails }
     }
 
-    /// As a reader has it.
+    /// In words for a reader.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -42,13 +42,13 @@ pub struct Claim {
     pub name: &'static str,
     /// Section, equation, table or figure.
     pub place: &'static str,
-    /// What is said there.
+    /// The statement.
     pub says: &'static str,
-    /// Whether it stands.
+    /// Whether it holds.
     pub verdict: Verdict,
-    /// Why, in a line.
+    /// The reason, in a line.
     pub reason: String,
-    /// The numbers that decide; units are in the names where there are any.
+    /// The deciding numbers; units are in their names.
     pub figures: BTreeMap<String, f64>,
 }
 
@@ -78,7 +78,7 @@ impl Claim {
         self
     }
 
-    /// The claim with a number for each of the published densities, or as many as are given.
+    /// The claim with a number for each of the published densities, or for the first ones.
     #[must_use]
     pub fn with_each<'a>(
         mut self,
@@ -109,7 +109,7 @@ pub fn spread(values: impl IntoIterator<Item = f64>) -> f64 {
     high / low
 }
 
-/// Numbers in a row of text, with so many decimals.
+/// Numbers as text, with a number of decimals.
 pub fn listed(values: &[f64], decimals: usize) -> String {
     let texts: Vec<String> = values
         .iter()

@@ -1,8 +1,8 @@
-//! Section 4.7: the law against finite elements on the loops of Tables 6–9, over density at 0.1 mm and over amplitude at
-//! 2.0 g/cm³ (Figures 14–18).
+//! Section 4.7: law and finite elements on the loops of Tables 6–9, over density at 0.1 mm and over amplitude at 2.0 g/cm³ (Figures
+//! 14–18).
 //!
-//! The recorded loops are not published; the loops of the tables stand for them. On those the tables' own coefficients err
-//! by nothing, so that the law is eqs 16–20, as printed and with eq 18 corrected, and the surfaces of this crate.
+//! The recorded loops are not published; the loops of the tables take their place. On those, the tables' own coefficients have no
+//! error. So the law is taken from eqs 16–20, as printed and with eq 18 corrected, and from the surfaces of this crate.
 
 use mesh_damper_reference::comparison::{beside_ellipse, nrmse, relative_error};
 use mesh_damper_reference::law::Coefficients;
@@ -17,15 +17,15 @@ use crate::amplitude_independent::Sine;
 use crate::finite_element::ForceLoop;
 use crate::surfaces::Surfaces;
 
-/// Least measured force of a sample that eq 21 is taken over, as parts of the loop's largest. The paper states none.
+/// Smallest measured force of a sample in eq 21, as fractions of the loop's largest. The paper states none.
 pub const GUARDS: [f64; 4] = [0.0, 0.05, 0.1, 0.2];
-/// Of [`GUARDS`], the one that claims are judged by.
+/// The one of [`GUARDS`] by which claims are judged.
 pub const JUDGED: usize = 1;
 
-/// Samples of a cycle where the law alone is concerned.
+/// Samples of a cycle for comparisons of the law alone.
 const SAMPLES: usize = 1000;
 
-/// How far a simulated loop is from that of the tables.
+/// The difference of a simulated loop from that of the tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
@@ -35,7 +35,7 @@ pub struct Compared {
     pub sigma: [f64; 4],
     /// Its stiffness and loss factor.
     pub dynamics: Dynamics,
-    /// What is left of the loop beside the ellipse that is nearest to it, over its RMS.
+    /// RMS of the difference between the loop and its nearest ellipse, over the loop's RMS.
     pub beside_ellipse: f64,
 }
 
@@ -47,9 +47,9 @@ pub struct Condition {
     pub density: f64,
     /// mm
     pub amplitude: f64,
-    /// Of the tables' loop.
+    /// From the tables' loop.
     pub measured: Dynamics,
-    /// Part of the RMS of the tables' loop that lies beside an ellipse.
+    /// Fraction of the RMS of the tables' loop that an ellipse does not explain.
     pub measured_beside_ellipse: f64,
     /// Eq 20 as printed.
     pub printed: Compared,
@@ -57,7 +57,7 @@ pub struct Condition {
     pub corrected: Compared,
     /// The crate's surfaces.
     pub surfaces: Compared,
-    /// Finite elements, or why there is none.
+    /// Finite elements, or the reason for having none.
     pub finite_elements: Result<Compared, String>,
     /// Their loop.
     #[serde(skip)]
@@ -72,11 +72,11 @@ pub struct Comparison {
     pub by_density: Vec<Condition>,
     /// At 2.0 g/cm³, by amplitude.
     pub by_amplitude: Vec<Condition>,
-    /// Of [`Compared::sigma`].
+    /// For [`Compared::sigma`].
     pub guards: [f64; 4],
 }
 
-/// Compares; `finite_elements` gives the steady loop at a density in g/cm³ and an amplitude in mm, 1 Hz.
+/// Compares; `finite_elements` returns the steady loop at a density in g/cm³ and an amplitude in mm, 1 Hz.
 pub fn compare(
     cells: &[[Cell; 5]; 5],
     own: &Surfaces,
@@ -142,7 +142,7 @@ impl Condition {
     }
 }
 
-/// A simulated loop beside that of `law`, over its own samples.
+/// A simulated loop compared to that of `law`, on its own samples.
 pub fn compared_on_its_samples(simulated: &ForceLoop, law: &Coefficients) -> Compared {
     let motion = simulated.displacement.iter().zip(&simulated.velocity);
     let measured: Vec<f64> = motion.map(|(&y, &v)| law.force(y, v)).collect();

@@ -1,5 +1,5 @@
-//! The claims of section 4.7 about finite elements. What the paper leaves open of them, the readings of Table 4 and how the bore
-//! sits on its mandrel, may turn a verdict: such a claim can't be told.
+//! The claims of section 4.7 about finite elements. The gaps in the paper, the readings of Table 4 and the contact between bore and
+//! mandrel, may reverse a verdict: such a claim cannot be decided.
 
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_reference::comparison::r_squared;
@@ -10,14 +10,14 @@ use super::elements::ElementStudy;
 use super::methods::{at, corrected, elements, own};
 use crate::finite_element::{Bore, Reading};
 
-/// How many times larger than the law's the paper has the error of finite elements.
+/// Ratio in the paper between the error of finite elements and that of the law.
 const TIMES: (f64, f64) = (2.0, 30.0);
-/// Part of a loop's RMS beside an ellipse below which it counts as one.
+/// Fraction of a loop's RMS outside an ellipse, below which it counts as one.
 const ELLIPSE: f64 = 0.05;
-/// Area over that of the tables' loop above which it is exaggerated.
+/// Area relative to the tables' loop above which it is exaggerated.
 const EXAGGERATED: f64 = 1.5;
 
-/// The claims; `study` has what other choices come to.
+/// The claims; `study` has the results of other choices.
 pub fn claims(comparison: &Comparison, study: &ElementStudy) -> Vec<Claim> {
     let Comparison {
         by_density,
@@ -48,11 +48,11 @@ pub fn claims(comparison: &Comparison, study: &ElementStudy) -> Vec<Claim> {
     ]
 }
 
-/// What a claim comes to by some loops: whether it holds, why, and the figures.
+/// A claim judged by some loops: whether it holds, the reason, and the figures.
 type Judgement = (bool, String, Vec<(&'static str, Vec<f64>)>);
 
-/// A claim about finite elements, which can't be told where they gave nothing, nor where another reading of Table 4, of which
-/// `study` has the loops over density, makes it another.
+/// A claim about finite elements. It cannot be decided if they give no result, or if another reading of Table 4 gives another
+/// verdict; `study` has the loops of the readings over density.
 fn of_elements(
     name: &'static str,
     place: &'static str,
@@ -295,7 +295,7 @@ fn elements_loss_factor_by_amplitude(by_amplitude: &[Condition]) -> Claim {
                 .iter()
                 .map(|one| one.measured.loss_factor)
                 .collect();
-            // As good as their mean for all five is no prediction of how they vary.
+            // A result no better than the mean of all five does not predict their variation.
             let pairs: Vec<(f64, f64)> =
                 measured.iter().copied().zip(eta.iter().copied()).collect();
             let r_squared = r_squared(&pairs);

@@ -1,5 +1,5 @@
-//! What finite elements depend on and the paper leaves open: the readings of Table 4, how the bore sits on its mandrel, and the
-//! mesh; and the static compression that Table 4 was fitted to.
+//! The dependence of the finite elements on the gaps in the paper: the readings of Table 4, the contact between bore and mandrel,
+//! and the mesh; and the static compression to which Table 4 was fitted.
 
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 use rayon::prelude::*;
@@ -12,16 +12,16 @@ use crate::finite_element::{
     Bore, Divisions, FiniteElementError, ForceLoop, Reading, RingModel, StaticCurve,
 };
 
-/// Where §4.2's compression ends, mm.
+/// End of the compression in section 4.2, mm.
 const COMPRESSION: f64 = 0.5;
 /// Equal steps of it.
 const POINTS: usize = 10;
 /// Elements through the wall that are tried.
 const MESHES: [usize; 4] = [1, 2, 3, 4];
-/// Where meshes are compared, mm: the largest amplitude of the tests.
+/// Displacement for the comparison of meshes, mm: the largest amplitude of the tests.
 const MESHES_AT: f64 = AMPLITUDES[4];
 
-/// What each choice comes to.
+/// The result of each choice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementStudy {
@@ -39,9 +39,9 @@ pub struct ElementStudy {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedReading {
-    /// Which.
+    /// The reading.
     pub reading: Reading,
-    /// Its steady loops at 0.1 mm beside the tables', by density, or why there is none.
+    /// Its steady loops at 0.1 mm compared to the tables', by density, or the reason for having none.
     pub by_density: Vec<Result<Compared, String>>,
 }
 
@@ -49,11 +49,11 @@ pub struct TriedReading {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedBore {
-    /// Which.
+    /// The bore.
     pub bore: Bore,
-    /// Which cycle from rest; none for the steady loop.
+    /// The cycle from rest; none for the steady loop.
     pub cycle: Option<usize>,
-    /// The loop beside the tables', or why there is none.
+    /// The loop compared to the tables', or the reason for having none.
     pub found: Result<Compared, String>,
 }
 
@@ -63,22 +63,22 @@ pub struct TriedBore {
 pub struct TriedMesh {
     /// Elements through the wall.
     pub through: usize,
-    /// Force of a sudden compression to 0.25 mm, kN, or why there is none.
+    /// Force of a sudden compression to 0.25 mm, kN, or the reason for having none.
     pub force: Result<f64, String>,
 }
 
-/// The compression to 0.5 mm by Table 4 alone, with the bore as in the paper.
+/// The compression to 0.5 mm from Table 4 alone, with the bore as in the paper.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compression {
     /// g/cm³
     pub density: f64,
-    /// The curve, or why there is none.
+    /// The curve, or the reason for having none.
     pub curve: Result<StaticCurve, String>,
 }
 
 impl ElementStudy {
-    /// What `reading` comes to.
+    /// The result of `reading`.
     ///
     /// # Panics
     /// Never: every reading is tried.
@@ -87,10 +87,10 @@ impl ElementStudy {
         found.expect("every reading is tried")
     }
 
-    /// What `bore` comes to, in a cycle from rest or steady.
+    /// The result of `bore`, in a cycle from rest or steady.
     ///
     /// # Panics
-    /// Where that was not tried.
+    /// If that was not tried.
     pub fn bore(&self, bore: Bore, cycle: Option<usize>) -> &TriedBore {
         let found = self
             .bores
@@ -101,14 +101,14 @@ impl ElementStudy {
 }
 
 impl TriedReading {
-    /// Mean NRMSE over the densities; none where one has no loop.
+    /// Mean NRMSE over the densities; none if a density has no loop.
     pub fn mean_error(&self) -> Option<f64> {
         let errors = self.by_density.iter().map(|one| one.as_ref().ok());
         let errors: Vec<f64> = errors.map(|one| Some(one?.nrmse)).collect::<Option<_>>()?;
         Some(errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
-    /// K of its loops, kN/mm; none where one has no loop.
+    /// K of its loops, kN/mm; none if a density has no loop.
     pub fn stiffness(&self) -> Option<Vec<f64>> {
         let loops = self.by_density.iter().map(|one| one.as_ref().ok());
         loops.map(|one| Some(one?.dynamics.stiffness)).collect()
@@ -128,8 +128,8 @@ impl Compression {
     }
 }
 
-/// The model that the law is compared with: of a ring that stays on its mandrel. One that may leave it has no steady loop, as
-/// [`Bore::Separable`] says.
+/// The model for the comparison with the law: a ring that stays on its mandrel. A ring that may leave it has no steady loop, as
+/// [`Bore::Separable`] explains.
 pub fn model(density: f64) -> RingModel {
     RingModel {
         bore: Bore::Gliding,
@@ -137,7 +137,7 @@ pub fn model(density: f64) -> RingModel {
     }
 }
 
-/// Tries every choice by itself, everything else as in [`model`].
+/// Tries every choice separately, with everything else as in [`model`].
 pub fn study() -> ElementStudy {
     let readings: Vec<(Reading, f64)> = Reading::ALL
         .into_iter()
@@ -203,7 +203,7 @@ pub fn study() -> ElementStudy {
     }
 }
 
-/// The loop at 0.1 mm of a cycle from rest, or the steady one, beside the tables'.
+/// The loop at 0.1 mm of a cycle from rest, or the steady one, compared to the tables'.
 fn compared(model: &RingModel, cycle: Option<usize>) -> Result<Compared, String> {
     let column = DENSITIES.iter().position(|&one| one == model.density);
     let law = cell(TENTH, column.expect("a density of the tables"));

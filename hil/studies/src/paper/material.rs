@@ -1,4 +1,4 @@
-//! Section 3.1: eqs 8–12, Tables 4 and 5, and what they make of the ring.
+//! Section 3.1: eqs 8–12, Tables 4 and 5, and their results for the ring.
 
 use std::f64::consts::TAU;
 
@@ -135,7 +135,7 @@ fn stiffness_by_density() -> Claim {
     .with_each("shear modulus, MPa,", &DENSITIES, &shear)
 }
 
-/// Mean NRMSE of the loops at 0.1 mm by a reading, for the text.
+/// Mean NRMSE of the loops at 0.1 mm for a reading, for the text.
 fn error_of(tried: &TriedReading) -> String {
     match tried.mean_error() {
         Some(error) => format!("{error:.2}"),
@@ -143,7 +143,7 @@ fn error_of(tried: &TriedReading) -> String {
     }
 }
 
-/// As [`Claim::with`] of a reading's mean error, where it has loops at every density.
+/// As [`Claim::with`] for a reading's mean error, if it has loops at every density.
 fn with_error(claim: Claim, reading: &str, tried: &TriedReading) -> Claim {
     match tried.mean_error() {
         Some(error) => claim.with(format!("mean NRMSE at 0.1 mm, {reading}"), error),
@@ -151,7 +151,7 @@ fn with_error(claim: Claim, reading: &str, tried: &TriedReading) -> Claim {
     }
 }
 
-/// Whether the loops tell the printed reading from `others`: one that meets them stands, and is alone in it.
+/// Whether the loops distinguish the printed reading from `others`: a reading that fits them holds only if it is the only one.
 fn told(printed: &TriedReading, others: &[&TriedReading]) -> Verdict {
     let meets = |tried: &TriedReading| tried.mean_error().is_some_and(|error| error < WELL);
     match (meets(printed), others.iter().any(|other| meets(other))) {
@@ -234,8 +234,8 @@ fn signs(study: &ElementStudy) -> Claim {
     with_error(claim, "positive signs", positive)
 }
 
-/// What eq 11 gives a quarter of the sine after rest, over the sudden modulus and the strain's amplitude. Over the past τ,
-/// and over dt as printed, which leaves τ to be said: where the motion begins, or now.
+/// The result of eq 11 for a quarter of the sine after rest, over the instantaneous modulus and the strain's amplitude: integrated
+/// over the past τ, and over dt as printed. The latter leaves τ undefined: the start of the motion, or now.
 fn integral() -> Claim {
     let (steps, now) = (10_000, 0.25 / FREQUENCY);
     let rate = |time: f64| TAU * FREQUENCY * (TAU * FREQUENCY * time).cos();

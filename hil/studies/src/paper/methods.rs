@@ -9,9 +9,9 @@ use super::claim::{Claim, Verdict, listed};
 use super::comparison::{Compared, Comparison, Condition, GUARDS, JUDGED};
 use super::trends::TENTH;
 
-/// The bound that the paper gives for the law's error.
+/// The paper's bound for the law's error.
 pub const BOUND: f64 = 0.375;
-/// NRMSE below which a loop counts as well predicted.
+/// NRMSE below which the prediction of a loop counts as good.
 pub(super) const WELL: f64 = 0.15;
 
 /// The claims of section 4.7.
@@ -59,7 +59,7 @@ pub(super) fn own(one: &Condition) -> &Compared {
     &one.surfaces
 }
 
-/// What finite elements gave at every condition, or the first reason why not.
+/// The finite elements at every condition, or the first reason for having none.
 pub(super) fn elements(conditions: &[Condition]) -> Result<Vec<&Compared>, &str> {
     conditions
         .iter()

@@ -1,11 +1,12 @@
-//! Cells of Tables 6–9 that are not what the paper's own surfaces were fitted to, and cells that stand apart from the others.
+//! Cells of Tables 6–9 that differ from the values to which the paper's own surfaces were fitted, and cells that stand apart from
+//! the others.
 //!
-//! Eqs 17–19 are least-squares fits. Were they fitted to the tables as printed, what is left between table and surface would
-//! have no part in the span of the surface's terms but that of the printed coefficients' rounding. Where it has, one cell is
-//! let free in turn: a cell that alone takes that part away, when no other does, is printed with another value than was
-//! fitted, and the fit says with which.
+//! Eqs 17–19 are least-squares fits. If they were fitted to the tables as printed, the residual between table and surface would
+//! have no component in the span of the surface's terms, except from the rounding of the printed coefficients. If it has one, each
+//! cell is made free in turn. If exactly one cell removes that component, it is printed with another value than the fitted one, and
+//! the fit gives that value.
 //!
-//! Apart from that every cell is predicted from the 24 others of its table.
+//! In addition, every cell is predicted from the 24 others of its table.
 
 use mesh_damper_reference::comparison::r_squared;
 use mesh_damper_reference::surfaces::{self, Equation18};
@@ -34,9 +35,9 @@ pub struct FreeCell {
     pub amplitude: f64,
     /// As printed, in the table's unit.
     pub printed: f64,
-    /// As the printed surface would have been fitted to it, in the table's unit.
+    /// The value for which the printed surface would be the fit, in the table's unit.
     pub fitted: f64,
-    /// What is then left in the span of the terms, of the table's unit.
+    /// The remaining component in the span of the terms, in the table's unit.
     pub left: f64,
 }
 
@@ -50,22 +51,22 @@ pub struct FitCheck {
     pub r_squared: f64,
     /// R² of the best surface of the same terms.
     pub best_r_squared: f64,
-    /// Norm of what is left in the span of the terms.
+    /// Norm of the residual's component in the span of the terms.
     pub left: f64,
-    /// The same by the rounding of the printed coefficients alone: the root of its mean square, and its largest.
+    /// The same from the rounding of the printed coefficients alone: the root of its mean square, and its largest value.
     pub rounding: (f64, f64),
-    /// Every cell let free, the one that leaves least first.
+    /// Every cell made free, starting with the one with the smallest remainder.
     pub free: Vec<FreeCell>,
 }
 
 impl FitCheck {
-    /// Whether rounding explains what is left: the surface was fitted to the table as printed.
+    /// Whether rounding explains the component: then the surface was fitted to the table as printed.
     pub fn is_of_the_table(&self) -> bool {
         self.left <= self.rounding.1
     }
 }
 
-/// How a cell stands to the value that the others of its table predict.
+/// A cell compared to its prediction from the others of its table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
@@ -77,7 +78,7 @@ pub struct LeftOut {
     pub amplitude: f64,
     /// As printed, in the table's unit.
     pub printed: f64,
-    /// By the other cells, in the table's unit.
+    /// From the other cells, in the table's unit.
     pub predicted: f64,
     /// The difference over the standard deviation of the others' own differences (externally studentised): beyond 2.5 for one in
     /// 42 cells by chance.
@@ -171,7 +172,7 @@ impl Fit {
         }
     }
 
-    /// Root of the mean square, and largest, of what rounding to the digits printed leaves in the span.
+    /// Root mean square, and largest value, of the component in the span that rounding to the printed digits leaves.
     fn rounding(&self) -> (f64, f64) {
         let halves: Vec<f64> = self
             .printed
@@ -180,7 +181,7 @@ impl Fit {
             .map(|b| 0.5 * 10_f64.powf(b.abs().log10().floor() - 3.0))
             .collect();
         let columns = self.terms.column_iter().zip(&halves);
-        // Each coefficient is off by up to half a digit, evenly.
+        // Each coefficient is off by up to half a digit, uniformly.
         let mean_square: f64 = columns
             .clone()
             .map(|(column, half)| column.norm_squared() * half * half / 3.0)
@@ -204,8 +205,8 @@ pub fn check(surface: Surface) -> FitCheck {
     Fit::of(surface).check()
 }
 
-/// Every reading of Table 7's last row, whose cells are scattered over the page, with what eq 17 leaves in the span of its
-/// terms when the cell at 4.0 g/cm³ and 0.05 mm is free; the least first.
+/// Every reading of Table 7's last row, whose cells are scattered over the page, with the component of eq 17 in the span of its
+/// terms when the cell at 4.0 g/cm³ and 0.05 mm is free; the smallest first.
 pub fn last_row_readings() -> Vec<([f64; 5], f64)> {
     let mut fit = Fit::of(Surface::K3);
     let printed = fit.surface();
@@ -226,7 +227,7 @@ pub fn last_row_readings() -> Vec<([f64; 5], f64)> {
     readings
 }
 
-/// The orders of five things.
+/// The permutations of five items.
 fn permutations() -> Vec<[usize; 5]> {
     (0..3125)
         .map(|code| [625, 125, 25, 5, 1].map(|place| code / place % 5))
@@ -234,8 +235,8 @@ fn permutations() -> Vec<[usize; 5]> {
         .collect()
 }
 
-/// Every cell of every table against the others, by a fit of degree 3 in density and 1 in ln A of the logarithm (of α itself),
-/// the largest ratio first.
+/// Every cell of every table compared to the others, by a fit of degree 3 in density and 1 in ln A to the logarithm (for α to the
+/// value itself), the largest ratio first.
 pub fn left_out() -> Vec<LeftOut> {
     let terms = DMatrix::from_fn(25, 8, |cell, term| {
         let (density, amplitude) = (DENSITIES[cell % 5] - 3.0, AMPLITUDES[cell / 5]);
@@ -277,7 +278,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// A table that the printed surface is the fit of, but for one cell, is found out, with the cell and its value.
+        /// If the printed surface is the fit of a table except for one cell, the check finds the cell and its value.
         #[test]
         fn a_planted_misprint_is_found(
             planted in 0usize..25,
@@ -299,7 +300,7 @@ mod tests {
         }
     }
 
-    /// Against a fit without the cell.
+    /// Compared to a fit without the cell.
     #[test]
     fn what_the_others_predict_is_a_fit_without_the_cell() {
         let term = |cell: usize, term: usize| {

@@ -1,7 +1,7 @@
-//! The source, recomputed: every table, equation and claim of it, and whether it stands.
+//! The paper, recomputed: every table, equation and claim, and whether it holds.
 //!
-//! Tables 6–9 stand for the tests, whose recordings are not published. Each statement becomes a [`Claim`] with the numbers
-//! that decide it; what the paper does not give what it takes for is [`Verdict::CannotTell`].
+//! Tables 6–9 take the place of the tests, whose recordings are not published. Each statement becomes a [`Claim`] with the deciding
+//! numbers. If the paper does not give the data for a decision, it is [`Verdict::CannotTell`].
 
 mod cells;
 mod characterization;
@@ -32,7 +32,7 @@ use crate::orthogonal::Analysis;
 use crate::surfaces::{self, Surfaces};
 use cells::FREQUENCY;
 
-/// Everything that was recomputed.
+/// All results.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Paper {
@@ -44,15 +44,15 @@ pub struct Paper {
     pub orthogonal_test: Vec<Analysis>,
     /// Whether eqs 17–19 are the fits of their tables.
     pub fits: [FitCheck; 3],
-    /// Every cell against the others of its table, the farthest first.
+    /// Every cell compared to the others of its table, the farthest first.
     pub left_out: Vec<LeftOut>,
     /// The crate's surfaces.
     pub surfaces: Surfaces,
-    /// What every set of surfaces is worth.
+    /// The errors of every set of surfaces.
     pub surface_errors: Vec<SurfaceErrors>,
-    /// The law against finite elements.
+    /// Law and finite elements.
     pub comparison: Comparison,
-    /// What finite elements depend on.
+    /// The dependence of the finite elements on their assumptions.
     pub elements: ElementStudy,
 }
 
@@ -60,7 +60,7 @@ pub struct Paper {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurfaceErrors {
-    /// Which.
+    /// The set of surfaces.
     pub name: &'static str,
     /// NRMSE of the loop; rows are amplitudes, columns densities.
     pub loop_error: [[f64; 5]; 5],
@@ -68,7 +68,7 @@ pub struct SurfaceErrors {
     pub mean: f64,
     /// Largest of the loop's errors.
     pub largest: f64,
-    /// Of k1, k3, c and α, each over the cell less 1; none for what was fitted without the cell.
+    /// For k1, k3, c and α, each over the cell minus 1; none for surfaces fitted without the cell.
     pub coefficient_errors: Option<[[[f64; 4]; 5]; 5]>,
 }
 
@@ -107,7 +107,7 @@ impl SurfaceErrors {
     }
 }
 
-/// Recomputes everything; `progress` is told what is being done.
+/// Recomputes everything; `progress` receives a description of each step.
 pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
     progress("recomputing tables and equations");
     let cells = cells::cells();

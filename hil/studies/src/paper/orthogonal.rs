@@ -5,11 +5,11 @@ use mesh_damper_reference::orthogonal_test::{FACTORS, LOSS_FACTOR, STIFFNESS};
 use super::claim::{Claim, Verdict};
 use crate::orthogonal::{self, AgainstPrint, Analysis, Experiment, against_print, analyse};
 
-/// What Table 3 comes to.
+/// The results for Table 3.
 pub struct OrthogonalTest {
-    /// Of the loss factor and of the stiffness: ranges and variance.
+    /// For the loss factor and the stiffness: ranges and variance.
     pub analyses: Vec<Analysis>,
-    /// The same two, against what is printed.
+    /// The same two, compared to the printed ones.
     pub against_print: [AgainstPrint; 2],
 }
 
@@ -26,7 +26,7 @@ pub fn level_of_runs(factor: usize) -> [usize; 9] {
     orthogonal::l9().map(|run| run[factor])
 }
 
-/// The claims of section 4.1 and what the conclusions make of them.
+/// The claims of section 4.1 and their use in the conclusions.
 pub fn claims(test: &OrthogonalTest) -> Vec<Claim> {
     let [loss, stiffness] = &test.against_print;
     let [of_loss, of_stiffness] = [&test.analyses[0], &test.analyses[1]];

@@ -13,13 +13,13 @@ use super::misprints::{FitCheck, LeftOut};
 use crate::amplitude_independent::Sine;
 use crate::surfaces::{loop_errors, mean_and_largest};
 
-/// What the misprints' evidence is.
+/// The evidence for misprints.
 pub struct Evidence<'a> {
-    /// Of eqs 17, 18 and 19.
+    /// For eqs 17, 18 and 19.
     pub checks: &'a [FitCheck; 3],
-    /// Of Table 7's last row.
+    /// For Table 7's last row.
     pub readings: &'a [([f64; 5], f64)],
-    /// Of every cell.
+    /// For every cell.
     pub left_out: &'a [LeftOut],
 }
 
@@ -62,7 +62,7 @@ pub fn claims(cells: &[[Cell; 5]; 5], evidence: &Evidence<'_>) -> Vec<Claim> {
     ]
 }
 
-/// What the law's exponent makes of the energy: 4·c·X at α = 0, π·c·ω·X² at α = 1.
+/// The effect of the law's exponent on the energy: 4·c·X at α = 0, π·c·ω·X² at α = 1.
 fn limits() -> Claim {
     let law = |alpha| Coefficients {
         k1: 0.0,
@@ -135,7 +135,7 @@ fn last_row(readings: &[([f64; 5], f64)], rounding: f64) -> Claim {
     let as_read = readings[0].0 == tables::K3[4];
     let possible = readings.iter().filter(|(_, left)| *left <= rounding);
     let count = possible.clone().count();
-    // Falling with amplitude everywhere but at 4.0 g/cm³, as the rows above do.
+    // Falling with amplitude everywhere except at 4.0 g/cm³, like the rows above.
     let falling =
         possible.filter(|(row, _)| (0..4).all(|column| row[column] < tables::K3[3][column]));
     let falling = falling.count();
@@ -333,7 +333,7 @@ fn misprinted_cell(k3: &FitCheck, c: &FitCheck) -> Claim {
     .with("η as fitted", of(&fitted).loss_factor)
 }
 
-/// Ratios beyond which a cell is named.
+/// Ratio above which a cell is named.
 pub const APART: f64 = 2.5;
 
 fn cells_apart(left_out: &[LeftOut]) -> Claim {
@@ -417,7 +417,7 @@ fn equation_20_corrected() -> Claim {
     .with("largest NRMSE", most)
 }
 
-/// Share of the variance of the logarithm that the means by density and by amplitude have.
+/// Fraction of the variance of the logarithm that the means by density and by amplitude explain.
 fn shares(table: &[[f64; 5]; 5]) -> (f64, f64) {
     let log = table.map(|row| row.map(f64::ln));
     let mean = log.iter().flatten().sum::<f64>() / 25.0;

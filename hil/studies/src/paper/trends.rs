@@ -1,6 +1,6 @@
 //! Sections 4.4–4.6, Figures 8–13 and 18: stiffness and loss factor against density, angle, wire and amplitude.
 //!
-//! Tables 6–9 are of one angle and one wire. Of the tests of others the paper gives figures, and a few numbers in its text.
+//! Tables 6–9 are for one angle and one wire. For tests of others the paper gives figures, and a few numbers in its text.
 
 use mesh_damper_reference::orthogonal_test::LEVELS;
 use mesh_damper_reference::surfaces::{self, Equation18};
@@ -15,12 +15,12 @@ pub const TENTH: usize = 1;
 /// Column of 3.0 g/cm³, the density of Figures 10–13.
 const THREE: usize = 2;
 
-/// What the text says of Figure 11: angles in °, stiffness in kN/mm.
+/// The text's values for Figure 11: angles in °, stiffness in kN/mm.
 pub const ANGLE_STIFFNESS: [(f64, f64); 2] = [(15.0, 3.5), (45.0, 1.0)];
-/// What it says of the loss factor there: from, and down to.
+/// The text's loss factors there: from, and down to.
 pub const ANGLE_LOSS_FACTORS: [f64; 2] = [0.5, 0.35];
 
-/// The claims of sections 4.4–4.6 and of Figure 18 that concern the tests.
+/// The claims of sections 4.4–4.6 and of Figure 18 about the tests.
 pub fn claims(cells: &[[Cell; 5]; 5], orthogonal: &OrthogonalTest) -> Vec<Claim> {
     vec![
         rotation(cells),
@@ -84,7 +84,7 @@ fn areas(cells: &[[Cell; 5]; 5]) -> Claim {
 
 fn loss_factor_falls(cells: &[[Cell; 5]; 5]) -> Claim {
     let values = by_density(cells, TENTH, loss_factor);
-    // Ten times the k3 that stands apart, which lies between those beside it.
+    // Ten times the k3 that stands apart would lie between its neighbours.
     let mut tenfold = cell(TENTH, THREE);
     tenfold.k3 *= 10.0;
     let with_tenfold = dynamics(&tenfold, AMPLITUDES[TENTH], 1.0);
@@ -236,7 +236,7 @@ fn wire(orthogonal: &OrthogonalTest) -> Claim {
 
 fn amplitude_softens(cells: &[[Cell; 5]; 5]) -> Claim {
     let columns: Vec<[f64; 5]> = (0..5).map(|c| by_amplitude(cells, c, stiffness)).collect();
-    // Rapidly first and slowly then.
+    // Rapidly at first, then slowly.
     let settles = |k: &[f64; 5]| is_falling(k) && k[0] - k[1] > 2.0 * (k[3] - k[4]);
     let like: Vec<f64> = (0..5)
         .filter(|&c| settles(&columns[c]))
@@ -316,7 +316,7 @@ fn one_set_of_constants(cells: &[[Cell; 5]; 5]) -> Claim {
 }
 
 fn outside_the_range() -> Claim {
-    // The density of another of the authors' works.
+    // The density from another work of the authors.
     let density = 1.8;
     let c: Vec<f64> = AMPLITUDES
         .iter()

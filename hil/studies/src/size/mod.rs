@@ -1,7 +1,7 @@
-//! What a trace takes: processor time and memory over the number of rows.
+//! The cost of a trace: processor time and memory over the number of rows.
 //!
-//! Recordings are simulated with any number of rows, of blocks of sines and of a random motion. Each is traced by a process of its
-//! own, which the system counts time and memory of.
+//! Recordings are simulated with any number of rows, with blocks of sines and with a random motion. A separate process traces each,
+//! so that the system counts its time and memory.
 
 mod process;
 mod simulate;
@@ -16,62 +16,61 @@ use serde::{Deserialize, Serialize};
 pub use process::{Usage, usage_of};
 pub use simulate::{Motion, simulate};
 
-/// The most memory that a trace may take: bytes for each row, beside [`BYTES_BESIDE`]. Convention: a gigabyte of free memory is
-/// enough for two million rows, and the rest is the command itself.
+/// Memory limit of a trace: bytes for each row, in addition to [`BYTES_BESIDE`]. Convention: a gigabyte of free memory is enough
+/// for two million rows, and the rest is for the command itself.
 pub const BYTES_PER_ROW: u64 = 400;
-/// What a trace may take whatever the rows, bytes.
+/// Memory limit of a trace independent of the rows, bytes.
 pub const BYTES_BESIDE: u64 = 64 << 20;
-/// The part of a recording's duration that its trace may take on two free cores. Convention: a day's tests are traced within the
-/// hour.
+/// Time limit of a trace, as a fraction of the recording's duration, on two free cores. Convention: a day's tests are traced within
+/// the hour.
 pub const PART_OF_DURATION: f64 = 0.05;
-/// A trace that takes no longer is quick enough however short the recording is, s. Convention: who waits does not turn away.
+/// A trace of at most this duration is quick enough however short the recording is, s. Convention: the user does not turn away.
 pub const QUICK: f64 = 2.0;
 
-/// What a trace of one recording took.
+/// The cost of tracing one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measured {
-    /// What the specimen was moved by.
+    /// The motion of the specimen.
     pub motion: Motion,
     /// Rows of the recording.
     pub rows: usize,
-    /// How long the test lasted, s.
+    /// Duration of the test, s.
     pub duration: f64,
-    /// Time of all processors together, s.
+    /// Processor time on all cores, s.
     pub processor: f64,
     /// From start to end, s.
     pub elapsed: f64,
-    /// The most memory at once, bytes.
+    /// Peak memory, bytes.
     pub memory: u64,
 }
 
 impl Measured {
-    /// The most memory that it may take, bytes.
+    /// Its memory limit, bytes.
     pub fn memory_limit(&self) -> u64 {
         memory_limit(self.rows)
     }
 
-    /// The most time from start to end that it may take on two free cores, s.
+    /// Its time limit from start to end on two free cores, s.
     pub fn time_limit(&self) -> f64 {
         (PART_OF_DURATION * self.duration).max(QUICK)
     }
 
-    /// Whether it keeps within both limits.
+    /// Whether it is within both limits.
     pub fn is_within_limits(&self) -> bool {
         self.memory <= self.memory_limit() && self.elapsed <= self.time_limit()
     }
 }
 
-/// The most memory that a trace of `rows` rows may take, bytes.
+/// The memory limit for a trace of `rows` rows, bytes.
 pub fn memory_limit(rows: usize) -> u64 {
     BYTES_PER_ROW * rows as u64 + BYTES_BESIDE
 }
 
-/// Traces a simulated test of `motion` with `rows` rows by `hil`, the command itself, in `folder`, which it leaves the
-/// recording in.
+/// Traces a simulated test of `motion` with `rows` rows with `hil`, the command itself, in `folder`. The recording stays there.
 ///
 /// # Errors
-/// A folder that cannot be written to, a command that cannot be started or fails, a system that counts no memory.
+/// The folder cannot be written to, the command cannot start or fails, or the system does not count memory.
 pub fn measure(
     hil: impl AsRef<OsStr>,
     folder: &Path,

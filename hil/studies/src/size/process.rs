@@ -1,4 +1,4 @@
-//! The time and memory that a process takes.
+//! The time and memory of a process.
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -6,29 +6,27 @@ use std::time::{Duration, Instant};
 
 use mesh_damper_recording::error::InputError;
 
-/// What a process took.
+/// The time and memory of a process.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Usage {
-    /// Time of all processors together, s.
+    /// Processor time on all cores, s.
     pub processor: f64,
     /// From start to end, s.
     pub elapsed: f64,
-    /// The most memory at once, bytes.
+    /// Peak memory, bytes.
     pub memory: u64,
 }
 
-/// A process is looked at again after this long. Convention: what it takes at its very end is missed, which is a hundredth of a
-/// second at most.
+/// Interval of the checks of a process. Convention: a check misses only its last moments, a hundredth of a second at most.
 const PAUSE: Duration = Duration::from_millis(5);
-/// Parts of a second in which Linux counts processor time. Derived: the `USER_HZ` of all machines that Rust's standard library runs
-/// on.
+/// Ticks per second of Linux's processor time. Derived: the `USER_HZ` of all machines that Rust's standard library supports.
 const TICKS: f64 = 100.0;
 
-/// Runs a command to its end, and looks at what it takes: the system keeps the most memory that a process had, so that only the
-/// end of it can be missed.
+/// Runs a command to its end, and checks its time and memory. The system keeps the peak memory of a process, so only its last
+/// moments can be missed.
 ///
 /// # Errors
-/// A command that cannot be started or fails, with its last line; a system without `/proc`, which is any but Linux.
+/// The command cannot start or fails, with its last line; or the system has no `/proc`, which is any except Linux.
 pub fn usage_of(command: &mut Command) -> Result<Usage, InputError> {
     let program = PathBuf::from(command.get_program());
     let failed = |error: std::io::Error| InputError::io(&program, "run", &error);
@@ -76,7 +74,7 @@ pub fn usage_of(command: &mut Command) -> Result<Usage, InputError> {
     Ok(usage)
 }
 
-/// Processor time in s and the most memory in bytes of a process that runs; `None` of one that has ended.
+/// Processor time in s and peak memory in bytes of a running process; `None` if it has ended.
 fn so_far(process: u32) -> Option<(f64, u64)> {
     let read = |file: &str| std::fs::read_to_string(format!("/proc/{process}/{file}")).ok();
     let status = read("status")?;
@@ -100,7 +98,7 @@ mod tests {
         usage_of(Command::new("sh").args(["-c", script]))
     }
 
-    /// A shell that holds a text of 40 MB takes as much more than one that holds none, and one that counts takes time.
+    /// A shell that holds a text of 40 MB takes that much more than one without, and one that counts takes time.
     #[test]
     fn memory_and_time_are_those_of_the_process() {
         let hold = |bytes: u32| {

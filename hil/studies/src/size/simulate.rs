@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::blind::{Sensors, Truth, answer, record};
 
-/// What a specimen is moved by.
+/// The motion of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Motion {
     /// Blocks of sines, at 1 kHz.
     Sines,
-    /// A random motion without like cycles, at 100 Hz.
+    /// A random motion without similar cycles, at 100 Hz.
     Random,
 }
 
@@ -27,7 +27,7 @@ impl Motion {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Sines, Self::Random];
 
-    /// Its name in a file's.
+    /// Its name in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sines => "sines",
@@ -54,7 +54,7 @@ impl Motion {
 
 /// Density of the specimen, g/cm³.
 const DENSITY: f64 = 3.0;
-/// What it has beside the mixed damping law: a trace has something to find, and takes longer than without.
+/// Its effect in addition to the mixed damping law: a trace then finds an effect, and takes longer than without.
 const HIDDEN: HiddenEffect = HiddenEffect::Relaxation {
     stiffness: 1.0,
     time: 0.05,
@@ -67,14 +67,14 @@ const SENSORS: Sensors = Sensors {
 /// Amplitudes of the blocks, mm, and their frequencies, Hz: each amplitude slowly and fast. Convention: the paper's.
 const AMPLITUDES: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
 const FREQUENCIES: [f64; 2] = [1.0, 5.0];
-/// Tones of the random motion, and the band that they are drawn from, Hz. Convention: what a floor does to a machine on it.
+/// Number of tones of the random motion, and their band, Hz. Convention: the vibration of a machine on a floor.
 const TONES: usize = 60;
 const BAND: [f64; 2] = [0.5, 8.0];
 /// Its displacement, mm RMS.
 const RMS: f64 = 0.06;
 
-/// A test of a specimen with one hidden effect, of `rows` rows; blocks of sines have up to an eighth more or less, as they consist of
-/// whole cycles.
+/// A test of a specimen with one hidden effect, with `rows` rows. Blocks of sines have up to an eighth more or less, because they
+/// consist of whole cycles.
 ///
 /// # Panics
 /// With fewer than 32 rows.
@@ -116,7 +116,7 @@ fn random(rows: usize) -> Truth {
             Tone::new(turn, rng.random_range(0.0..TAU), step)
         })
         .collect();
-    // A sum of as many sines with random phases is normal about 0, with half of their squared amplitudes for variance.
+    // A sum of this many sines with random phases is normal about 0; its variance is half the sum of their squared amplitudes.
     let size = RMS * (2.0 / TONES as f64).sqrt();
     let mut specimen = Specimen::new(tables::interpolate(DENSITY, AMPLITUDES[1])).with(HIDDEN);
     let mut truth = Truth {
@@ -148,7 +148,7 @@ fn random(rows: usize) -> Truth {
     truth
 }
 
-/// A sine with its derivatives, each step turned on from the one before: millions of sines take longer than all else here.
+/// A sine with its derivatives, each step rotated from the one before: millions of sines take longer than everything else here.
 struct Tone {
     /// rad/s
     turn: f64,

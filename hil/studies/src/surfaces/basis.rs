@@ -1,9 +1,9 @@
-//! The functions that the surfaces are made of. Each set is not negative and sums to 1.
+//! The basis functions of the surfaces. Each set is nonnegative and sums to 1.
 
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
 
-/// Hat functions at `density` g/cm³, one for each density of the tables: 1 there, falling in straight lines to 0 at its
-/// neighbours; beyond the ends their values there.
+/// Hat functions at `density` g/cm³, one for each density of the tables: 1 there, falling linearly to 0 at its neighbours; beyond
+/// the ends their values at the ends.
 pub fn hats(density: f64) -> [f64; 5] {
     let x = density.clamp(DENSITIES[0], DENSITIES[4]);
     let below = (0..4).rfind(|&i| x >= DENSITIES[i]).unwrap_or(0);
@@ -14,7 +14,7 @@ pub fn hats(density: f64) -> [f64; 5] {
     values
 }
 
-/// Bernstein polynomials of `degree` in ln(A/0.05)/ln 5 at `amplitude` mm; beyond the ends their values there.
+/// Bernstein polynomials of `degree` in ln(A/0.05)/ln 5 at `amplitude` mm; beyond the ends their values at the ends.
 pub fn polynomials(amplitude: f64, degree: usize) -> Vec<f64> {
     let (low, high) = (AMPLITUDES[0], AMPLITUDES[4]);
     let x = ((amplitude / low).ln() / (high / low).ln()).clamp(0.0, 1.0);

@@ -1,9 +1,10 @@
-//! The surfaces that come nearest to the loops of Tables 6–9.
+//! The surfaces closest to the loops of Tables 6–9.
 //!
-//! Least is the sum of the fourth powers of the cells' NRMSE: every cell counts by its relative error, and one large error more
-//! than several small ones. What a loop hardly shows, such as k3 at a small amplitude, is kept near to the table's by a small
-//! part of the squared relative errors of the coefficients. Gauss–Newton, with every cell weighted by its own squared error as it is; each step is least
-//! squares with the steps of ln P and ln D from polynomial to polynomial not below 0.
+//! The fit minimises the sum of the fourth powers of the cells' NRMSE: every cell counts by its relative error, and one large error
+//! more than several small ones. A coefficient that a loop hardly shows, such as k3 at a small amplitude, is kept close to the
+//! table's by a small weight on the squared relative errors of the coefficients. The method is Gauss–Newton, with every cell
+//! weighted by its present squared error. Each step is least squares, with the steps of ln P and ln D from polynomial to polynomial
+//! not below 0.
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{self, AMPLITUDES, DENSITIES};
@@ -15,11 +16,11 @@ use crate::nonnegative;
 
 /// As many as the tables have densities.
 const HATS: usize = DENSITIES.len();
-/// What the squared logarithm of a coefficient over the table's costs beside the errors of the loops.
+/// Weight of the squared logarithm of a coefficient over the table's, relative to the errors of the loops.
 const COEFFICIENTS: f64 = 1e-5;
-/// What an unknown costs, so that every step's equations are definite where a cell is left out.
+/// Ridge penalty of an unknown, so that every step's equations are definite if a cell is left out.
 const RIDGE: f64 = 1e-10;
-/// Least squared error that a cell is weighted by, so that none is dropped.
+/// Smallest squared error as the weight of a cell, so that none is dropped.
 const LEAST_WEIGHT: f64 = 1e-4;
 /// Steps, of which a few dozen are needed.
 const MOST_STEPS: usize = 200;
@@ -35,7 +36,7 @@ struct Cell {
     law: Coefficients,
 }
 
-/// Fits surfaces of `degree` over the logarithm of the amplitude to all cells, or to all but the one in the row and column
+/// Fits surfaces of `degree` over the logarithm of the amplitude to all cells, or to all except the one in the row and column
 /// `left_out`.
 ///
 /// # Panics
@@ -90,7 +91,7 @@ impl Cell {
         }
     }
 
-    /// Logarithms of k1, k3, c and α over the table's, and their slopes by ln P, logit s, ln D and logit α.
+    /// Logarithms of k1, k3, c and α over the table's, and their slopes with respect to ln P, logit s, ln D and logit α.
     fn coefficients(&self, shape: &SurfaceShape) -> [(f64, [f64; 4]); 4] {
         let found = shape.coefficients(self.amplitude);
         let (s, alpha) = (shape.cubic_share, shape.exponent);
@@ -109,7 +110,7 @@ impl Cell {
         ]
     }
 
-    /// Error of each sample over the norm of the loop, and its slopes by ln P, logit s, ln D and logit α.
+    /// Error of each sample over the norm of the loop, and its slopes with respect to ln P, logit s, ln D and logit α.
     fn residuals<'a>(
         &'a self,
         shape: &'a SurfaceShape,
@@ -136,7 +137,7 @@ impl Cell {
     }
 }
 
-/// Where each b is among the unknowns: the first of ln P and ln D and all of the logits, which may have any sign, then the
+/// The place of each b among the unknowns: the first of ln P and ln D and all of the logits, which may have any sign, then the
 /// steps of ln P and ln D.
 struct Unknowns {
     degree: usize,
@@ -166,7 +167,7 @@ impl Unknowns {
         self.free() + (which * HATS + hat) * self.degree + polynomial - 1
     }
 
-    /// Forces that rise by a factor of 4 from the least amplitude to the largest, and shares of a third.
+    /// Forces that rise by a factor of 4 from the smallest amplitude to the largest, and shares of a third.
     fn start(&self) -> DVector<f64> {
         let mut at = DVector::from_element(self.count(), 4.0_f64.ln() / self.degree.max(1) as f64);
         for hat in 0..HATS {
@@ -213,7 +214,7 @@ impl Unknowns {
         }
     }
 
-    /// The slopes of ln P, logit s, ln D and logit α in a cell, each by its unknowns: place, slope.
+    /// The slopes of ln P, logit s, ln D and logit α in a cell with respect to its unknowns: place, slope.
     fn slopes(&self, cell: &Cell) -> [Vec<(usize, f64)>; 4] {
         let mut slopes = [const { Vec::new() }; 4];
         for (hat, &n) in cell.hats.iter().enumerate() {

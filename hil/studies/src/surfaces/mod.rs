@@ -1,7 +1,7 @@
-//! The coefficients of eq 13 as surfaces over density and amplitude, in the place of eqs 16–19.
+//! The coefficients of eq 13 as surfaces over density and amplitude, in place of eqs 16–19.
 //!
-//! k1 and k3 trade off within a loop, c and α do as well, so that a small error of the loop may need a large one of a
-//! coefficient. What is fitted is what a loop of amplitude A mm at 1 Hz shows:
+//! k1 and k3 compensate each other within a loop, and so do c and α. So a small error of the loop may require a large error of a
+//! coefficient. The fit therefore uses quantities that a loop of amplitude A mm at 1 Hz shows:
 //!
 //! - P = k1·A + k3·A³, the elastic force at the amplitude, kN;
 //! - s = k3·A³/P, the share of the cubic in it, 0…1;
@@ -9,14 +9,14 @@
 //! - α, 0…1.
 //!
 //! ln P, ln D, logit s and logit α are each Σ bᵢⱼ·Nᵢ(ρ)·Bⱼ(a): hat functions N on the densities of the tables, Bernstein
-//! polynomials B over a = ln(A/0.05 mm)/ln 5. From this form alone, wherever the coefficients b come from:
+//! polynomials B over a = ln(A/0.05 mm)/ln 5. The following holds for this form with any coefficients b:
 //!
-//! - k1, k3 and c are above 0 and α is within 0…1, since exponential and logistic function are;
-//! - at every density P and D do not fall where the amplitude rises: N and B are not negative, each sums to 1, and the bᵢⱼ of
-//!   ln P and ln D do not fall with j. A mesh that is pressed further does not push back less;
-//! - between two densities of the tables P, s, D and α are between theirs. What is smoother over density overshoots: the tables
-//!   rise and fall from each to the next. For that reason, too, the stiffness is not made to rise with density: the
-//!   tables' own does not from 0.15 mm on.
+//! - k1, k3 and c are above 0 and α is within 0…1, because exponential and logistic function are;
+//! - at every density P and D do not fall when the amplitude rises: N and B are nonnegative, each sums to 1, and the bᵢⱼ of ln P
+//!   and ln D do not fall with j. A mesh that is pressed further does not push back less;
+//! - between two densities of the tables P, s, D and α are between their values. A smoother form over density overshoots, because
+//!   the tables rise and fall from each density to the next. For the same reason the stiffness is not forced to rise with density:
+//!   the tables' own stiffness does not from 0.15 mm on.
 
 mod basis;
 mod fit;
@@ -31,10 +31,10 @@ use serde::Serialize;
 use crate::amplitude_independent::Sine;
 pub use fit::fit;
 
-/// Degree over the logarithm of amplitude: the least that leaves no cell of the tables above an NRMSE of 0.15.
+/// Degree over the logarithm of amplitude: the smallest that leaves no cell of the tables above an NRMSE of 0.15.
 pub const DEGREE: usize = 2;
 
-/// Samples of a cycle where loops are compared.
+/// Samples of a cycle for the comparison of loops.
 const SAMPLES: usize = 200;
 
 /// ω of the paper's test, rad/s.
@@ -56,7 +56,7 @@ pub struct Surfaces {
     pub exponent: Vec<Vec<f64>>,
 }
 
-/// What a loop shows, see the module.
+/// The quantities that a loop shows, see the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SurfaceShape {
     elastic: f64,
@@ -103,8 +103,8 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// NRMSE of the loop that `law` gives at a density in g/cm³ and an amplitude in mm, 1 Hz, in each cell of Tables 6–9: rows are
-/// amplitudes, columns densities.
+/// NRMSE of the loop of `law` at a density in g/cm³ and an amplitude in mm, 1 Hz, in each cell of Tables 6–9: rows are amplitudes,
+/// columns densities.
 pub fn loop_errors(law: impl Fn(f64, f64) -> Coefficients) -> [[f64; 5]; 5] {
     let mut errors = [[0.0; 5]; 5];
     for (row, &amplitude) in AMPLITUDES.iter().enumerate() {
@@ -122,7 +122,7 @@ pub fn loop_error(law: &Coefficients, row: usize, column: usize) -> f64 {
     nrmse(&sine.force(law), &measured).expect("no cell is without force")
 }
 
-/// By cell, the error of surfaces of `degree` that were fitted to all others: what they are worth between cells.
+/// By cell, the error of surfaces of `degree` that were fitted to all other cells: their accuracy between cells.
 pub fn left_out_errors(degree: usize) -> [[f64; 5]; 5] {
     use rayon::prelude::*;
     let errors: Vec<f64> = (0..25_usize)
@@ -137,7 +137,7 @@ pub fn left_out_errors(degree: usize) -> [[f64; 5]; 5] {
     std::array::from_fn(|row| std::array::from_fn(|column| errors[5 * row + column]))
 }
 
-/// Mean and largest of a table.
+/// Mean and largest value of a table.
 pub fn mean_and_largest(errors: &[[f64; 5]; 5]) -> (f64, f64) {
     let all = || errors.iter().flatten();
     (

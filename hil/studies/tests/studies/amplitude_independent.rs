@@ -1,5 +1,4 @@
-//! One law for every amplitude: what it is worth on the loop that was held out, that it is passive, and that the firmware
-//! runs it.
+//! One law for every amplitude: its error on the held-out loop, its passivity, and its use in the firmware.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -32,8 +31,8 @@ fn figures(errors: &HeldOut) -> [f64; 5] {
     ]
 }
 
-/// Asked for is half of one eq 13's mean error. The loops do not hold it: between those on either side, with the amplitude
-/// known and no law at all, two thirds are left, and the law comes that near.
+/// The requirement is half of one eq 13's mean error. The loops do not permit it: interpolation between those on either side, with
+/// the amplitude known and no law at all, leaves two thirds, and the law is nearly as good.
 #[test]
 fn the_held_out_amplitude_is_told_better_than_by_one_eq_13() {
     let [at_1_hz, over_frequencies] = studies();
@@ -53,7 +52,7 @@ fn the_held_out_amplitude_is_told_better_than_by_one_eq_13() {
     assert!(mean.law < 0.65 * mean.equation_13, "{mean:?}");
 }
 
-/// Rows of `docs/law.md`: the first cells say what, the others five errors in %.
+/// Rows of `docs/law.md`: the first cells describe, the others are five errors in %.
 #[test]
 fn the_docs_tell_these_errors() {
     let [at_1_hz, over_frequencies] = studies();
@@ -78,7 +77,7 @@ fn the_docs_tell_these_errors() {
     }
 }
 
-/// The crate carries what the fit over both frequencies comes to, to six digits.
+/// The crate contains the result of the fit over both frequencies, to six digits.
 #[test]
 fn the_crates_laws_are_the_fitted_ones() {
     let [_, study] = studies();
@@ -124,8 +123,9 @@ fn the_crates_laws_are_the_fitted_ones() {
     );
 }
 
-/// The laws of eq 13 in f64 and of the firmware in f32 with its table, on the closed loop: the table's 4e-7 of the damping,
-/// and the walk of the elements' stretch by the rounding of 10^4 steps, 2^-24·0.3 mm each, √10⁴·5·1.8e-8/√3 = 5e-6 kN.
+/// The laws of eq 13 in f64 and of the firmware in f32 with its table, on the closed loop. The tolerance is the table's 4e-7 of the
+/// damping, and the random walk of the elements' stretch by the rounding of 10^4 steps, 2^-24·0.3 mm each, √10⁴·5·1.8e-8/√3 = 5e-6
+/// kN.
 #[test]
 fn f32_is_f64_within_a_hundred_thousandth() {
     for study in studies() {
@@ -178,8 +178,8 @@ fn every_loop_takes_energy_up() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// Any motion: what is not the elastic force takes up work from rest on, and never gives back more than it took. A
-    /// slider's work at the end of a tick, k·z·Δy, is no less than the change of k·z²/2.
+    /// For any motion: the part other than the elastic force absorbs work from rest on, and never gives back more than it took. A
+    /// slider's work at the end of a tick, k·z·Δy, is at least the change of k·z²/2.
     #[test]
     fn no_motion_draws_energy_out(
         density in 0usize..5,
@@ -207,13 +207,13 @@ proptest! {
             });
             work += (force - elastic(y)) * (y - before);
             before = y;
-            // Where the velocity turns within a tick, its friction has the sign of the tick's end.
+            // If the velocity reverses within a tick, its friction has the sign at the tick's end.
             prop_assert!(work > -1e-6, "{work} J after {n} ticks");
         }
     }
 }
 
-/// Nobody tells the emulated damper an amplitude: its force follows the law over a beat of two sines.
+/// The emulated damper receives no amplitude: its force follows the law over a beat of two sines.
 #[test]
 fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
     let law = amplitude_independent::law(3.0).unwrap();
@@ -233,13 +233,13 @@ fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
             ..Motion::default()
         };
         let own = expected.force(&mut state, &motion);
-        // The force comes in over the first half second.
+        // The force is ramped in over the first half second.
         if tick > 5_000 {
             driven.push(force);
             wanted.push(f64::from(own));
         }
     }
-    // What the observer makes of a displacement in steps of 3e-5 mm.
+    // The error of the observer for a displacement in steps of 3e-5 mm.
     let error = nrmse(&driven, &wanted, |_| true);
     assert!(error < 0.03, "{error}");
 }

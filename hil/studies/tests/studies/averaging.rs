@@ -9,7 +9,7 @@ use mesh_damper_studies::blind::draw;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Of a specimen with Bouc–Wen friction, 2000 samples a second.
+/// For a specimen with Bouc–Wen friction, 2000 samples a second.
 const SEED: u64 = 367;
 const AVERAGE: MovingAverage = MovingAverage { window: 21.0 };
 
@@ -20,8 +20,8 @@ fn averaged(recording: &Recording) -> Recording {
     averaged
 }
 
-/// What smoothed the channels is said and taken into account: friction is still found, and predicts motion that was not fitted
-/// as well as it does from channels that were not smoothed. The same law is far off where the smoothing is not known.
+/// The smoothing of the channels is reported and taken into account. Friction is still found, and predicts motion that was not
+/// fitted as well as from channels without smoothing. If the smoothing is not known, the same law is far off.
 #[test]
 fn friction_is_found_behind_a_moving_average() {
     let trial = draw(SEED);
@@ -54,7 +54,7 @@ fn friction_is_found_behind_a_moving_average() {
     assert!(unaware > 2.0 * own, "{unaware} {own}");
 }
 
-/// Triangles have corners that no average leaves, in one block and in two, with few cycles and many.
+/// Triangles have corners that no average would leave, in one block and in two, with few cycles and many.
 #[test]
 fn a_motion_with_corners_was_not_averaged() {
     for cycles in [5, 8, 20, 40] {

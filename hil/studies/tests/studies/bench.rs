@@ -1,4 +1,4 @@
-//! What the bench counts in an emulator where there is one; left out, and said so, where there is none.
+//! The bench, if an emulator is installed; otherwise it is skipped with a message.
 
 use std::io::Write as _;
 
@@ -10,7 +10,7 @@ fn is_ci() -> bool {
     std::env::var("CI").as_deref() == Ok("true")
 }
 
-/// Past the test harness, which keeps what passing tests print to itself.
+/// Past the test harness, which hides the output of passing tests.
 fn say(line: &str) {
     let said = writeln!(std::io::stderr(), "{line}");
     said.unwrap();
@@ -30,7 +30,7 @@ fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_l
     }
     let baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let failures = baseline.failures(&results);
-    // Another compiler makes other code, which says nothing about ours.
+    // Another compiler generates other code, which says nothing about ours.
     if baseline.tools.rustc != results.tools.rustc && !is_ci() {
         say(&format!(
             "left out: the baseline of instructions is of {}, not of {}; rustup toolchain install {} has it compared",
@@ -48,7 +48,7 @@ fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_l
     assert!(failures.is_empty(), "{failures:#?}");
     let missed = results.limits.iter().filter_map(Verdict::failure);
     assert_eq!(missed.collect::<Vec<_>>(), Vec::<String>::new());
-    // Who reaches a limit takes its excuse away; what hangs on the machine has one whatever it came to.
+    // If a limit is met, its excuse has to be removed; a figure that depends on the machine keeps its excuse.
     let idle = results.limits.iter().filter(|verdict| {
         verdict.excuse.is_some() && verdict.holds() && verdict.unit != "a second"
     });

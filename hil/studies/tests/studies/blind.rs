@@ -6,7 +6,7 @@ use mesh_damper_studies::blind::{
     Class, Draw, FLOORS_OF_A_PART, GROUP, Hidden, Mark, PART, described, draw, judge, run,
 };
 
-/// Every group has its shares of the classes; what is hidden is as large as promised; the same seed hides the same.
+/// Every group has the right shares of the classes; hidden effects have the promised sizes; the same seed hides the same effects.
 #[test]
 fn trials_are_what_they_promise() {
     let mut classes = [0; 4];
@@ -25,7 +25,7 @@ fn trials_are_what_they_promise() {
                 effect.visible > least && effect.visible < 57.5,
                 "seed {seed}: {effect:?}"
             );
-            // The fit is over all but the ramps, which may be quieter.
+            // The fit covers everything except the ramps, which may be quieter.
             assert!(
                 effect.size > 0.5 * effect.visible,
                 "seed {seed}: {effect:?}"
@@ -44,8 +44,8 @@ fn trials_are_what_they_promise() {
     assert_eq!(once.held_out, again.held_out);
 }
 
-/// Of these hidden effects a listed one explains four fifths: a mass below its resonance, a drag that grows with v². What it
-/// leaves repeats with every cycle, so the listed one is not named.
+/// A listed effect explains four fifths of each of these hidden effects: a mass below its resonance, a drag proportional to v². The
+/// remainder repeats with every cycle, so the listed effect is not named.
 #[test]
 fn what_only_resembles_a_listed_effect_is_not_called_by_its_name() {
     for (seed, kind, resembles) in [
@@ -66,7 +66,7 @@ fn what_only_resembles_a_listed_effect_is_not_called_by_its_name() {
     }
 }
 
-/// Rubber that a larger stretch has softened is nearly a spring that has lost stiffness with it.
+/// Rubber that a larger stretch has softened is nearly a spring that has lost stiffness with the stretch.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_softening_is_degradation() {
@@ -79,8 +79,8 @@ fn a_softening_is_degradation() {
     assert!(said.before > 2.0 && said.after < 1.4, "{}", said.after);
 }
 
-/// What changes in the course of a test is corrected over what it depends on and not over a name that fits it nearly: a creep, most
-/// of which is over with the first block, one that an offset stands in for.
+/// A change during a test is corrected with its true variable, and not with a name that fits it nearly: a creep that is mostly over
+/// after the first block, and one that an offset can imitate.
 #[test]
 fn what_a_name_nearly_fits_is_mended_without_one() {
     for (seed, kind) in [(279, "creep"), (245, "creep")] {
@@ -94,7 +94,8 @@ fn what_a_name_nearly_fits_is_mended_without_one() {
     }
 }
 
-/// All but a drift of both forces, in a chamber that warms while it settles: the temperature explains it as well with a number less.
+/// Everything except a drift of both forces, in a chamber that warms while the force settles: the temperature explains it equally
+/// well with one number less.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn the_effects_that_the_crate_describes_are_found() {
@@ -121,7 +122,7 @@ fn the_effects_that_the_crate_describes_are_found() {
     }
 }
 
-/// A part of the trial; `cargo hil blind --seeds 500 --check` is the whole.
+/// A part of the trial; `cargo hil blind --seeds 500 --check` is the whole trial.
 #[test]
 fn a_part_of_the_trial_reaches_what_it_has_reached() {
     let summary = run(PART, Draw::Specimens, &|| ());
@@ -129,7 +130,7 @@ fn a_part_of_the_trial_reaches_what_it_has_reached() {
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
-/// What relaxes over all times is several Maxwell branches, which is what it is called; by another name it would be wrong.
+/// Relaxation over all times is named as several Maxwell branches; another name would be wrong.
 #[test]
 fn a_spring_pot_is_relaxation() {
     let trial = draw(9);
@@ -143,7 +144,7 @@ fn a_spring_pot_is_relaxation() {
     assert_eq!(outcome.mark(), Mark::Wrong);
 }
 
-/// By physics that are none of the crate's.
+/// With physics that share nothing with the crate's.
 #[test]
 fn a_dashpot_that_yields_is_named() {
     let trial = draw(522);
@@ -151,8 +152,8 @@ fn a_dashpot_that_yields_is_named() {
     assert_eq!(judge(&trial).mark(), Mark::Right);
 }
 
-/// Friction that fades with speed is on no list, and a dashpot that yields is not what it is. In this test it looks like one whose
-/// spring may be any.
+/// Friction that fades with speed is on no list, and is not a dashpot that yields. In this test it looks like one with an arbitrary
+/// spring.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_name_with_a_parameter_without_bounds_is_ambiguous() {

@@ -1,4 +1,4 @@
-//! The Bouc–Wen benchmark, smaller: its records, and what a model is judged by.
+//! The Bouc–Wen benchmark, smaller: its records, and the criteria for a model.
 
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_model::{AddedEffect, Family, LawNode, Model};
@@ -67,8 +67,8 @@ fn the_records_are_the_benchmarks() {
     }
 }
 
-/// With γ = δ = ½ the benchmark's hysteresis is the crate's: k = α, slip limit 1/β, sharpness 1. So Runge–Kutta steps of another
-/// code at 15 kHz say what the motion is under a force of which `respond` has 750 samples a second.
+/// With γ = δ = ½ the benchmark's hysteresis is the crate's: k = α, slip limit 1/β, sharpness 1. So Runge–Kutta steps of other code
+/// at 15 kHz check the motion under a force that `respond` has at 750 samples a second.
 #[test]
 fn the_motion_of_a_known_hysteresis_is_that_of_another_integrator() {
     let system = System {
@@ -85,12 +85,12 @@ fn the_motion_of_a_known_hysteresis_is_that_of_another_integrator() {
     for test in &records.tests {
         let score = score(&model, test).unwrap();
         let error = score.displacement_error.unwrap();
-        // Halving the steps changes the motion by at most 1e-3, of which a third is left.
+        // Halving the steps changes the motion by at most 1e-3, and a third of that remains.
         assert!(error < 1e-3 * score.displacement_rms, "{score:?}");
     }
 }
 
-/// A model without the hysteresis has some way to the truth, and one that lacks the mass has no motion.
+/// A model without the hysteresis is clearly worse, and one without the mass has no motion.
 #[test]
 fn a_model_is_judged_by_force_and_by_motion() {
     let records = records(&SMALL).unwrap();
@@ -107,7 +107,7 @@ fn a_model_is_judged_by_force_and_by_motion() {
     }
 }
 
-/// From force and displacement of a third of the benchmark's record: what the oscillator is made of, and how well it then does.
+/// From force and displacement of a third of the benchmark's record: the parts of the oscillator, and the resulting scores.
 #[test]
 fn the_trace_finds_the_mass_and_the_hysteresis() {
     let programme = Programme {

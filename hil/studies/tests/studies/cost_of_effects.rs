@@ -1,4 +1,4 @@
-//! What each effect takes on a target, as the page about costs says it.
+//! The cost of each effect on a target, as the page about costs gives it.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -38,7 +38,8 @@ fn packed(effects: impl IntoIterator<Item = Effect<f32>>) -> usize {
         .len()
 }
 
-/// A row an effect: instructions of a tick more than the law alone, bytes in a pack, bytes of RAM in a law whose type names it.
+/// One row per effect: additional instructions of a tick compared to the law alone, bytes in a pack, bytes of RAM in a law of a
+/// static type.
 fn table() -> String {
     let ram = bytes![
         Offset,
@@ -94,7 +95,7 @@ fn table() -> String {
     table
 }
 
-/// With BLESS=1 it is written there.
+/// With BLESS=1 the test writes it there.
 #[test]
 fn the_page_says_what_each_effect_takes() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench.md");

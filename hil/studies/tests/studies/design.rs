@@ -65,7 +65,7 @@ fn source() -> impl Strategy<Value = Source> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Against eqs 3–6 over a cycle's samples: 20 000, and extremes that may fall between two of them.
+    /// Compared to eqs 3–6 over a cycle's samples: 20 000, with extremes that may fall between two of them.
     #[test]
     fn figures_are_those_of_sampled_cycles(
         density in 2.0..4.0_f64, amplitude in 0.05..0.25_f64, frequency in 0.2..20.0_f64,
@@ -85,7 +85,7 @@ proptest! {
         prop_assert!((found.loss_factor / sampled.loss_factor - 1.0).abs() < 1e-5);
     }
 
-    /// No solution is missed: what any density has at any amplitude is found again there.
+    /// No solution is missed: the search finds any density at any amplitude from the figures there.
     #[test]
     fn every_densitys_own_figures_are_found_again(
         density in 2.0..4.0_f64, amplitude in 0.05..0.25_f64, frequency in 0.5..10.0_f64, law in source(),
@@ -113,7 +113,7 @@ proptest! {
         }
     }
 
-    /// The same at a given amplitude, where the density alone is sought.
+    /// The same at a given amplitude, where only the density is searched.
     #[test]
     fn a_density_is_found_again_at_its_amplitude(density in 2.0..4.0_f64, amplitude in 0.05..0.25_f64) {
         let own = of(density, amplitude, 1.0);
@@ -128,7 +128,7 @@ proptest! {
     }
 }
 
-/// Beside a density of the tables, where the figures turn, both sides are near; the nearer is told.
+/// Next to a density of the tables, where the figures turn, both sides are near; the nearer one is reported.
 #[test]
 fn a_density_beside_one_of_the_tables_is_found_again() {
     let (density, amplitude) = (2.999_466, 0.240_602);
@@ -141,13 +141,13 @@ fn a_density_beside_one_of_the_tables_is_found_again() {
     close(found.solutions[0].point.density, density, 1e-5);
 }
 
-/// How far two figures are from what is wanted, the farther one.
+/// The distance of two figures from the required ones: the larger one.
 fn off(wanted: &Wanted, stiffness: f64, loss_factor: f64) -> f64 {
     let stiffness = (stiffness / wanted.stiffness - 1.0).abs();
     stiffness.max((loss_factor / wanted.loss_factor - 1.0).abs())
 }
 
-/// Whether the straight way between two solutions leaves the tolerance.
+/// Whether the straight line between two solutions leaves the tolerance.
 fn leaves(wanted: &Wanted, from: &Solution, to: &Solution) -> bool {
     (1..100).any(|part| {
         let between = |a: f64, b: f64| a + (b - a) * f64::from(part) / 100.0;
@@ -160,7 +160,7 @@ fn leaves(wanted: &Wanted, from: &Solution, to: &Solution) -> bool {
     })
 }
 
-/// A region within the tolerance that is narrow falls apart on the grid, and is one near miss.
+/// A narrow region within the tolerance breaks up on the grid, and is one near miss.
 #[test]
 fn no_near_miss_is_told_twice() {
     let wanted = Wanted::new(1.5, 0.5).unwrap();
@@ -175,8 +175,8 @@ fn no_near_miss_is_told_twice() {
     }
 }
 
-/// The tables' stiffness at 0.25 mm falls from 2.5 to 3.0 g/cm³ and rises again: what one density has there exactly others
-/// have nearly, and are told beside it.
+/// The tables' stiffness at 0.25 mm falls from 2.5 to 3.0 g/cm³ and rises again: if one density matches exactly, others match
+/// nearly, and are reported as well.
 #[test]
 fn near_misses_are_told_beside_what_is_exact() {
     let mut both = 0;
@@ -191,7 +191,7 @@ fn near_misses_are_told_beside_what_is_exact() {
             both += 1;
             let miss = off(&wanted, near.point.stiffness, near.point.loss_factor);
             assert!(miss > 1e-4 && miss < wanted.tolerance, "{near:?}");
-            // Another region: on the straight way to each exact one the tolerance is left.
+            // Another region: the straight line to each exact one leaves the tolerance.
             for one in &exact {
                 assert!(leaves(&wanted, near, one), "{near:?} {one:?}");
             }
@@ -201,7 +201,7 @@ fn near_misses_are_told_beside_what_is_exact() {
     assert!(both > 0);
 }
 
-/// What a solution is checked by is neither the coefficients nor the formula that it was found by.
+/// The check of a solution uses neither the coefficients nor the formula with which it was found.
 #[test]
 fn a_solution_is_checked_by_the_other_coefficients() {
     for law in [Source::Tables, Source::Surfaces] {
@@ -248,7 +248,7 @@ fn amplitudes_end_where_the_tolerance_does() {
     }
 }
 
-/// A stiff and lossy damper is none of these; the nearest is no farther than any other of a grid, and is in reach.
+/// A stiff damper with large losses is none of these; the nearest is no farther than any point of a grid, and is reachable.
 #[test]
 fn what_cannot_be_had_comes_with_what_is_nearest() {
     let wanted = Wanted::new(8.0, 0.6).unwrap();
@@ -266,7 +266,7 @@ fn what_cannot_be_had_comes_with_what_is_nearest() {
         for j in 0..=60 {
             let one = of(2.0 + f64::from(i) / 30.0, 0.05 + f64::from(j) / 300.0, 1.0);
             assert!(nearest <= distance(one.stiffness, one.loss_factor) + 1e-9);
-            // The grid that is searched is another: an extreme may lie between its points.
+            // The searched grid is a different one: an extreme may lie between its points.
             assert!(within(
                 one.stiffness / reachable.stiffness.0,
                 (0.999, f64::INFINITY)
@@ -289,7 +289,7 @@ fn what_cannot_be_had_comes_with_what_is_nearest() {
     assert!(far.reachable.stiffness_at_loss_factor.is_some());
 }
 
-/// The rig's own errors: amplitude within 1 %, K up to 3 % and η as much, which the noise at the extremes adds to.
+/// The rig's own errors: amplitude within 1 %, K and η up to 3 %, including the noise at the extremes.
 #[test]
 fn a_solution_holds_on_the_rig() {
     let own = of(3.6, 0.12, 5.0);
@@ -338,7 +338,7 @@ fn the_docs_example_is_so() {
     assert!(docs.contains(&said), "{said}");
     for solution in &points {
         let rig = on_rig(&solution.point, wanted.law, wanted.frequency).unwrap();
-        // As the page says.
+        // As on the page.
         close(rig.stiffness / 4.0, 1.0, 0.01);
         close(rig.loss_factor / 0.3, 1.0, 0.01);
     }

@@ -1,4 +1,4 @@
-//! The 90 % intervals hold the true values about as often as they say.
+//! The 90 % intervals contain the true values about as often as stated.
 
 use std::collections::BTreeMap;
 
@@ -29,14 +29,14 @@ const TEST: [(f64, f64, u32); 5] = [
     (0.2, 2.5, 3),
     (0.1, 8.0, 6),
 ];
-/// One condition for what changes with time.
+/// One condition for a change over time.
 const LONG_TEST: [(f64, f64, u32); 1] = [(0.1, 5.0, 40)];
 /// Recordings of each effect.
 const EACH: u64 = 17;
 /// All rows are fitted.
 const MOST_ROWS: usize = 100_000;
 
-/// An effect of which 0.05–0.3 of eq 13's force would come, the form that is fitted to it, and its parameters there.
+/// An effect with 0.05–0.3 of eq 13's force, the form that is fitted to it, and its parameters in that form.
 struct Case {
     form: Form,
     effect: HiddenEffect,
@@ -164,7 +164,7 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
         })
         .collect();
     let density = rng.random_range(2.2..3.6);
-    // Between its own ticks the specimen's delay is along a straight line.
+    // Between its own ticks, the delay of the specimen is interpolated linearly.
     let each = if case.form.name == "delay" { 64.0 } else { 4.0 };
     let truth = answer(density, &[case.effect], &blocks, RATE, each * RATE);
     let squares: f64 = truth.force.iter().map(|f| f * f).sum();
@@ -177,7 +177,7 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
     record(format!("{:?}", case.form), &truth, &sensors)
 }
 
-/// Eq 13 has coefficients of its own at each amplitude of the test.
+/// Eq 13 has separate coefficients at each amplitude of the test.
 fn nodes(case: &Case) -> Vec<f64> {
     match case.form.name {
         "drift" | "temperature" => vec![0.1],
@@ -185,7 +185,7 @@ fn nodes(case: &Case) -> Vec<f64> {
     }
 }
 
-/// The intervals of the effect's parameters, fitted beside eq 13 from where the screen would start.
+/// The intervals of the effect's parameters, fitted together with eq 13 from the start that the screen gives.
 fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)> {
     let trajectories = [Trajectory::of(recording).unwrap()];
     let rows = Rows::gather(
@@ -197,7 +197,7 @@ fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)
     );
     let mut extent = Extent::of(&trajectories);
     if let HiddenEffect::Periodic { frequency, .. } = case.effect {
-        // A spectrum would show it; the search for the line is not what is tested here.
+        // A spectrum would show it; this test does not cover the search for the line.
         extent = extent.with_tones(vec![frequency]);
     }
     let term = Term {
@@ -265,7 +265,7 @@ fn intervals_of_90_percent_hold_80_to_97_percent() {
         .map(|(name, (held, of))| format!("{name}: {held} of {of}"))
         .collect();
     println!("{}", text.join("\n"));
-    // Of 17 with 0.9 each, 11 or fewer are held once in 200.
+    // Of 17 with 0.9 each, 11 or fewer hold once in 200.
     for (name, (held, of)) in &table {
         assert!(*held >= 12, "{name}: {held} of {of}\n{}", text.join("\n"));
     }

@@ -1,4 +1,4 @@
-//! What the studies find.
+//! The results of the studies.
 
 mod amplitude_independent;
 mod averaging;

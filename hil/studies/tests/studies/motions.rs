@@ -1,8 +1,8 @@
-//! The trial over any motion; `cargo hil blind --motions` is the whole.
+//! The trial over any motion; `cargo hil blind --motions` is the whole trial.
 
 use mesh_damper_studies::blind::motions::{FLOORS_OF_A_PART, Kind, Mark, draw, run};
 
-/// One of each kind of motion that hides nothing, and one that hides something.
+/// One of each kind of motion without a hidden effect, and one with a hidden effect.
 #[test]
 fn every_kind_of_motion_is_traced() {
     let kinds = Kind::ALL.len() as u64;

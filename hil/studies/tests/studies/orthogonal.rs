@@ -35,8 +35,8 @@ fn analysis(count: usize, runs: [Vec<f64>; 9]) -> Analysis {
     analyse(&experiment).remove(0)
 }
 
-/// A fifth column that were orthogonal to all four would split nine runs into more than nine cells: there is none. Of the
-/// four each pair has each pair of levels once, and rows are those of Table 3.
+/// A fifth column orthogonal to all four would split nine runs into more than nine cells, so there is none. Each pair of the four
+/// has each pair of levels once, and rows are those of Table 3.
 #[test]
 fn the_array_is_orthogonal_and_the_papers() {
     assert!(Experiment::new(factors(4), vec![response([0.0; 9])]).is_ok());
@@ -54,7 +54,7 @@ fn the_array_is_orthogonal_and_the_papers() {
     assert_eq!(l9().map(|run| run.map(|level| level + 1)), printed);
 }
 
-/// Normal, of 0.015.
+/// Normal, with a deviation of 0.015.
 const SCATTER: [f64; 9] = [
     0.001, 0.019, -0.014, 0.015, -0.004, -0.004, 0.028, 0.002, -0.001,
 ];
@@ -123,7 +123,7 @@ fn misprints_of_table_3_are_found_and_nothing_else() {
     );
 }
 
-/// Worked out apart from this code: S of density on stiffness is 0.123742, of angle 0.011130, of all 0.175047.
+/// Calculated independently of this code: S of density on stiffness is 0.123742, of angle 0.011130, of all 0.175047.
 #[test]
 fn table_3_tells_no_factor_from_error() {
     let results = analyse(&Experiment::published(&[LOSS_FACTOR, STIFFNESS]));
@@ -139,7 +139,7 @@ fn table_3_tells_no_factor_from_error() {
     let f = density.f.unwrap();
     close(density.sum_of_squares, 0.123742, 1e-6);
     close(f, 0.123742 / 0.011130, 1e-3);
-    // F of 2 and 2 degrees of freedom: p = 1/(1 + F).
+    // F with 2 and 2 degrees of freedom: p = 1/(1 + F).
     close(density.p_nominal.unwrap(), 1.0 / (1.0 + f), 1e-12);
     close(density.p.unwrap(), 4.0 / (3.0 + f), 1e-12);
     let share: f64 = 0.123742 / 0.175047;
@@ -151,7 +151,7 @@ fn table_3_tells_no_factor_from_error() {
     assert!(loss_factor.variance.p_largest.unwrap() > 0.9);
 }
 
-/// y = 10 + a + 2·(b − 1)² + error on the third column: S = 3·Σ(level's effect)², and what is left is the error's.
+/// y = 10 + a + 2·(b − 1)² + error on the third column: S = 3·Σ(level's effect)², and the remainder is the error's.
 #[test]
 fn effects_have_their_closed_form() {
     let error = [0.1, -0.3, 0.2];
@@ -167,7 +167,7 @@ fn effects_have_their_closed_form() {
     close(variance.error_mean_square, of_error / 4.0, 1e-12);
     let f = 3.0 / (of_error / 4.0);
     close(variance.effects[0].f.unwrap(), f, 1e-9);
-    // F of 2 and m degrees of freedom: p = (1 + 2F/m)^(−m/2).
+    // F with 2 and m degrees of freedom: p = (1 + 2F/m)^(−m/2).
     close(
         variance.effects[0].p.unwrap(),
         (1.0 + f / 2.0).powi(-2),
@@ -178,8 +178,8 @@ fn effects_have_their_closed_form() {
     assert_eq!(found.order, ["A", "B"].map(str::to_owned));
 }
 
-/// Three repeats, 5 % of scatter: the factor that acts is told, those that do not are not, and neither is the column
-/// without a factor.
+/// Three repeats, 5 % of scatter: the analysis names the factor that acts, but not those that do not, nor the column without a
+/// factor.
 #[test]
 fn repeats_tell_what_a_saturated_array_cannot() {
     // Repeats differ by −e, 0, e: S within = 9·2·e², with 18 degrees of freedom.
@@ -201,7 +201,7 @@ fn repeats_tell_what_a_saturated_array_cannot() {
     close(found.effects[1].sum_of_squares, 0.0, 1e-12);
 }
 
-/// B of 2 beside scatter of 0.015: the other columns' sums of squares are within 5 times of each other.
+/// B of 2 with a scatter of 0.015: the other columns' sums of squares are within a factor of 5 of each other.
 #[test]
 fn a_factor_far_above_the_rest_is_told_from_a_saturated_array() {
     let mut scatter = SCATTER.into_iter();
@@ -244,8 +244,8 @@ fn columns_that_are_no_l9_are_refused() {
 }
 
 proptest! {
-    /// Squares add up to the total; nothing depends on the order of runs, on an offset, or on which column a factor has; S
-    /// goes with the square of the unit and p does not.
+    /// Squares add up to the total. Nothing depends on the order of runs, on an offset, or on the column of a factor. S scales with
+    /// the square of the unit and p does not.
     #[test]
     fn the_analysis_is_of_the_factors_and_not_of_how_they_are_written(
         values in prop::array::uniform9(-5.0..5.0_f64), offset in -3.0..3.0_f64, scale in 0.1..10.0_f64, turn in 0..4_usize,
@@ -282,7 +282,7 @@ fn table(directory: &Path, text: &str) -> Result<Experiment, String> {
     Experiment::read(&path).map_err(|error| error.to_string())
 }
 
-/// Runs in any order, levels as words or numbers, other columns among them, repeats.
+/// Runs in any order, levels as words or numbers, with other columns and repeats.
 #[test]
 fn a_users_own_table_is_read() {
     let root = tempfile::tempdir().unwrap();
@@ -298,7 +298,7 @@ fn a_users_own_table_is_read() {
         panic!("two factors");
     };
     assert_eq!(load.levels, ["2.5", "5", "10"]);
-    // Words stand in the order of their first run.
+    // Words are in the order of their first run.
     assert_eq!(wool.levels, ["hard", "middle", "soft"]);
     let [eta, k] = experiment.responses() else {
         panic!("two results");

@@ -1,4 +1,4 @@
-//! The crate's surfaces: what their form promises, what they are worth, and that the crate carries them.
+//! The crate's surfaces: the guarantees of their form, their errors, and their copy in the crate.
 
 use std::sync::OnceLock;
 
@@ -59,7 +59,7 @@ fn the_fitted_surfaces_are_a_damper_everywhere() {
 }
 
 proptest! {
-    /// By construction: whatever the coefficients, so long as those of ln P and ln D do not fall with the polynomial.
+    /// By construction, for any coefficients, as long as those of ln P and ln D do not fall with the polynomial.
     #[test]
     fn any_surfaces_of_the_form_are_a_damper(
         first in prop::array::uniform2(prop::array::uniform5(-4.0..2.0f64)),
@@ -116,7 +116,7 @@ proptest! {
     }
 }
 
-/// Asked for: a third of the printed (corrected) surfaces' mean error and no cell above 0.15. It is a sixth.
+/// The requirement is a third of the printed (corrected) surfaces' mean error and no cell above 0.15. The result is a sixth.
 #[test]
 fn every_loop_is_met() {
     let (mean, largest) = mean_and_largest(&loop_errors(|r, a| fitted().coefficients(r, a)));
@@ -126,13 +126,13 @@ fn every_loop_is_met() {
     assert!((of_paper - 0.3812).abs() < 1e-4, "{of_paper}");
     assert!(mean < of_paper / 6.0, "{mean}");
     assert!(largest < 0.145, "{largest}");
-    // One degree less leaves a cell above 0.15: this is the least that meets all.
+    // One degree less leaves a cell above 0.15: this is the smallest that meets everything.
     let less = fit(DEGREE - 1, None);
     let (_, largest) = mean_and_largest(&loop_errors(|r, a| less.coefficients(r, a)));
     assert!(largest > 0.15, "{largest}");
 }
 
-/// Every coefficient within a factor of its cell: 2 for k1, c and α. k3 counts for little at 4.0 g/cm³, where Table 7 jumps from
+/// Every coefficient is within a factor of its cell: 2 for k1, c and α. k3 matters little at 4.0 g/cm³, where Table 7 jumps from
 /// 180 to 5.
 #[test]
 fn every_coefficient_is_near_its_cell() {
@@ -153,8 +153,8 @@ fn every_coefficient_is_near_its_cell() {
     }
 }
 
-/// Without the cell in the fit: told, not hidden. Inside the range of amplitudes they are still nearer than the published ones,
-/// which were fitted to the cell.
+/// Without the cell in the fit. The error is reported, not hidden. Within the range of amplitudes these surfaces are still closer
+/// than the published ones, which were fitted to the cell.
 #[test]
 fn a_cell_that_was_left_out_is_predicted_from_the_others() {
     let left_out = left_out_errors(DEGREE);
@@ -165,7 +165,7 @@ fn a_cell_that_was_left_out_is_predicted_from_the_others() {
     assert!(inner(&left_out) < 0.5 * inner(&of_paper), "{left_out:?}");
 }
 
-/// The crate's table is the surfaces at its nodes, to six digits, and keeps what they promise between them.
+/// The crate's table has the surfaces at its nodes, to six digits, and keeps their guarantees in between.
 #[test]
 fn the_crate_carries_the_fitted_surfaces() {
     let parts = |law: &Law<f32>| [law.k1(), law.k3(), law.c(), law.alpha()].map(f64::from);

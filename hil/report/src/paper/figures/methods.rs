@@ -1,4 +1,4 @@
-//! Law and finite elements beside what was measured: loops, errors, stiffness and loss factor.
+//! Law and finite elements compared to measurements: loops, errors, stiffness and loss factor.
 
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 use mesh_damper_studies::paper::{BOUND, Compared, Condition, GUARDS, JUDGED, Paper};
@@ -8,7 +8,7 @@ use crate::charts;
 use crate::picture::{Axis, Panel};
 use crate::plots::{self, ELEMENTS, EQUATION, SAID, SURFACES, TABLES};
 
-/// Names of what is compared.
+/// Names of the compared methods.
 const NAMES: [&str; 4] = [
     "Tables 6–9",
     "eq 20, eq 18 corrected",
@@ -16,7 +16,7 @@ const NAMES: [&str; 4] = [
     "finite elements",
 ];
 
-/// Where finite elements are missing, and why.
+/// The conditions without finite elements, with the reason.
 fn without_elements(conditions: &[Condition]) -> String {
     let missing = |one: &Condition| {
         Some((
@@ -76,7 +76,7 @@ pub(super) fn compared_loops(
         });
         each.collect::<Vec<_>>().join(", ")
     };
-    // Where there is no loop, the reason is told below.
+    // If there is no loop, the reason follows below.
     let of_elements = |one: &Condition| {
         let found = one.finite_elements.as_ref();
         found.map_or(f64::NAN, |found| found.nrmse)

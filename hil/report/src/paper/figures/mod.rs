@@ -1,6 +1,6 @@
-//! The paper's figures, drawn from what was recomputed, beside what the text says of them.
+//! The paper's figures, drawn from recomputed values, next to the statements of the text.
 //!
-//! Figures 1, 2 and 4 show the fabrication, the test rig and a mesh, Figure 3 sketches eqs 1 and 2: there is nothing in them to
+//! Figures 1, 2 and 4 show the fabrication, the test rig and a mesh, Figure 3 sketches eqs 1 and 2: they contain nothing to
 //! compute.
 
 mod methods;
@@ -20,13 +20,13 @@ use trends::{angle, dynamics_by_density, loops_by_density, wire};
 
 /// One figure.
 pub struct Figure {
-    /// Its number and what it shows.
+    /// Its number and its subject.
     pub title: &'static str,
-    /// What the paper says of it.
+    /// The paper's statement about it.
     pub said: &'static str,
     /// The pictures, each with its caption.
     pub pictures: Vec<(String, Picture)>,
-    /// What is to be seen, or what it would take.
+    /// The observation, or the missing data.
     pub seen: String,
 }
 
@@ -80,7 +80,7 @@ fn loop_of(law: &Coefficients, amplitude: f64) -> Vec<(f64, f64)> {
     let steps = 400;
     (0..=steps)
         .map(|i| {
-            // Half a step beside the extremes, where the damping force jumps.
+            // Half a step next to the extremes, where the damping force jumps.
             let (sin, cos) = (TAU * (f64::from(i) + 0.5) / f64::from(steps)).sin_cos();
             let y = amplitude * sin;
             (y, law.force(y, amplitude * TAU * cos))

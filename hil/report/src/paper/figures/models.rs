@@ -1,4 +1,4 @@
-//! What the two methods are made of: the material of the finite elements, and the coefficients of the law.
+//! The inputs of the two methods: the material of the finite elements, and the coefficients of the law.
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};

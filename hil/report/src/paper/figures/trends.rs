@@ -1,4 +1,4 @@
-//! Stiffness, loss factor and loops by density, angle and wire diameter: what was measured.
+//! Measured stiffness, loss factor and loops by density, angle and wire diameter.
 
 use mesh_damper_reference::orthogonal_test::LEVELS;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
@@ -9,7 +9,7 @@ use crate::charts;
 use crate::picture::Axis;
 use crate::plots::{self, EQUATION, SAID, SHADES, TABLES};
 
-/// Names of what is compared.
+/// Names of the compared data.
 const STATIC: &str = "static means of Table 3";
 
 pub(super) fn loops_by_density() -> Figure {
@@ -101,7 +101,7 @@ pub(super) fn angle(paper: &Paper) -> Figure {
                 ),
                 panel(
                     Axis::new("loss factor", ""),
-                    // Its lowest place is not said.
+                    // The text does not give its lowest value.
                     vec![(15.0, high), (45.0, low)],
                     of_tables.loss_factor,
                     loss,

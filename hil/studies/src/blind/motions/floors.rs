@@ -1,22 +1,23 @@
-//! What the trial over any motion has to reach: what it reached when this was last written, less what one more seed may change.
+//! The requirements on the trial over any motion: its results when this was last written, minus the change that one more seed may
+//! cause.
 
 use mesh_damper_rig::check::{Check, failures};
 
 use super::super::floors::bounded;
 use super::summary::Summary;
 
-/// Least and largest of what the counted trials come to.
+/// Limits for the results of the counted trials.
 #[derive(Clone, Copy, Debug)]
 pub struct Floors {
-    /// The least part named alone, or among several that cannot be told apart.
+    /// Smallest fraction named alone, or among several that cannot be distinguished.
     pub right: f64,
-    /// The largest part called by another name, or `none` where something shows.
+    /// Largest fraction with a wrong name, or with `none` although an effect is visible.
     pub wrong: f64,
     /// The largest held-out error over that of the true law, in the median,
     pub median: f64,
     /// and in nine of ten.
     pub ninth_decile: f64,
-    /// The least part of the 90 % intervals of the law's coefficients that holds.
+    /// Smallest fraction of the 90 % intervals of the law's coefficients that contain the true value.
     pub intervals: f64,
 }
 
@@ -29,7 +30,7 @@ pub const FLOORS: Floors = Floors {
     intervals: 0.78,
 };
 
-/// Two of each kind of motion, of which one hides something.
+/// Two of each kind of motion, one of which hides an effect.
 pub const FLOORS_OF_A_PART: Floors = Floors {
     right: 0.7,
     wrong: 0.04,
@@ -39,12 +40,12 @@ pub const FLOORS_OF_A_PART: Floors = Floors {
 };
 
 impl Floors {
-    /// The [`Floors::checks`] that `summary` does not pass, each in a line.
+    /// The [`Floors::checks`] that `summary` fails, one per line.
     pub fn missed(&self, summary: &Summary) -> Vec<String> {
         failures(self.checks(summary))
     }
 
-    /// What `summary` has to reach.
+    /// The requirements on `summary`.
     pub fn checks(&self, summary: &Summary) -> Vec<Check> {
         let all = &summary.all;
         let least = |what: &str, value: f64, bound: f64| {
@@ -89,7 +90,7 @@ mod tests {
         (all.median, all.ninth_decile, all.intervals) = (1.02, 1.2, 0.8);
         let said = ["error in nine of ten: 1.200, at most 1.100 has been reached"];
         assert_eq!(FLOORS.missed(&summary), said);
-        // Where nothing counts nothing is reached.
+        // If no trial counts, no requirement is met.
         assert_eq!(FLOORS.missed(&Summary::of(Vec::new())).len(), 5);
     }
 }

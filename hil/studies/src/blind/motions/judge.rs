@@ -1,4 +1,4 @@
-//! What a trace made of a trial over any motion.
+//! The answer of a trace to a trial over any motion.
 
 use std::time::Instant;
 
@@ -15,77 +15,77 @@ use super::Trial;
 use super::path::Kind;
 use super::sensors::Flaw;
 
-/// How well an answer fits what is hidden.
+/// How well an answer fits the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
-    /// As it is.
+    /// Exactly.
     Right,
-    /// What is hidden is among several that the trace could not tell apart.
+    /// The truth is among several effects that the trace could not distinguish.
     Among,
-    /// "Something is missing", where that is untrue or has a name.
+    /// "Something is missing", although that is untrue or has a name.
     Honest,
     /// An effect that is not there.
     False,
-    /// "Nothing is missing", where something shows.
+    /// "Nothing is missing", although an effect is visible.
     Missed,
     /// The trace was refused.
     Refused,
 }
 
-/// A trial and what was said of it.
+/// A trial and its answer.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
-    /// That drew it.
+    /// The seed.
     pub seed: u64,
-    /// Of both tests.
+    /// Motion of both tests.
     pub kind: Kind,
-    /// Of the sensors.
+    /// Flaw of the sensors.
     pub flaw: Flaw,
     /// Samples a second, Hz.
     pub rate: f64,
     /// Families hidden.
     pub hidden: Vec<&'static str>,
-    /// What eq 13 leaves of them, over what the true law leaves.
+    /// Residual of eq 13 for them, over the error of the true law.
     pub visible: f64,
-    /// What was said.
+    /// The answer.
     pub verdict: Option<Verdict>,
     /// Families named.
     pub named: Vec<String>,
-    /// How well that fits.
+    /// How well the answer fits.
     pub mark: Mark,
-    /// Held-out error of the embedded law over what the true law leaves.
+    /// Held-out error of the embedded law over that of the true law.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
-    /// How long the trace took, s; trials run side by side.
+    /// Duration of the trace, s; trials run in parallel.
     pub seconds: f64,
-    /// That over the time of both recordings.
+    /// The same over the duration of both recordings.
     pub time: f64,
-    /// Why there is no trace.
+    /// The reason why there is no trace.
     pub refused: Option<String>,
-    /// Of the 90 % intervals of the law's coefficients, how many hold the true one, and how many there are: where what is hidden was
-    /// found, and one set of coefficients holds for all amplitudes.
+    /// How many of the 90 % intervals of the law's coefficients contain the true value, and how many there are. It is counted if
+    /// the hidden effect was found and one set of coefficients holds for all amplitudes.
     pub intervals: [usize; 2],
-    /// Of the training test.
+    /// For the training test.
     pub velocity: VelocityError,
 }
 
-/// How far the estimated velocity is off.
+/// The error of the estimated velocity.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityError {
-    /// RMS of its error over that of cubics in windows alone.
+    /// RMS of its error over the error of cubics in windows alone.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
-    /// Part of the samples at which the error is within 1.645 deviations of what it is said to be: 0.9 where those are right.
+    /// Fraction of the samples whose error is within 1.645 of its stated deviations: 0.9 if those are correct.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }
 
 impl VelocityError {
-    /// Of the estimate from the training test of `trial`; `None` where it is refused.
+    /// For the estimate from the training test of `trial`; `None` if it is refused.
     fn of(trial: &Trial) -> Option<Self> {
         let trajectory = Trajectory::of(&trial.training).ok()?;
         let cubics = MotionEstimate::of(&trial.training.displacement, trajectory.tick);
@@ -105,7 +105,7 @@ impl VelocityError {
 }
 
 impl Outcome {
-    /// Whether it counts: what is hidden shows.
+    /// Whether it counts: the hidden effect is visible.
     pub fn counts(&self) -> bool {
         self.hidden.is_empty() || self.visible >= LEAST_VISIBLE
     }
@@ -168,7 +168,7 @@ pub fn judge(trial: &Trial) -> Outcome {
         Verdict::None => Mark::Missed,
         Verdict::Found if all_named && only_hidden => Mark::Right,
         Verdict::Ambiguous if all_named && !outcome.hidden.is_empty() => Mark::Among,
-        // What is confirmed is there, and what is left is said to be.
+        // A confirmed effect is there, and the rest is reported as a remainder.
         Verdict::Found if only_hidden && found.remainder.is_some() => Mark::Honest,
         Verdict::Found | Verdict::Ambiguous => Mark::False,
         Verdict::Unlisted => Mark::Honest,

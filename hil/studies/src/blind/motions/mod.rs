@@ -1,7 +1,6 @@
-//! Trials over any motion: random, stepped, slow, swept, with pauses, recorded by sensors as rigs have them.
+//! Trials over any motion: random, stepped, slow, swept, with pauses, recorded by typical sensors.
 //!
-//! A law is held to what the true one leaves: the specimen itself, driven along the motion as estimated from the measured
-//! displacement.
+//! A law is compared to the true law: the specimen itself, driven along the motion as estimated from the measured displacement.
 
 mod floors;
 mod judge;
@@ -35,51 +34,51 @@ use super::families::{FIRST_WITH_CONTROL, LATER, effect, log_uniform};
 
 /// Amplitude of the tables whose coefficients a specimen has at every amplitude, mm.
 const AMPLITUDE: f64 = 0.1;
-/// Least rate at which the specimen is called, Hz; four times as often with a spring in series.
+/// Lowest rate at which the specimen is computed, Hz; four times as often with a spring in series.
 const CALL_RATE: f64 = 4000.0;
-/// What eq 13 leaves of an effect, over the force's noise.
+/// Residual of eq 13 for an effect, over the force's noise.
 const SIZES: (f64, f64) = (6.0, 60.0);
-/// How near the size asked for is reached, as a factor; and tries.
+/// Tolerance of the requested size, as a factor; and attempts.
 const MISS: f64 = 1.5;
 const SIZINGS: usize = 12;
-/// An effect adds at most this part of the law's force.
+/// Largest force of an effect, as a fraction of the law's force.
 const LARGEST_SHARE: f64 = 1.0;
-/// Samples, about, that tell how much of an effect eq 13 absorbs.
+/// Approximate number of samples that determine how much of an effect eq 13 absorbs.
 const SIZED_BY: usize = 4000;
 /// Numbers in `families` of the effects that any motion shows: drift and temperature need a long test.
 const SHOWN: [usize; 14] = [0, 1, 2, 3, 6, 7, 8, 9, 10, 11, 12, 13, 14, 17];
-/// The first seed that may draw the first of [`LATER`] too: those below are the 112 whose figures were published without it.
+/// The first seed that may also draw the first of [`LATER`]: those below are the 112 whose figures were published without it.
 const FIRST_WITH_YIELDING: u64 = 112;
 
-/// What a seed hides and how it is tested.
+/// The truth and the test of a seed.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// That drew it.
+    /// The seed.
     pub seed: u64,
-    /// Of both tests.
+    /// Motion of both tests.
     pub kind: Kind,
-    /// Of both tests.
+    /// Sensors of both tests.
     pub sensors: Sensors,
     /// Samples a second, Hz.
     pub rate: f64,
-    /// What is hidden; none, one or two.
+    /// The hidden effects: none, one or two.
     pub hidden: Vec<HiddenEffect>,
     /// Coefficients of the law.
     pub law: Coefficients,
     /// The true motion of the training test.
     pub motion: Vec<MotionSample>,
-    /// What is fitted.
+    /// The recording to fit.
     pub training: Recording,
-    /// What is predicted.
+    /// The recording to predict.
     pub held_out: Recording,
-    /// RMS of what the true law leaves of either, kN.
+    /// RMS of the error of the true law on each, kN.
     pub reference: [f64; 2],
-    /// RMS of what eq 13 leaves of the training test's true force, kN.
+    /// RMS of the residual of eq 13 on the training test's true force, kN.
     pub left_by_eq13: f64,
 }
 
-/// The trial of `seed`, the same for the same seed: kinds of motion take their turn, a quarter hides nothing, a half one
-/// effect, a quarter two. What is drawn and has no size that shows is drawn again.
+/// The trial of `seed`, the same for the same seed. Kinds of motion take turns; a quarter hides nothing, a half one effect, a
+/// quarter two. A draw that cannot be scaled to a visible size is drawn again.
 pub fn draw(seed: u64) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     loop {
@@ -179,7 +178,7 @@ fn drawn(seed: u64, rng: &mut impl Rng) -> Option<Trial> {
 /// A path at the samples of a test and, in steps of the specimen, between them.
 struct Driven {
     rate: f64,
-    /// In steps for a specimen as it is, and for one with a spring in series where that was asked for.
+    /// In steps for a plain specimen, and for one with a spring in series if that was requested.
     fine: [OnceCell<Vec<MotionSample>>; 2],
     path: Path,
 }
@@ -233,7 +232,7 @@ fn steps(specimen: &Specimen, tick: f64) -> usize {
     (CALL_RATE * tick).ceil() as usize * finer
 }
 
-/// RMS of what `specimen` leaves of the measured force along the motion as it is estimated, kN; `None` where none is.
+/// RMS of the error of `specimen` against the measured force along the estimated motion, kN; `None` without an estimate.
 fn left_by_truth(specimen: &Specimen, recording: &Recording) -> Option<f64> {
     let trajectory = Trajectory::of(recording).ok()?;
     let (motion, tick) = (&trajectory.motion, trajectory.tick);
@@ -259,7 +258,7 @@ fn left_by_truth(specimen: &Specimen, recording: &Recording) -> Option<f64> {
     Some((squares / trajectory.len() as f64).sqrt())
 }
 
-/// RMS of what eq 13 leaves with one set of coefficients, kN.
+/// RMS of the residual of eq 13 with one set of coefficients, kN.
 fn left_by_eq13(motion: &[MotionSample], force: &[f64]) -> f64 {
     let step = (force.len() / SIZED_BY).max(1);
     let samples = motion.iter().zip(force).step_by(step);

@@ -1,4 +1,4 @@
-//! Motions that are no blocks of sines, with their exact velocity and acceleration.
+//! Motions other than blocks of sines, with their exact velocity and acceleration.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,26 +8,26 @@ use serde::Serialize;
 
 use super::super::families::log_uniform;
 
-/// What kind of motion a test makes.
+/// The kind of motion of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Band-limited noise.
     Random,
-    /// The same, which grows quickly and dies away.
+    /// Band-limited noise that grows quickly and dies away.
     Quake,
-    /// Bursts of it with pauses between, in which the displacement stands still.
+    /// Bursts of it with pauses, in which the displacement stands still.
     Field,
-    /// Odd multiples of one frequency, all as large.
+    /// Odd multiples of one frequency, all of equal size.
     Multisine,
     /// A sine with a little noise on it.
     SineOnRandom,
-    /// A sine whose amplitude swings.
+    /// A sine with a varying amplitude.
     Modulated,
-    /// Two sines near each other.
+    /// Two sines of nearly equal frequency.
     Beat,
-    /// One sine whose frequency rises.
+    /// One sine with a rising frequency.
     Chirp,
     /// One sine.
     Sine,
@@ -35,16 +35,16 @@ pub enum Kind {
     QuasiStatic,
     /// Smooth steps to random places, with long holds.
     Steps,
-    /// Constant speeds with short holds between.
+    /// Constant speeds with short holds in between.
     Trapezoid,
-    /// Constant speeds there and back.
+    /// Constant speeds back and forth.
     Triangle,
     /// A staircase up and down.
     Staircase,
 }
 
 impl Kind {
-    /// All, in the order in which seeds take their turn.
+    /// All kinds, in the order in which seeds take turns.
     pub const ALL: [Self; 14] = [
         Self::Random,
         Self::Quake,
@@ -74,7 +74,7 @@ struct Tone {
     phase: f64,
 }
 
-/// From one place to another in so much time, and a hold there.
+/// A move from one place to another in a given time, with a hold there.
 #[derive(Clone, Copy, Debug)]
 struct Move {
     start: f64,
@@ -84,7 +84,7 @@ struct Move {
     is_smooth: bool,
 }
 
-/// A factor that goes from one value to another smoothly, and stays there.
+/// A factor that changes smoothly from one value to another, and stays there.
 #[derive(Clone, Copy, Debug)]
 struct Gate {
     start: f64,
@@ -93,7 +93,7 @@ struct Gate {
     to: f64,
 }
 
-/// A displacement over time: tones under gates, and moves beside them.
+/// A displacement over time: tones under gates, and additional moves.
 #[derive(Clone, Debug)]
 pub struct Path {
     tones: Vec<Tone>,
@@ -214,7 +214,7 @@ impl Path {
         path
     }
 
-    /// Tones of random phase, as many in every octave, whose speeds are alike.
+    /// Tones of random phase, equally many in every octave, with similar speeds.
     fn noise(&mut self, low: f64, high: f64, count: usize, rng: &mut impl Rng) {
         for _ in 0..count {
             let frequency = log_uniform(low, high, rng);
@@ -272,7 +272,7 @@ impl Path {
         }
     }
 
-    /// There and back at one speed each time, with holds at both ends.
+    /// Back and forth at one speed each time, with holds at both ends.
     fn sweep<R: Rng>(&mut self, largest: f64, rng: &mut R, mut hold: impl FnMut(&mut R) -> f64) {
         let (mut at, mut place, mut way) = (0.0, 0.0, 1.0);
         while at < self.duration {
@@ -285,7 +285,7 @@ impl Path {
         }
     }
 
-    /// Tones are made as large as asked; moves are so already.
+    /// Scales tones to the requested size; moves have it already.
     fn scale_to(&mut self, largest: f64) {
         if self.tones.is_empty() {
             return;
@@ -341,7 +341,7 @@ impl Path {
     }
 }
 
-/// On the way from one value to another, with both derivatives: along half a wave of a cosine, or at a constant speed.
+/// The transition from one value to another, with both derivatives: along half a wave of a cosine, or at a constant speed.
 fn along(since: f64, length: f64, from: f64, to: f64, is_smooth: bool) -> [f64; 3] {
     if since >= length {
         return [to, 0.0, 0.0];
@@ -366,7 +366,7 @@ mod tests {
 
     use super::*;
 
-    /// By differences, but where the speed jumps.
+    /// By differences, except where the speed jumps.
     #[test]
     fn velocity_and_acceleration_are_those_of_the_displacement() {
         for (seed, kind) in (0..).zip(Kind::ALL) {

@@ -1,4 +1,4 @@
-//! What sensors make of a true motion and force.
+//! Sensor readings of a true motion and force.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::super::families::log_uniform;
 
-/// What is unlike a laboratory's.
+/// A deviation from a laboratory's sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -20,20 +20,20 @@ pub enum Flaw {
     None,
     /// A force with hardly any noise.
     Quiet,
-    /// A force whose noise has as much power in every octave.
+    /// A force whose noise has equal power in every octave.
     Pink,
     /// 10 bits in both channels.
     Coarse,
-    /// Ten times as much noise on the displacement.
+    /// Ten times the noise on the displacement.
     Shaky,
     /// The mains on both channels.
     Hum,
-    /// A velocity that somebody differentiated.
+    /// A velocity differentiated from the displacement.
     Differentiated,
 }
 
 impl Flaw {
-    /// All: a half of the draws have none.
+    /// All flaws: half of the draws have none.
     pub const DRAWN: [Self; 12] = [
         Self::None,
         Self::None,
@@ -54,7 +54,7 @@ impl Flaw {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensors {
-    /// What is unlike a laboratory's.
+    /// The deviation from a laboratory's sensors.
     pub flaw: Flaw,
     /// RMS of the force's noise, kN.
     pub force_noise: f64,
@@ -125,7 +125,7 @@ fn white(count: usize, rng: &mut impl Rng) -> Vec<f64> {
     (0..count).map(|_| StandardNormal.sample(rng)).collect()
 }
 
-/// White noise through poles an octave apart (Kellet's filter), of the same deviation.
+/// White noise through poles an octave apart (Kellet's filter), with the same deviation.
 fn pink(white: Vec<f64>) -> Vec<f64> {
     const POLES: [(f64, f64); 3] = [
         (0.99765, 0.0990460),
@@ -157,7 +157,7 @@ fn stepped(channel: Vec<f64>, steps: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Central differences, as a spreadsheet makes them.
+/// Central differences, as in a spreadsheet.
 fn differentiated(time: &[f64], displacement: &[f64]) -> Vec<f64> {
     let last = time.len() - 1;
     (0..=last)

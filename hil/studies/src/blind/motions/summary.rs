@@ -1,18 +1,18 @@
-//! Many trials over any motion: how often right, and how large the error.
+//! Many trials over any motion: the rate of right answers, and the error.
 
 use serde::Serialize;
 
 use super::judge::{Mark, Outcome};
 
-/// What some trials came to.
+/// The results of some trials.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// Which.
+    /// Their name.
     pub of: String,
     /// How many count.
     pub count: usize,
-    /// Of these, by mark in the order of [`Mark`].
+    /// Their number for each [`Mark`], in order.
     pub marks: [usize; 6],
     /// Held-out error over that of the true law: half of them are below,
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -20,19 +20,19 @@ pub struct Row {
     /// and nine in ten, as a ratio.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub ninth_decile: f64,
-    /// How long a trace took, s: half of them took less.
+    /// Duration of a trace, s: half of them took less.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seconds: f64,
-    /// The largest time of a trace over that of its recordings.
+    /// The largest duration of a trace over that of its recordings.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub time: f64,
-    /// The part of the 90 % intervals of the law's coefficients that hold.
+    /// The fraction of the 90 % intervals of the law's coefficients that contain the true value.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub intervals: f64,
     /// Error of the estimated velocity over that of cubics in windows alone, the geometric mean.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
-    /// The part of the samples at which that error is within its 90 % interval.
+    /// The fraction of the samples at which that error is within its 90 % interval.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }
@@ -79,24 +79,24 @@ impl Row {
         }
     }
 
-    /// The part that is right, or names what is hidden among what cannot be told apart.
+    /// The fraction with the right answer, or with the truth among effects that cannot be distinguished.
     pub fn right(&self) -> f64 {
         (self.marks[0] + self.marks[1]) as f64 / self.count as f64
     }
 
-    /// The part that is false or missed.
+    /// The fraction that is false or missed.
     pub fn wrong(&self) -> f64 {
         (self.marks[3] + self.marks[4]) as f64 / self.count as f64
     }
 }
 
-/// Rows of all, by kind of motion, by sensors and by what is hidden.
+/// Rows for all trials, by kind of motion, by sensors and by hidden effect.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
     /// All that count.
     pub all: Row,
-    /// By one thing after another.
+    /// By each property in turn.
     pub rows: Vec<Row>,
     /// The trials.
     pub outcomes: Vec<Outcome>,
@@ -134,7 +134,7 @@ impl Summary {
     }
 }
 
-/// As its JSON has it, in words.
+/// The word in its JSON.
 fn name(of: &impl Serialize) -> String {
     let json = serde_json::to_string(of).unwrap_or_default();
     json.trim_matches('"').replace('_', " ")

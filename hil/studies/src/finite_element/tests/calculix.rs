@@ -1,4 +1,4 @@
-//! The elastic part against CalculiX, which is run where it is installed. Nothing of it is here but the form of its input.
+//! The elastic part compared to CalculiX, which runs if it is installed. The repository contains only the form of its input.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -10,7 +10,7 @@ use crate::finite_element::drive::Drive;
 use crate::finite_element::material::MooneyRivlin;
 use crate::finite_element::ring::{Bore, Divisions, RingModel, is_on_bore};
 
-/// Whether `ccx` can be run; if not, says that the comparison is left out. Where `CI` is `true` nothing may be left out.
+/// Whether `ccx` can run; if not, a message says that the comparison is skipped. If `CI` is `true`, nothing may be skipped.
 fn is_installed() -> bool {
     let installed = Command::new("ccx").arg("-v").output().is_ok();
     if !installed {
@@ -19,7 +19,7 @@ fn is_installed() -> bool {
             Ok("true"),
             "ccx is not on the PATH; install calculix-ccx"
         );
-        // Once for all tests, and past their harness, which keeps what passing tests print to itself.
+        // Once for all tests, and past their harness, which hides the output of passing tests.
         static SAID: Once = Once::new();
         SAID.call_once(|| {
             let said = writeln!(
@@ -40,16 +40,16 @@ fn list(values: impl IntoIterator<Item = usize>) -> String {
     })
 }
 
-/// What is compared.
+/// A case for comparison.
 struct Case<'a> {
     drive: &'a Drive,
     material: MooneyRivlin,
-    /// Along which the body is moved.
+    /// The direction of the motion.
     axis: usize,
     /// mm
     displacement: f64,
-    /// Nodes that a rigid body around z holds at their radius, free to glide: there ours has contact, and CalculiX a
-    /// constraint in cylindrical coordinates. The constraint keeps its directions, so that the displacement has to be small.
+    /// Nodes that a rigid body around z holds at their radius, free to slide. Our model uses contact, CalculiX a constraint in
+    /// cylindrical coordinates. The constraint keeps its directions, so the displacement has to be small.
     gliding: Vec<usize>,
 }
 
@@ -92,7 +92,7 @@ fn input(case: &Case) -> String {
             nodes.trim_end()
         );
     }
-    // C10, C01, C20, C11, C02 and (J − 1)²/D1, (J − 1)⁴/D2; of the last as good as nothing.
+    // C10, C01, C20, C11, C02 and (J − 1)²/D1, (J − 1)⁴/D2; the last one is practically zero.
     let MooneyRivlin { c10, c01, c11, d } = material;
     let _ = writeln!(
         text,
@@ -108,7 +108,7 @@ fn input(case: &Case) -> String {
         };
         let (node, mut direction) = (unknown / 3, unknown % 3 + 1);
         if gliding.contains(&node) && direction == 1 {
-            // Held on the plane of symmetry, where x is the way around.
+            // Held on the plane of symmetry, where x is the circumferential direction.
             direction = 2;
         }
         let _ = writeln!(text, "{}, {direction}, {direction}, {at}", node + 1);
@@ -121,7 +121,7 @@ fn input(case: &Case) -> String {
     text
 }
 
-/// The force that CalculiX finds, N.
+/// The force from CalculiX, N.
 fn theirs(case: &Case) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("body.inp"), input(case)).unwrap();
@@ -145,13 +145,13 @@ fn theirs(case: &Case) -> f64 {
     values[case.axis]
 }
 
-/// Ours, N.
+/// Our force, N.
 fn ours(case: &Case) -> f64 {
     let curve = case.drive.static_curve(case.displacement, 10).unwrap();
     curve.force[10] / case.drive.force_scale
 }
 
-/// By how much ours differs, as a share, without its sign.
+/// The relative difference of our force, without its sign.
 fn difference(what: &str, case: &Case) -> f64 {
     let (ours, theirs) = (ours(case), theirs(case));
     let difference = ours / theirs - 1.0;
@@ -162,7 +162,7 @@ fn difference(what: &str, case: &Case) -> f64 {
     difference.abs()
 }
 
-/// Finer and finer meshes of one kind, of which the last is within `bound`.
+/// Increasingly fine meshes of one kind; the last has to be within `bound`.
 fn agrees(differences: &[f64], bound: f64) {
     assert!(
         differences.windows(2).all(|pair| pair[1] < pair[0]),

@@ -16,7 +16,7 @@ fn on_outside(at: &Vector3<f64>) -> bool {
     (at.xy().norm() - OUTER).abs() < 1e-9
 }
 
-/// Pressure over depth, MPa/mm, of `times` the wall's.
+/// Pressure over depth, MPa/mm, as `times` the wall's.
 fn stiffness(material: &MooneyRivlin, times: f64) -> f64 {
     let modulus = material.bulk_modulus() + 4.0 / 3.0 * material.shear_modulus();
     times * modulus / (OUTER - INNER)
@@ -42,7 +42,7 @@ fn lame(material: &MooneyRivlin, bed: f64, outward: f64) -> (f64, f64) {
     (bore, -bed * bore)
 }
 
-/// The same by elements, `n` through the wall: mean over the bore's nodes.
+/// The same from elements, `n` through the wall: mean over the bore's nodes.
 fn by_elements(
     material: MooneyRivlin,
     (stiffness, separable): (f64, bool),
@@ -68,13 +68,13 @@ fn by_elements(
             body.mesh().nodes[node] + Vector3::from_column_slice(&moved[3 * node..3 * node + 3]);
         radial += (at.xy().norm() - INNER) / count;
         let push = mandrel.push(area, &at);
-        // What holds the node against the mandrel points to the axis.
+        // The force that holds the node against the mandrel points to the axis.
         pressure -= push.map_or(0.0, |push| push.force.dot(&at.xy().normalize())) / area / count;
     }
     (radial, pressure)
 }
 
-/// A stiff mandrel, where the depth is next to nothing, and one that gives way as much as the ring does.
+/// A stiff mandrel, with negligible depth, and one that yields as much as the ring.
 #[test]
 fn a_ring_pressed_on_to_a_mandrel_is_lames() {
     for material in [FOAM, SOFTENED] {
@@ -99,14 +99,14 @@ fn a_ring_pressed_on_to_a_mandrel_is_lames() {
             }
         }
     }
-    // The stiff one against a rigid one, which takes −2A·(λ + 2G) with u = 0 at the bore.
+    // The stiff one compared to a rigid one, which takes −2A·(λ + 2G) with u = 0 at the bore.
     let wall = FOAM.bulk_modulus() + 4.0 / 3.0 * FOAM.shear_modulus();
     let rigid = 2.0 * SMALL * OUTER / (OUTER * OUTER - INNER * INNER) * wall;
     let stiff = by_elements(FOAM, (stiffness(&FOAM, 1000.0), true), -SMALL, 16).1;
     assert!((stiff / rigid - 1.0).abs() < 3e-3, "{stiff} {rigid}");
 }
 
-/// Off a mandrel that it may leave the bore is free; by one that it may not it is held with a tension.
+/// On a separable mandrel the bore moves off freely; on an inseparable one a tension holds it.
 #[test]
 fn a_ring_pulled_off_its_mandrel_is_free_and_one_that_is_held_is_not() {
     let stiffness = stiffness(&FOAM, 1000.0);
@@ -119,7 +119,7 @@ fn a_ring_pulled_off_its_mandrel_is_free_and_one_that_is_held_is_not() {
     assert!((ours.1 / held.1 - 1.0).abs() < 1e-3, "{ours:?} {held:?}");
 }
 
-/// Without friction a ring that was pressed on to its mandrel and is then turned goes along as a whole, and its forces with it.
+/// Without friction, a ring that was pressed on to its mandrel and is then rotated moves as a whole, and its forces rotate with it.
 #[test]
 fn a_ring_turned_on_its_mandrel_glides() {
     for separable in [true, false] {

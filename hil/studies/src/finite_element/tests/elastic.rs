@@ -1,4 +1,4 @@
-//! Small strains against closed forms: order of convergence, and no locking where the volume hardly changes.
+//! Small strains compared to closed forms: order of convergence, and no locking where the volume hardly changes.
 
 use nalgebra::Vector3;
 
@@ -7,8 +7,8 @@ use crate::finite_element::body::Body;
 use crate::finite_element::material::MooneyRivlin;
 use crate::finite_element::mesh::Mesh;
 
-/// Error of the displacements of a thick ring in plane strain whose bore is widened, over their size: u = A·r + B/r (Lamé),
-/// with no traction on the outer surface. `n` elements through the wall.
+/// Relative error of the displacements of a thick ring in plane strain with a widened bore: u = A·r + B/r (Lamé), with no traction
+/// on the outer surface. `n` elements through the wall.
 fn error_of_thick_ring(material: MooneyRivlin, n: usize) -> f64 {
     let mesh = thick_ring(n);
     let shear = material.shear_modulus();
@@ -42,7 +42,7 @@ fn error_of_thick_ring(material: MooneyRivlin, n: usize) -> f64 {
     (error / size).sqrt()
 }
 
-/// By how much the moment of a beam bent to a curvature differs from E·I·κ, as a share. `n` elements along each edge.
+/// Relative difference between the moment of a beam bent to a curvature and E·I·κ. `n` elements along each edge.
 fn error_of_bending(material: MooneyRivlin, n: usize) -> f64 {
     const LENGTH: f64 = 2.0;
     let mesh = Mesh::of_cube([2 * n, 2 * n, n], |at| {

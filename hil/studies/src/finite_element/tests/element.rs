@@ -7,7 +7,7 @@ use crate::finite_element::body::Body;
 use crate::finite_element::element::{Displacements, Element, NODES, Relaxed, UNKNOWNS};
 use crate::finite_element::mesh::Mesh;
 
-/// A cube whose corners lie anywhere near their places.
+/// A cube with its corners moved randomly near their places.
 fn corners() -> impl Strategy<Value = [Vector3<f64>; NODES]> {
     prop::array::uniform8(prop::array::uniform3(-0.15..0.15)).prop_map(|shift| {
         let mesh = Mesh::of_cube([1, 1, 1], |at| at);
@@ -48,7 +48,7 @@ proptest! {
         }
     }
 
-    /// Turned and shifted as a whole, a deformed element stores the same energy, and its forces turn with it.
+    /// Rotated and shifted as a whole, a deformed element stores the same energy, and its forces rotate with it.
     #[test]
     fn a_rigid_motion_changes_nothing(corners in corners(), moved in displacements(), turn in prop::array::uniform3(-3.0..3.0), shift in prop::array::uniform3(-9.0..9.0)) {
         let element = Element::new(&corners).unwrap();
@@ -65,7 +65,7 @@ proptest! {
         prop_assert!((turn * force(&moved) - force(&after)).amax() < 1e-10);
     }
 
-    /// The forces of an element are in balance, and so are their moments.
+    /// The forces of an element balance, and so do their moments.
     #[test]
     fn an_element_pushes_neither_itself_nor_turns(corners in corners(), moved in displacements()) {
         let element = Element::new(&corners).unwrap();
@@ -78,7 +78,7 @@ proptest! {
     }
 }
 
-/// Six motions without force, and 18 that need one: no mode is left without stiffness.
+/// Six motions without force, and 18 with one: no other mode lacks stiffness.
 #[test]
 fn no_motion_but_a_rigid_one_is_free() {
     let mesh = Mesh::of_cube([1, 1, 1], |at| at);
@@ -98,8 +98,7 @@ fn no_motion_but_a_rigid_one_is_free() {
     }
 }
 
-/// The patch test over finite strains: inner nodes of a distorted mesh go to where a homogeneous deformation of its surface
-/// has them.
+/// The patch test at finite strains: a homogeneous deformation of the surface of a distorted mesh also moves its inner nodes.
 #[test]
 fn a_distorted_patch_deforms_homogeneously() {
     let inside = |x: f64| x > 0.0 && x < 1.0;

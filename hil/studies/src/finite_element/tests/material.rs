@@ -26,7 +26,7 @@ fn stresses(material: &MooneyRivlin, c: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3
     )
 }
 
-/// Change of C that changes component `i` of the strain, twice its shear.
+/// The change of C that changes component `i` of the strain, for shear twice its value.
 fn change(i: usize, by: f64) -> Matrix3<f64> {
     let mut unit = Vector6::zeros();
     unit[i] = if i < 3 { 2.0 * by } else { by };
@@ -52,7 +52,7 @@ proptest! {
         }
     }
 
-    /// Eq 10, which leaves out C11: the Cauchy stress by the left Cauchy–Green tensor.
+    /// Eq 10, which leaves out C11: the Cauchy stress from the left Cauchy–Green tensor.
     #[test]
     fn stress_is_that_of_equation_10(f in deformation()) {
         let material = RUBBER;
@@ -104,7 +104,7 @@ fn readings_differ_in_what_they_are_named_for() {
     let poisson: Vec<f64> = Reading::ALL
         .map(|reading| reading.material(4.0).unwrap().poisson_ratio())
         .into();
-    // By hand of C10 + C01 = 26 MPa: K = 0.7 and 5.714 MPa make (3K − 2G)/(6K + 2G).
+    // Calculated by hand for C10 + C01 = 26 MPa: K = 0.7 and 5.714 MPa give (3K − 2G)/(6K + 2G).
     for (ours, by_hand) in poisson.iter().zip([-0.9418, -0.6281, 0.35]) {
         assert!((ours - by_hand).abs() < 1e-3, "{poisson:?}");
     }

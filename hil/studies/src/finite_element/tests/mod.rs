@@ -1,4 +1,4 @@
-//! The model against closed forms, invariants and another program.
+//! The model compared to closed forms, invariants and another program.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -41,7 +41,7 @@ const SOFTENED: MooneyRivlin = MooneyRivlin {
     d: 1.0 / 0.35,
 };
 
-/// Displacements so small that the strains are, and large beside the rounding, mm.
+/// Displacements small enough for small strains, and large compared to rounding, mm.
 const SMALL: f64 = 3e-5;
 
 /// Radius of the thick ring's bore, mm.
@@ -58,7 +58,7 @@ fn thick_ring(n: usize) -> Mesh {
     })
 }
 
-/// What plane strain and the symmetry of the quarter hold of it.
+/// The degrees of freedom held by plane strain and by the symmetry of the quarter.
 fn in_plane_strain(mesh: &Mesh) -> Vec<usize> {
     let mut held = unknowns(mesh, &[2], |_| true);
     held.extend(unknowns(mesh, &[0], |at| at.x.abs() < 1e-9));
@@ -66,14 +66,14 @@ fn in_plane_strain(mesh: &Mesh) -> Vec<usize> {
     held
 }
 
-/// Degrees of freedom `axes` of the nodes at which `is_there`.
+/// Degrees of freedom `axes` of the nodes for which `is_there` holds.
 fn unknowns(mesh: &Mesh, axes: &[usize], is_there: impl Fn(&Vector3<f64>) -> bool) -> Vec<usize> {
     mesh.nodes_where(is_there)
         .flat_map(|node| axes.iter().map(move |axis| 3 * node + axis))
         .collect()
 }
 
-/// A unit cube in `counts` elements that stands on y = 0 and is sheared by moving its top along x.
+/// A unit cube in `counts` elements that stands on y = 0, sheared by moving its top along x.
 fn sheared_cube(material: MooneyRivlin, counts: [usize; 3]) -> Drive {
     let mesh = Mesh::of_cube(counts, |at| at);
     let moved = unknowns(&mesh, &[0], |at| at.y == 1.0);

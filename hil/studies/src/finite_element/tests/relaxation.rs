@@ -45,7 +45,7 @@ fn steady(drive: &Drive, prony: Prony, frequency: f64, steps: usize) -> ForceLoo
 fn one_element_has_the_storage_and_loss_modulus_of_the_series() {
     let drive = sheared_cube(FOAM, [1, 1, 1]);
     for frequency in [0.1, 0.5, 1.0, 3.0] {
-        // Slower motions leave less storage, of which the same error is a greater share: steps are of 1/64 s at most.
+        // Slower motions have less storage, so the same error is a larger fraction of it: steps are at most 1/64 s.
         let steps = f64::max(64.0, 64.0 / frequency) as usize;
         let steady = steady(&drive, TABLE_5, frequency, steps);
         let ours = components(&steady);
@@ -67,7 +67,7 @@ fn one_element_has_the_storage_and_loss_modulus_of_the_series() {
     }
 }
 
-/// The steps of time count with the square of their length.
+/// The error is proportional to the square of the time step.
 #[test]
 fn moduli_converge_with_the_square_of_the_step() {
     let drive = sheared_cube(FOAM, [1, 1, 1]);
@@ -82,7 +82,7 @@ fn moduli_converge_with_the_square_of_the_step() {
     }
 }
 
-/// A unit cube of one element whose faces at x, y and z = 1 are moved outwards: those of `axes`, the others stay.
+/// A unit cube of one element whose faces at x, y and z = 1 are moved outwards: those of `axes`, while the others stay.
 fn swollen_cube(axes: &[usize]) -> Drive {
     let mesh = Mesh::of_cube([1; 3], |at| at);
     let moved = axes
@@ -97,8 +97,8 @@ fn swollen_cube(axes: &[usize]) -> Drive {
     }
 }
 
-/// The bulk modulus does not relax: what changes the volume alone leaves no loop, and takes 2D·(J − 1) on each face. The same
-/// stretch along one axis alone changes the shape too, and leaves one.
+/// The bulk modulus does not relax: a pure change of volume gives no loop, and takes 2D·(J − 1) on each face. The same stretch
+/// along one axis also changes the shape, and gives one.
 #[test]
 fn a_change_of_volume_leaves_no_loop_and_one_of_shape_does() {
     const SWELLING: f64 = 0.1;
@@ -125,7 +125,7 @@ fn a_change_of_volume_leaves_no_loop_and_one_of_shape_does() {
     let area = |cycle: &ForceLoop| loop_area(&cycle.displacement, &cycle.force);
     assert!(area(&volumetric).abs() < 1e-9);
     let along_one = cycle(&[0]);
-    // Of the ellipse of that shear's loss modulus: 4/3 of it, where the strain is small.
+    // The ellipse for the loss modulus of that shear: 4/3 of it, at small strain.
     let small = PI * 4.0 / 3.0 * FOAM.shear_modulus() * TABLE_5.moduli(1.0).1 * SWELLING.powi(2);
     let ratio = area(&along_one) / small;
     println!("stretched along one axis: {ratio:.3} of the loop at small strain");
@@ -145,7 +145,7 @@ fn a_share_of_nothing_leaves_no_loop() {
 }
 
 proptest! {
-    /// A stress that rises evenly and is then held decays as the series says, whatever the steps.
+    /// A stress that rises evenly and is then held decays according to the series, whatever the steps.
     #[test]
     fn a_ramp_and_a_hold_are_exact(rise in 0.01..1.0, hold in 0.01..3.0) {
         let stress = Vector6::new(1.0, -2.0, 0.5, 0.1, 0.0, 3.0);
@@ -161,7 +161,7 @@ proptest! {
         prop_assert!((relaxed - stress * share).amax() < 1e-12);
     }
 
-    /// The histories after many periods are found from one.
+    /// A single period gives the histories after many periods.
     #[test]
     fn one_period_tells_where_many_lead(amplitude in 0.1..10.0, period in 0.2..2.0) {
         let step = Step::new(&TABLE_5, period / 20.0);

@@ -51,7 +51,7 @@ fn the_mandrel_is_as_good_as_rigid() {
                 .unwrap()
                 .force[10]
         };
-        // The error goes with the inverse of the stiffness: of 1000 it is a third of this difference.
+        // The error is inversely proportional to the stiffness: at 1000 it is a third of this difference.
         let (softer, ours) = (at(250.0), at(1000.0));
         println!(
             "{bore:?}: {:.3} % from a mandrel of finite stiffness",
@@ -64,7 +64,7 @@ fn the_mandrel_is_as_good_as_rigid() {
     }
 }
 
-/// A ring that is pulled is a ring that is pushed, upside down.
+/// A pulled ring is a pushed ring, upside down.
 #[test]
 fn pulling_mirrors_pushing() {
     for bore in BORES {
@@ -73,7 +73,7 @@ fn pulling_mirrors_pushing() {
     }
 }
 
-/// What the fixture does is what the ring stores.
+/// The work of the fixture equals the stored energy of the ring.
 #[test]
 fn work_is_stored() {
     const STEPS: usize = 20;
@@ -105,7 +105,7 @@ fn work_is_stored() {
     assert!((work / stored - 1.0).abs() < 1e-4, "{work} {stored}");
 }
 
-/// Why the strains are finite ones: at 0.5 mm the ring is half as stiff again as a linear one, which C11 does mostly.
+/// The reason for finite strains: at 0.5 mm the ring is half as stiff again as a linear one, mostly because of C11.
 #[test]
 fn half_a_millimetre_is_far_from_linear() {
     let model = model(Bore::Separable, 2);
@@ -113,7 +113,7 @@ fn half_a_millimetre_is_far_from_linear() {
     assert!(hardening > 1.3, "{hardening}");
 }
 
-/// Of the sudden stiffness 1.16 % lasts: the bore creeps away from the mandrel, cycle by cycle, and the force with it.
+/// 1.16 % of the instantaneous stiffness remains: the bore creeps away from the mandrel, cycle by cycle, and the force decreases.
 #[test]
 fn a_bore_that_may_leave_its_mandrel_does() {
     let model = model(Bore::Separable, 2);
@@ -176,7 +176,7 @@ fn steps_of_time_are_short_enough() {
     assert!((ours / finer - 1.0).abs() < 0.002, "{ours} {finer}");
 }
 
-/// As the paper says of its own: an ellipse, where the measured loop is none.
+/// As the paper says about its model: an ellipse, unlike the measured loop.
 #[test]
 fn the_loop_is_nearly_an_ellipse() {
     for (row, amplitude) in tables::AMPLITUDES.into_iter().enumerate().step_by(2) {
