@@ -4,9 +4,11 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use mesh_damper_identify::trace::result::{FoundEffect, Verdict};
-use mesh_damper_identify::trace::{Trace, trace};
+use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
 use serde_json::Value;
+
+use crate::support::families;
 
 /// The folder of the recordings, or `None` with a line that says what was left out.
 pub fn recordings() -> Option<PathBuf> {
@@ -25,15 +27,6 @@ pub fn recordings() -> Option<PathBuf> {
 
 fn read(folder: &std::path::Path, name: &str) -> Recording {
     Recording::read(folder.join(format!("{name}.csv.gz"))).unwrap()
-}
-
-fn families(trace: &Trace) -> Vec<&str> {
-    trace
-        .result
-        .effects
-        .iter()
-        .map(|effect| &effect.family[..])
-        .collect()
 }
 
 /// Families of the key that this tracer knows.
@@ -79,7 +72,7 @@ fn labelled_recordings_are_named_and_predicted_to_their_noise() {
 
         let result = trace(&[fitted], &[held], &|_| ()).unwrap();
         let expected: Vec<&str> = Some(family).filter(|&f| f != "none").into_iter().collect();
-        assert_eq!(families(&result), expected, "{id}");
+        assert_eq!(families(&result.result), expected, "{id}");
         let verdict = if family == "none" {
             Verdict::None
         } else {
