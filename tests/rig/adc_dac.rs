@@ -3,10 +3,10 @@
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 use mesh_damper::adc::{AdcError, Ads8688};
-use mesh_damper::converter::{MIDSCALE, Scale};
+use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, CONTROL, DacError};
-use mesh_damper::error::ConfigError;
-use proptest::prelude::*;
+
+use crate::support::{kilonewtons, unit};
 
 fn transfer(sent: &[u8], received: &[u8]) -> [Transaction<u8>; 3] {
     [
@@ -51,14 +51,6 @@ fn dac_start() -> Vec<Transaction<u8>> {
     .concat()
 }
 
-fn millimetres() -> Scale {
-    Scale::new(1.0, 0.0).unwrap()
-}
-
-fn kilonewtons() -> Scale {
-    Scale::new(-5.0, 0.25).unwrap()
-}
-
 #[test]
 fn adc_reads_displacement_then_force() {
     let expected = [
@@ -71,7 +63,7 @@ fn adc_reads_displacement_then_force() {
         transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x00, 0x00]).to_vec(),
     ]
     .concat();
-    let mut adc = Ads8688::new(Mock::new(&expected), millimetres(), kilonewtons()).unwrap();
+    let mut adc = Ads8688::new(Mock::new(&expected), unit(), kilonewtons()).unwrap();
     let reading = adc.read().unwrap();
     // 0xC000 is half of full scale, 0x4000 minus half; force is inverted and reads 0.25 kN at rest.
     assert_eq!(reading.displacement.value, 0.5);
@@ -92,7 +84,7 @@ fn adc_that_does_not_hold_its_register_is_refused() {
     ]
     .concat();
     let mut spi = Mock::new(&expected);
-    let refused = Ads8688::new(spi.clone(), millimetres(), kilonewtons()).unwrap_err();
+    let refused = Ads8688::new(spi.clone(), unit(), kilonewtons()).unwrap_err();
     let register = AdcError::Register {
         address: 5,
         expected: 5,
@@ -107,7 +99,7 @@ fn adc_that_does_not_hold_its_register_is_refused() {
     spi.done();
 }
 
-/// A bus without a part: what goes in is `sent`, what comes out is what this makes of it.
+/// A bus without a part: this makes the received bytes of the sent ones.
 struct NoPart<F>(F);
 
 impl<F> ErrorType for NoPart<F> {
@@ -127,19 +119,19 @@ impl<F: FnMut(&mut [u8])> SpiDevice for NoPart<F> {
     }
 }
 
-/// Neither part is found on a data line that is held low or high, is connected to what is sent, or gives what was sent one
-/// frame before.
+/// Neither part is found on a data line that is held low or high, is connected to the sent data, or gives the data of the frame
+/// before.
 #[test]
 fn a_line_that_is_held_or_echoes_is_no_part() {
     fn check<F: FnMut(&mut [u8])>(line: impl Fn() -> F, found: u8, read: u16) {
-        let refused = Ads8688::new(NoPart(line()), millimetres(), kilonewtons());
+        let refused = Ads8688::new(NoPart(line()), unit(), kilonewtons());
         let register = AdcError::Register {
             address: 5,
             expected: 5,
             found,
         };
         assert_eq!(refused.err(), Some(register));
-        let refused = Ad5761::new(NoPart(line()), millimetres()).err();
+        let refused = Ad5761::new(NoPart(line()), unit()).err();
         assert_eq!(refused, Some(DacError::Control { read }));
     }
     check(|| |words: &mut [u8]| words.fill(0), 0, 0);
@@ -175,7 +167,7 @@ fn each_bit_of_a_range_is_checked() {
                     *out = *register & !mask | if stuck { mask } else { 0 };
                 }
             };
-            let refused = Ads8688::new(NoPart(part), millimetres(), kilonewtons()).is_err();
+            let refused = Ads8688::new(NoPart(part), unit(), kilonewtons()).is_err();
             assert_eq!(refused, stuck || bit < 3, "bit {bit} stuck at {stuck}");
         }
     }
@@ -192,7 +184,7 @@ fn dac_writes_offset_binary() {
         write(&[0x03, 0x80, 0x00]).to_vec(),
     ]
     .concat();
-    let mut dac = Ad5761::new(Mock::new(&expected), millimetres()).unwrap();
+    let mut dac = Ad5761::new(Mock::new(&expected), unit()).unwrap();
     assert!(!dac.write(0.0).unwrap().clipped);
     assert!(!dac.write(0.5).unwrap().clipped);
     assert!(!dac.write(-1.0).unwrap().clipped);
@@ -211,12 +203,12 @@ fn dac_with_another_control_register_is_refused() {
     ]
     .concat();
     let mut spi = Mock::new(&expected);
-    let refused = Ad5761::new(spi.clone(), millimetres()).unwrap_err();
+    let refused = Ad5761::new(spi.clone(), unit()).unwrap_err();
     assert_eq!(refused, DacError::Control { read: 0 });
     spi.done();
 }
 
-/// What the DAC is asked, and what it says of its control register and of its output.
+/// The DAC's frames of a read-back of its control register and its output.
 fn dac_verified(control: u16, output: u16) -> Vec<Transaction<u8>> {
     let [c, o] = [control, output].map(u16::to_be_bytes);
     [
@@ -268,14 +260,14 @@ fn dac_is_read_back() {
     ] {
         let mut expected = [dac_start(), write(&[0x03, 0xC0, 0x00]).to_vec()].concat();
         expected.extend(dac_verified(control, output));
-        let mut dac = Ad5761::new(Mock::new(&expected), millimetres()).unwrap();
+        let mut dac = Ad5761::new(Mock::new(&expected), unit()).unwrap();
         dac.write(0.5).unwrap();
         assert_eq!(dac.verify(), said);
         dac.release().done();
     }
 }
 
-/// A part that holds what it should stays as it is; another one is set up, and is at 0 then.
+/// A part with the right registers stays as it is; another one is set up, and is at 0 then.
 #[test]
 fn dac_is_restored_where_it_has_to_be() {
     let healthy = dac_verified(CONTROL, 0x8000);
@@ -287,8 +279,7 @@ fn dac_is_restored_where_it_has_to_be() {
     ]
     .concat();
     for expected in [[healthy.clone(), healthy].concat(), lost, browned] {
-        let mut dac =
-            Ad5761::new(Mock::new(&[dac_start(), expected].concat()), millimetres()).unwrap();
+        let mut dac = Ad5761::new(Mock::new(&[dac_start(), expected].concat()), unit()).unwrap();
         dac.restore().unwrap();
         assert_eq!(dac.verify(), Ok(()));
         dac.release().done();
@@ -302,7 +293,7 @@ fn dac_is_restored_where_it_has_to_be() {
         transfer(&[0, 0, 0], &[0, 0, 0]).to_vec(),
     ]
     .concat();
-    let mut dac = Ad5761::new(Mock::new(&dead), millimetres()).unwrap();
+    let mut dac = Ad5761::new(Mock::new(&dead), unit()).unwrap();
     assert_eq!(dac.restore(), Err(DacError::Control { read: 0 }));
     dac.release().done();
 }
@@ -316,7 +307,7 @@ fn adc_is_restored_and_in_step_again() {
     ]
     .concat();
     let expected = [adc_start(), one.clone(), adc_start(), one].concat();
-    let mut adc = Ads8688::new(Mock::new(&expected), millimetres(), kilonewtons()).unwrap();
+    let mut adc = Ads8688::new(Mock::new(&expected), unit(), kilonewtons()).unwrap();
     let before = adc.read().unwrap();
     adc.restore().unwrap();
     assert_eq!(adc.read().unwrap(), before);
@@ -324,7 +315,7 @@ fn adc_is_restored_and_in_step_again() {
 }
 
 #[test]
-fn what_a_dac_says_of_itself_is_said_in_words() {
+fn errors_of_a_dac_say_the_remedy() {
     let said = |error: DacError<ErrorKind>| error.to_string();
     assert_eq!(
         said(DacError::Status { read: 0x0800 }),
@@ -398,12 +389,12 @@ fn flaky(fails_at: usize) -> Flaky {
 fn bus_errors_are_values() {
     // Nine transactions to set up the ADC.
     for fails_at in 0..9 {
-        let refused = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).err();
+        let refused = Ads8688::new(flaky(fails_at), unit(), kilonewtons()).err();
         assert_eq!(refused, Some(AdcError::Bus(ErrorKind::Overrun)));
     }
     // Four before the DAC's answer is judged.
     for fails_at in 0..4 {
-        let refused = Ad5761::new(flaky(fails_at), millimetres()).err();
+        let refused = Ad5761::new(flaky(fails_at), unit()).err();
         assert_eq!(refused, Some(DacError::Bus(ErrorKind::Overrun)));
     }
 }
@@ -412,94 +403,11 @@ fn bus_errors_are_values() {
 fn a_failed_read_never_exchanges_the_channels() {
     // Transactions 9–11 are the first reading (with its selection), 12 and 13 the second.
     for fails_at in [12, 13] {
-        let mut adc = Ads8688::new(flaky(fails_at), millimetres(), kilonewtons()).unwrap();
+        let mut adc = Ads8688::new(flaky(fails_at), unit(), kilonewtons()).unwrap();
         adc.read().unwrap();
         assert_eq!(adc.read(), Err(ErrorKind::Overrun));
         adc.read().unwrap();
         let sent = adc.release().first_bytes;
         assert_eq!(sent[sent.len() - 3..], [0xC0, 0xC4, 0xC0]);
-    }
-}
-
-#[test]
-fn scale_refuses_what_it_cannot_hold() {
-    let refused = |full_scale, zero| Scale::new(full_scale, zero).unwrap_err();
-    assert_eq!(refused(f64::NAN, 0.0), ConfigError::NonFinite("full_scale"));
-    assert_eq!(refused(1.0, f64::INFINITY), ConfigError::NonFinite("zero"));
-    for full_scale in [0.0, 1e-7, -2e6] {
-        assert!(matches!(
-            refused(full_scale, 0.0),
-            ConfigError::OutOfRange {
-                field: "full_scale",
-                ..
-            }
-        ));
-    }
-}
-
-/// A converter with fewer bits has the same scale, and shows the ends of its range and no voltage as one with 16 does.
-#[test]
-fn a_narrow_converter_reads_as_one_with_16_bits() {
-    let scale = kilonewtons();
-    for code in 0..4096u16 {
-        let sample = scale.decode_narrow::<12>(code);
-        let whole = scale.decode(code << 4);
-        assert_eq!(sample.value, whole.value);
-        assert_eq!(sample.clipped(), code == 0 || code == 4095);
-        assert_eq!(sample.code == MIDSCALE, code == 2048);
-        assert_eq!(scale.decode_narrow::<16>(code), scale.decode(code));
-    }
-    // Bits that the converter has not got do not count.
-    assert_eq!(
-        scale.decode_narrow::<12>(0xFFFF),
-        scale.decode_narrow::<12>(0x0FFF)
-    );
-    assert!(scale.decode_narrow::<1>(1).clipped());
-    // Bits that are known later, and numbers that are none.
-    for code in [0, 1, 0x7FF, 0x800, 0xFFF, 0x9001] {
-        // A step of 12 bits is 16 of those of 16; what no 12 bits hold counts as the last.
-        let of_twelve = scale.decode(code.min(0xFFF) << 4);
-        assert_eq!(scale.decode_bits(12, code).value, of_twelve.value);
-        for bits in [0, 17, u32::MAX] {
-            assert_eq!(scale.decode_bits(bits, code), scale.decode(code));
-        }
-    }
-}
-
-#[test]
-fn the_end_of_the_range_is_half_a_step_beyond_its_last_code() {
-    let clipped = |steps: f32| millimetres().encode(steps / 32768.0).clipped;
-    assert!(!clipped(-32768.25) && clipped(-32768.75));
-    assert!(!clipped(32767.25) && clipped(32767.75));
-}
-
-proptest! {
-    #[test]
-    fn every_code_survives_the_way_there_and_back(
-        code: u16,
-        full_scale in prop_oneof![1e-3..1e3f64, -1e3..-1e-3f64],
-        zero in -0.1..0.1f64,
-    ) {
-        let scale = Scale::new(full_scale, zero * full_scale).unwrap();
-        let back = scale.encode(scale.decode(code).value);
-        prop_assert_eq!(back.code, code);
-        prop_assert!(!back.clipped);
-    }
-
-    #[test]
-    fn the_code_is_the_nearest_or_is_clipped(value in -3.0..3.0f32) {
-        let scale = millimetres();
-        let coded = scale.encode(value);
-        let error = (scale.decode(coded.code).value - value).abs();
-        // Half a step; the sum count + 32768.5 rounds to 2⁻⁸ of a step.
-        let nearest = error <= (0.5 + 1.0 / 256.0) * scale.step();
-        prop_assert_eq!(nearest, !coded.clipped);
-    }
-
-    #[test]
-    fn any_float_gives_a_code(bits: u32) {
-        let value = f32::from_bits(bits);
-        let coded = millimetres().encode(value);
-        prop_assert_eq!(coded.clipped && coded.code == MIDSCALE, value.is_nan());
     }
 }

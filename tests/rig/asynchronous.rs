@@ -8,19 +8,18 @@ use std::task::{Context, Poll, Waker};
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation};
 use embedded_hal_async::spi::SpiDevice;
 use mesh_damper::adc::{AdcError, Ads8688, INPUT_RANGE};
-use mesh_damper::converter::Scale;
 use mesh_damper::dac::{Ad5761, DacError};
 use mesh_damper::effects::{AugmentedLaw, CONTROLS};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{
     AsyncSensors as _, Asynchronous, ClearRefused, Rig, RigController, RigSettings, SpiActuator,
-    StartRefused, State, TripCause, Wiring, WithControls,
+    StartRefused, State, TripCause, WithControls,
 };
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8688, enable_line};
 
-use crate::Ticks;
+use crate::support::{Ticks, unit, units};
 
 /// Polls until it is ready; most polls may be in vain.
 pub fn run<F: Future>(future: F) -> F::Output {
@@ -73,18 +72,6 @@ impl<S: embedded_hal::spi::SpiDevice> SpiDevice for Busy<S> {
     }
 }
 
-fn unit() -> Scale {
-    Scale::new(1.0, 0.0).unwrap()
-}
-
-fn wiring() -> Wiring {
-    Wiring {
-        displacement: unit(),
-        force: unit(),
-        command: unit(),
-    }
-}
-
 fn controller() -> RigController<1, mesh_damper::sine::SineGenerator<2>> {
     let programme = Programme::new(1000.0, 1).unwrap();
     let programme = programme
@@ -99,7 +86,7 @@ fn controller() -> RigController<1, mesh_damper::sine::SineGenerator<2>> {
     };
     let law = AugmentedLaw::new(Law::new(1.0, 0.5, 0.05, 0.3).unwrap());
     let law = RunningLaw::new(FastLaw::new(law));
-    RigController::new(&settings, &wiring(), programme, law).unwrap()
+    RigController::new(&settings, &units(), programme, law).unwrap()
 }
 
 /// The pins of one rig, whose actuator moves what it commands at once and whose force is in proportion.

@@ -9,7 +9,7 @@ use mesh_damper::rig::{
 };
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 
-use crate::Ticks;
+use crate::support::Ticks;
 
 type Controlled = RigController<1, SineGenerator<1>>;
 

@@ -5,11 +5,9 @@ use std::rc::Rc;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
-use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
-use mesh_damper::effects::{AugmentedLaw, Delay, Effect, ResidualTable, StickSlip};
+use mesh_damper::effects::{AugmentedLaw, Delay, Effect, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
-use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
     self, Expectation, Identity, LARGEST, NAME, PackError, PackInfo, Stamp, Upload, VERSION,
@@ -17,6 +15,8 @@ use mesh_damper::pack::{
 use mesh_damper::rig::{Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{SimulatedAd5761, SimulatedAds8688, enable_line};
+
+use crate::support::{encoded, law, with_table};
 
 /// A pack, and the law that is in it.
 type Stored = (&'static [u8], fn() -> FastLaw<8>);
@@ -28,7 +28,7 @@ const OLD: [Stored; 2] = [
 ];
 
 fn alone() -> AugmentedLaw<f32, 8> {
-    AugmentedLaw::new(Law::new(1.0539, 10.5, 0.1114, 0.3969).unwrap())
+    AugmentedLaw::new(law())
 }
 
 fn with_effects() -> FastLaw<8> {
@@ -36,19 +36,6 @@ fn with_effects() -> FastLaw<8> {
     let delay = Delay::new(1.23e-3, 1e-4).unwrap();
     let law = alone().with(Effect::StickSlip(slider));
     FastLaw::new(law.and_then(|law| law.with(Effect::Delay(delay))).unwrap())
-}
-
-fn with_table() -> FastLaw<8> {
-    let cells: Vec<i16> = (0..CELLS).map(|n| 7 * n as i16).collect();
-    let parts = ResidualTableParts {
-        reach: 0.2,
-        speed: 6.0,
-        unit: 1e-5,
-        cells: &cells,
-        memory: Some((Memory::Lag { time: 0.05 }, [-0.1, 0.1])),
-    };
-    let table = ResidualTable::new(&parts, 1e-4).unwrap();
-    FastLaw::new(alone().with_residual_table(table).unwrap())
 }
 
 const MODEL: Identity = Identity([0xde, 0xad, 0xbe, 0xef, 0, 1, 2, 3]);
@@ -66,9 +53,7 @@ fn info() -> PackInfo {
 }
 
 fn packed(info: &PackInfo) -> Vec<u8> {
-    let mut buffer = [0; LARGEST];
-    let pack = pack::encode(&with_effects(), info, &mut buffer);
-    pack.unwrap().to_vec()
+    encoded(&with_effects(), info)
 }
 
 fn load(pack: &[u8], expected: &Expectation) -> Result<Option<Stamp>, PackError> {

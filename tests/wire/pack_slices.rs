@@ -4,11 +4,12 @@ use mesh_damper::effects::residual_table::{CELLS, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
-use mesh_damper::pack::{self, Expectation, LARGEST, PackError, PackInfo, Stamp, Upload};
+use mesh_damper::pack::{Expectation, PackError, PackInfo, Stamp, Upload};
 use mesh_damper::passivity::Passivity;
 use proptest::prelude::*;
 
-const EFFECTS: usize = 8;
+use crate::support::{EFFECTS, encoded};
+
 const RATE: f32 = 1e4;
 
 /// One of stiffness `k1` with effects from the `first` on, and a residual table.
@@ -33,9 +34,7 @@ fn law(k1: f32, first: usize) -> FastLaw<EFFECTS> {
 }
 
 fn packed(law: &FastLaw<EFFECTS>) -> Vec<u8> {
-    let mut buffer = [0; LARGEST];
-    let pack = pack::encode(law, &PackInfo::at(RATE), &mut buffer);
-    pack.unwrap().to_vec()
+    encoded(law, &PackInfo::at(RATE))
 }
 
 fn upload(pack: &[u8]) -> Upload {

@@ -1,7 +1,7 @@
 //! Forces that a current controls: with delay and in steps, constant within a recording, and not at all.
 
 use mesh_damper_identify::known_terms::known_terms;
-use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::{Sought, Trace, trace, trace_for};
 use mesh_damper_model::predict::{nrmse, predict_embedded};
 use mesh_damper_recording::Recording;
@@ -12,6 +12,9 @@ use mesh_damper_rig::specimen::{CURRENT, DamperForce, HiddenEffect, Schedule, Sp
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
+
+use crate::hidden::block;
+use crate::support::families;
 
 /// Hz.
 const RATE: f64 = 500.0;
@@ -57,14 +60,6 @@ fn held(current: f64) -> Schedule {
     (0..).map(of_seed).find(is_highest).unwrap()
 }
 
-fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
-    TestBlock {
-        amplitude,
-        frequency,
-        cycles,
-    }
-}
-
 fn blocks() -> [TestBlock; 4] {
     [
         block(0.1, 1.0, 8),
@@ -107,11 +102,6 @@ fn recorded(effect: HiddenEffect, blocks: &[TestBlock], seed: u64) -> Recording 
 
 fn traced(fitted: &[Recording], held_out: &[Recording]) -> Trace {
     trace(fitted, held_out, &|_| ()).unwrap()
-}
-
-fn families(result: &TraceResult) -> Vec<&str> {
-    let effects = result.effects.iter();
-    effects.map(|effect| effect.family.as_str()).collect()
 }
 
 #[test]

@@ -8,4 +8,5 @@ mod fitted_law;
 mod hidden;
 mod shared_faults;
 mod shared_recordings;
+mod support;
 mod trace;

@@ -6,6 +6,7 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::hidden::{self, Hidden, Sample, block, fitted, record};
+use crate::support::families;
 
 /// Evenly spread over ±1, like random numbers.
 fn noise(index: usize) -> f64 {
@@ -48,11 +49,6 @@ fn error_of_clean(fitted: &Trajectory, other: &Trajectory) -> f64 {
     trace.result.on_target.nrmse_held_out
 }
 
-fn families(trace: &Trace) -> Vec<&str> {
-    let effects = trace.result.effects.iter();
-    effects.map(|effect| effect.family.as_str()).collect()
-}
-
 fn nothing() -> Hidden {
     Box::new(|_| 0.0)
 }
@@ -75,7 +71,7 @@ fn a_force_that_is_early_is_moved_alike_in_all() {
         trace.result.verdict,
         Verdict::None,
         "{:?}, {fitted} s",
-        families(&trace)
+        families(&trace.result)
     );
     assert_eq!(fitted, held_out);
     assert!((fitted * hidden::RATE + 3.0).abs() < 0.2, "{fitted} s");
@@ -106,7 +102,7 @@ fn a_zero_of_the_displacement_is_no_physics() {
             recording("fitted", &fitted, off, 0),
             recording("held out", &other, off, 0),
         );
-        assert_eq!(families(&trace), ["asymmetry"], "{off} mm");
+        assert_eq!(families(&trace.result), ["asymmetry"], "{off} mm");
         for recording in &trace.recordings {
             let centre = recording.trajectory.centre;
             assert!((centre - off).abs() < 1e-3, "{centre} mm of {off} mm");

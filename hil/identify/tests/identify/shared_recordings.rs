@@ -4,11 +4,13 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use mesh_damper_identify::trace::result::{FoundEffect, Verdict};
-use mesh_damper_identify::trace::{Trace, trace};
+use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
 use serde_json::Value;
 
-/// The folder of the recordings, or `None` with a line that says which tests are skipped.
+use crate::support::families;
+
+/// The folder of the recordings, or `None` with a line that says what was left out.
 pub fn recordings() -> Option<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/recordings");
     if folder.is_dir() {
@@ -27,16 +29,7 @@ fn read(folder: &std::path::Path, name: &str) -> Recording {
     Recording::read(folder.join(format!("{name}.csv.gz"))).unwrap()
 }
 
-fn families(trace: &Trace) -> Vec<&str> {
-    trace
-        .result
-        .effects
-        .iter()
-        .map(|effect| &effect.family[..])
-        .collect()
-}
-
-/// The families in the answer key that this tracer knows.
+/// Families of the key that this tracer knows.
 const KNOWN: [&str; 10] = [
     "none",
     "offset",
@@ -79,7 +72,7 @@ fn labelled_recordings_are_named_and_predicted_to_their_noise() {
 
         let result = trace(&[fitted], &[held], &|_| ()).unwrap();
         let expected: Vec<&str> = Some(family).filter(|&f| f != "none").into_iter().collect();
-        assert_eq!(families(&result), expected, "{id}");
+        assert_eq!(families(&result.result), expected, "{id}");
         let verdict = if family == "none" {
             Verdict::None
         } else {

@@ -2,9 +2,11 @@
 
 mod confirmed;
 mod elements;
+mod held_out;
 mod hidden_by_motion;
 mod known;
 mod play_and_wear;
+mod refused;
 mod rules;
 mod slow_changes;
 
@@ -18,14 +20,16 @@ use mesh_damper_identify::rows::Rows;
 use mesh_damper_identify::shape::Extent;
 use mesh_damper_identify::term::Term;
 use mesh_damper_identify::trace::result::Verdict;
-use mesh_damper_identify::trace::{Role, Trace, trace};
+use mesh_damper_identify::trace::{Trace, trace};
 use mesh_damper_identify::uncertainty::Uncertainty;
 use mesh_damper_model::Family;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
-use rand::SeedableRng;
+use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
+use rand_distr::{Distribution as _, Normal};
+
+use crate::support::families;
 
 const TICK: f64 = 2e-3;
 const K1: f64 = 1.05;
@@ -42,6 +46,7 @@ const BLOCKS: [(f64, f64, u32); 6] = [
     (0.05, 1.0, 6),
     (0.1, 10.0, 12),
 ];
+
 const OTHERS: [(f64, f64, u32); 2] = [(0.12, 2.5, 8), (0.18, 1.25, 6)];
 
 /// One sample of clean motion: time s, displacement mm, velocity mm/s, acceleration mm/s².
@@ -69,7 +74,7 @@ fn law(&(_, y, v, _): &Sample) -> f64 {
     K1 * y + K3 * y.powi(3) + C * v.abs().powf(ALPHA) * v.signum()
 }
 
-/// Records eq 13 and `effect` with `noise` as a fraction of the RMS force.
+/// Records the mixed damping law (eq 13) and `effect` with `noise` as a part of the RMS force.
 fn record(
     name: &str,
     blocks: &[(f64, f64, u32)],
@@ -105,16 +110,7 @@ fn traced<E: FnMut(&Sample) -> f64>(noise: f64, seed: u64, effect: impl Fn() -> 
     trace(&[fitted], &[held], &|_| ()).unwrap()
 }
 
-fn families(trace: &Trace) -> Vec<&str> {
-    trace
-        .result
-        .effects
-        .iter()
-        .map(|effect| &effect.family[..])
-        .collect()
-}
-
-/// A slider of stiffness `k` and slip limit `x`, written independently.
+/// A slider of stiffness `k` and slip limit `x`, written on its own.
 fn slider(k: f64, x: f64) -> impl FnMut(&Sample) -> f64 {
     let mut anchor = 0.0_f64;
     move |&(_, y, _, _)| {
@@ -145,7 +141,7 @@ fn a_recording_with_nothing_missing_comes_out_none() {
             trace.result.verdict,
             Verdict::None,
             "seed {seed}: {:?}",
-            families(&trace)
+            families(&trace.result)
         );
         assert_eq!(
             trace.model.law.len(),
@@ -177,7 +173,7 @@ fn each_effect_is_named_and_measured() {
             "{family}: {:?}",
             trace.result
         );
-        assert_eq!(families(&trace), [family]);
+        assert_eq!(families(&trace.result), [family]);
         for (name, truth) in parameters {
             let found = &trace.result.effects[0].parameters[*name];
             assert!(
@@ -243,7 +239,7 @@ fn an_effect_is_named_in_much_noise() {
         "{:?}",
         trace.result.baseline
     );
-    assert_eq!(families(&trace), ["hardening"]);
+    assert_eq!(families(&trace.result), ["hardening"]);
 }
 
 #[test]
@@ -252,7 +248,7 @@ fn two_effects_are_both_named() {
         let mut slider = slider(0.9, 0.04);
         move |s: &Sample| slider(s) - 2.5 * s.1 * s.1
     });
-    let mut found = families(&trace);
+    let mut found = families(&trace.result);
     found.sort_unstable();
     assert_eq!(found, ["asymmetry", "stick_slip"]);
     assert!(trace.result.augmented.nrmse_held_out < 1.3 * 0.004);
@@ -264,7 +260,7 @@ fn coefficients_over_amplitude_are_taken_when_the_data_ask_for_them() {
         |s: &Sample| if s.1.abs() > 1.0 { 1.0 } else { 0.0 }
     });
     assert_eq!(trace.model.law.len(), 1);
-    // Eq 13 whose stiffness falls with the amplitude of the block, as in Table 6.
+    // A law whose stiffness falls with the amplitude of the block, as in Table 6.
     let stiffer = |blocks: &[(f64, f64, u32)]| {
         let mut bounds: Vec<(f64, f64)> = Vec::new();
         for &(amplitude, frequency, cycles) in blocks {
@@ -290,122 +286,11 @@ fn coefficients_over_amplitude_are_taken_when_the_data_ask_for_them() {
     );
 }
 
-/// If a law differs elsewhere the report says so; otherwise it does not, however small the force there.
-#[test]
-fn a_law_that_errs_elsewhere_is_said_to() {
-    const SMALL: [(f64, f64, u32); 2] = [(0.02, 2.5, 8), (0.02, 1.25, 6)];
-    let bend = |s: &Sample| {
-        if s.1.abs() > 0.201 {
-            40.0 * (s.1.abs() - 0.201) * s.1.signum()
-        } else {
-            0.0
-        }
-    };
-    const LARGE: [(f64, f64, u32); 2] = [(0.25, 2.5, 8), (0.25, 1.25, 6)];
-    for (held, said) in [(&SMALL, false), (&LARGE, true)] {
-        let fitted = record("fitted", &BLOCKS, 0.004, 61, bend);
-        let held = record("held", held, 0.004, 62, bend);
-        let result = trace_of(fitted, held).result;
-        assert_eq!(result.verdict, Verdict::None);
-        let warned = result
-            .warnings
-            .iter()
-            .any(|w| w.contains("times the noise, and where it was fitted"));
-        assert_eq!(warned, said, "{:?}", result.warnings);
-    }
-}
-
 fn trace_of(fitted: Recording, held: Recording) -> Trace {
     trace(&[fitted], &[held], &|_| ()).unwrap()
 }
 
-/// If no recording is held out, cycles of every block and one whole block are, and no fit uses them.
-#[test]
-fn without_a_held_out_recording_whole_cycles_are_held_out() {
-    let fitted = record("fitted", &BLOCKS, 0.004, 21, |s| -2.0 * s.1 * s.1);
-    let trace = trace(&[fitted], &[], &|_| ()).unwrap();
-    let traced = &trace.recordings[0];
-    let held = |range: std::ops::Range<usize>| {
-        traced.roles[range]
-            .iter()
-            .filter(|&&r| r == Role::HeldOut)
-            .count()
-    };
-    let blocks = &traced.trajectory.blocks;
-    assert!(
-        blocks.iter().all(|block| held(block.samples.clone()) > 0),
-        "a part of every block"
-    );
-    let whole = blocks
-        .iter()
-        .filter(|block| held(block.samples.clone()) == block.samples.len())
-        .count();
-    assert_eq!(whole, 1);
-    assert_eq!(families(&trace), ["asymmetry"]);
-}
-
-/// A held-out recording that continues the fitted one is scored only on the continuation.
-#[test]
-fn the_same_test_run_on_is_scored_where_it_is_new() {
-    let long = record("long", &[(0.1, 2.0, 60)], 0.004, 31, |s| {
-        -0.4 * s.1 * (1.0 - (-s.0 / 6.0).exp())
-    });
-    let cut = 10_000;
-    let short = Recording::new(
-        "short",
-        long.time[..cut].to_vec(),
-        long.displacement[..cut].to_vec(),
-        long.force[..cut].to_vec(),
-    )
-    .unwrap();
-    let trace = trace_of(short, long);
-    assert_eq!(families(&trace), ["drift"]);
-    let roles = &trace.recordings[1].roles;
-    assert!(roles[..cut].iter().all(|&role| role != Role::HeldOut));
-    assert!(roles[cut..].iter().all(|&role| role == Role::HeldOut));
-    assert!(trace.result.augmented.nrmse_held_out < 1.3 * 0.004);
-}
-
-/// Whatever the held-out force is, the verdict and every coefficient stay the same, and only the reported errors differ. This holds
-/// for a named effect and for a residual table.
-#[test]
-fn nothing_that_is_held_out_reaches_the_law_of_a_named_effect() {
-    nothing_that_is_held_out_reaches_the_law(|s| 0.004 * s.2 * s.2.abs());
-}
-
-#[test]
-#[ignore = "half a minute: in the full tier"]
-fn nothing_that_is_held_out_reaches_a_correction_without_a_name() {
-    nothing_that_is_held_out_reaches_the_law(|s| 0.2 * (s.1 / 0.02).tanh());
-}
-
-fn nothing_that_is_held_out_reaches_the_law(effect: fn(&Sample) -> f64) {
-    let fitted = record("fitted", &BLOCKS, 0.004, 41, effect);
-    let held = record("held", &OTHERS, 0.004, 42, effect);
-    let other = record("held", &OTHERS, 0.004, 43, |s| 0.3 * effect(s) + 0.1 * s.1);
-    let known = trace_of(fitted.clone(), held);
-    let blind = trace_of(fitted.clone(), other);
-    assert_ne!(known.result.verdict, Verdict::None);
-    assert_eq!(known.result.verdict, blind.result.verdict);
-    assert_eq!(known.model, blind.model);
-    assert_eq!(known.result.depends_on, blind.result.depends_on);
-    let errors = |trace: &Trace| trace.result.augmented.nrmse_held_out;
-    assert!(errors(&blind) > 1.5 * errors(&known));
-
-    // The same within one recording, with the samples that the first trace held out.
-    let whole = trace(std::slice::from_ref(&fitted), &[], &|_| ()).unwrap();
-    let mut changed = fitted;
-    for (force, role) in changed.force.iter_mut().zip(&whole.recordings[0].roles) {
-        if *role == Role::HeldOut {
-            *force *= 1.1;
-        }
-    }
-    let again = trace(&[changed], &[], &|_| ()).unwrap();
-    assert_eq!(whole.model, again.model);
-    assert_eq!(whole.result.verdict, again.result.verdict);
-}
-
-/// A test that starts downwards instead of upwards gives the same result.
+/// A test that sets out downwards instead of upwards is the same test.
 #[test]
 fn the_verdict_does_not_depend_on_the_direction() {
     let mirrored = |recording: &Recording| {
@@ -417,7 +302,7 @@ fn the_verdict_does_not_depend_on_the_direction() {
     let held = record("held", &OTHERS, 0.004, 45, slider(0.9, 0.04));
     let turned = trace_of(mirrored(&fitted), mirrored(&held));
     let known = trace_of(fitted, held);
-    assert_eq!(families(&turned), ["stick_slip"]);
+    assert_eq!(families(&turned.result), ["stick_slip"]);
     let of = |trace: &Trace| trace.result.augmented.nrmse_held_out;
     assert!(
         (of(&turned) / of(&known) - 1.0).abs() < 0.02,
@@ -444,7 +329,7 @@ fn the_verdict_does_not_depend_on_the_scale() {
     let fitted = record("fitted", &BLOCKS, 0.004, 41, slider(0.9, 0.04));
     let held = record("held", &OTHERS, 0.004, 42, slider(0.9, 0.04));
     let trace = trace_of(scaled(&fitted), scaled(&held));
-    assert_eq!(families(&trace), ["stick_slip"]);
+    assert_eq!(families(&trace.result), ["stick_slip"]);
     let limit = trace.result.effects[0].parameters["slip_limit"].value;
     assert!((limit - 40.0 * 0.04).abs() < 0.03 * 1.6, "{limit}");
 }
@@ -482,81 +367,6 @@ fn intervals_hold_the_truth() {
         (80..=99).contains(&shapes),
         "slip limit: {shapes} of {runs}"
     );
-}
-
-fn with_force(recording: &Recording, name: &str, change: impl Fn(f64) -> f64) -> Recording {
-    Recording::new(
-        name,
-        recording.time.clone(),
-        recording.displacement.clone(),
-        recording.force.iter().map(|&f| change(f)).collect(),
-    )
-    .unwrap()
-}
-
-#[test]
-fn recordings_that_contradict_each_other_are_refused() {
-    let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
-    let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
-    for (other, what) in [
-        (with_force(&one, "other", |f| 1.5 * f), "1.5"),
-        (with_force(&elsewhere, "other", |f| 1000.0 * f), "unit"),
-    ] {
-        let error = trace(std::slice::from_ref(&one), &[other], &|_| ())
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains("other") && error.contains(what), "{error}");
-    }
-    assert!(trace(&[one], &[elsewhere], &|_| ()).is_ok());
-}
-
-/// A recording with a reversed sign among several no longer contradicts the others once the sign is corrected.
-#[test]
-fn a_turned_sign_is_turned_back_and_said() {
-    let one = record("one", &BLOCKS, 0.004, 51, |_| 0.0);
-    let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
-    let turned = with_force(&elsewhere, "turned", |f| -f);
-    let clean = trace(std::slice::from_ref(&one), &[elsewhere], &|_| ()).unwrap();
-    let mended = trace(std::slice::from_ref(&one), &[turned], &|_| ()).unwrap();
-    assert_eq!(mended.result.verdict, clean.result.verdict);
-    assert_eq!(mended.result.augmented, clean.result.augmented);
-    let said = "turned: sign of the force flipped";
-    assert!(
-        mended
-            .result
-            .warnings
-            .iter()
-            .any(|warning| warning.starts_with(said))
-    );
-    // The same motion with the force's sign reversed back is the same recording.
-    let copy = with_force(&one, "copy", |f| -f);
-    let error = trace(&[one], &[copy], &|_| ()).unwrap_err().to_string();
-    assert!(
-        error.contains("copy") && error.contains("nothing that is not fitted"),
-        "{error}"
-    );
-}
-
-#[test]
-fn recordings_that_tell_nothing_are_refused() {
-    let one = record("one", &BLOCKS, 0.004, 53, |_| 0.0);
-    let refused = |fitted: &Recording, held: &[Recording]| {
-        trace(std::slice::from_ref(fitted), held, &|_| ())
-            .unwrap_err()
-            .to_string()
-    };
-    assert!(refused(&with_force(&one, "dead", |_| 0.3), &[]).contains("never changes"));
-    assert!(
-        refused(&one, &[with_force(&one, "copy", |f| f)]).contains("nothing that is not fitted")
-    );
-    let still = Recording::new(
-        "still",
-        one.time.clone(),
-        record("still", &[(1e-9, 1.0, 29)], 0.004, 54, |_| 0.0).displacement[..one.len()].to_vec(),
-        one.force.clone(),
-    )
-    .unwrap();
-    assert!(refused(&still, &[]).contains("displacement"));
 }
 
 /// Two or three cycles are few, but they are judged and held out like any others.

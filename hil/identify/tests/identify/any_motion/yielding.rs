@@ -8,6 +8,7 @@ use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
 
 use super::{DURATION, RATE, law, rms, tones};
+use crate::support::families;
 
 /// Calls of the specimen per sample.
 const CALLS: usize = 8;
@@ -48,11 +49,6 @@ fn recorded(effect: HiddenEffect, seed: u64) -> Recording {
 
 fn traced(effect: HiddenEffect, seed: u64) -> TraceResult {
     super::traced(recorded(effect, seed), recorded(effect, seed + 1))
-}
-
-fn families(result: &TraceResult) -> Vec<&str> {
-    let effects = result.effects.iter();
-    effects.map(|effect| effect.family.as_str()).collect()
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn a_slider_is_confirmed_beside_what_has_no_name() {
     });
     let result = &trace.result;
     assert_eq!(result.verdict, Verdict::Found, "{:?}", result.effects);
-    assert_eq!(families(&trace), ["stick_slip"]);
+    assert_eq!(families(&trace.result), ["stick_slip"]);
     let found = &result.effects[0].parameters["slip_limit"];
     assert!((found.value / 0.03 - 1.0).abs() < 0.1, "{found:?}");
     assert_eq!(result.effects[0].unconfirmed_by, None);
@@ -57,7 +57,7 @@ fn a_dashpot_is_not_confirmed_for_a_drag() {
         move |sample: &Sample| 0.004 * sample.2 * sample.2.abs() + nameless(sample)
     });
     let result = &trace.result;
-    assert!(!families(&trace).contains(&"viscous") || result.verdict == Verdict::Unlisted);
+    assert!(!families(&trace.result).contains(&"viscous") || result.verdict == Verdict::Unlisted);
     let dashpot = result.effects.iter().chain(&result.unconfirmed);
     for effect in dashpot.filter(|effect| effect.family == "viscous") {
         let rule = effect.unconfirmed_by;
@@ -84,7 +84,7 @@ fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     let trace = trace(&[fitted], &[held], &|_| ()).unwrap();
     let result = &trace.result;
     assert_eq!(result.verdict, Verdict::Ambiguous, "{:?}", result.effects);
-    let named = families(&trace);
+    let named = families(&trace.result);
     assert!(named.contains(&"viscous"), "{named:?}");
     assert!(named.len() > 1, "{named:?}");
     let preferred = &result.effects[0];
@@ -159,7 +159,7 @@ fn a_name_that_says_less_of_what_was_held_out_is_not_one() {
     };
     let mass = traced(1e6);
     assert_eq!(mass.result.verdict, Verdict::Found);
-    assert_eq!(families(&mass), ["inertia"]);
+    assert_eq!(families(&mass.result), ["inertia"]);
     assert!(mass.result.remainder.is_none());
     let on_a_spring = traced(30.0);
     let result = &on_a_spring.result;

@@ -11,7 +11,7 @@ fn two_branches_are_one_relaxation() {
         let (mut fast, mut slow) = (branch(0.9, 0.02), branch(0.7, 0.25));
         move |s: &Sample| fast(s) + slow(s)
     });
-    assert_eq!(families(&trace), ["relaxation"]);
+    assert_eq!(families(&trace.result), ["relaxation"]);
     let found = &trace.result.effects[0].parameters;
     let number = |first: &str| {
         let fast = found["time"].value < found["time_2"].value;
@@ -41,7 +41,7 @@ fn three_tones_are_one_periodic_effect() {
                 .sum()
         }
     });
-    assert_eq!(families(&trace), ["periodic"]);
+    assert_eq!(families(&trace.result), ["periodic"]);
     let found = &trace.result.effects[0].parameters;
     // The stronger is found first.
     for (number, (amplitude, frequency, phase)) in ["", "_2", "_3"].into_iter().zip(HUM) {
@@ -71,7 +71,7 @@ fn a_tone_of_a_few_samples_is_no_noise() {
         })
     };
     let (clean, trace) = (with(0.0), with(0.01));
-    assert_eq!(families(&trace), ["periodic"]);
+    assert_eq!(families(&trace.result), ["periodic"]);
     let [floor, of_clean] = [&trace, &clean].map(|trace| trace.result.noise_floor_nrmse);
     assert!((floor / of_clean - 1.0).abs() < 0.1, "{floor}, {of_clean}");
     assert!(trace.result.augmented.nrmse_held_out < 1.1 * 0.004);

@@ -33,7 +33,7 @@ fn effects_are_sought_beside_a_spring_and_a_dashpot() {
         let mut slider = slider(1.5, 0.03);
         Box::new(move |sample| linear(sample) + slider(sample))
     });
-    assert_eq!(families(&found), ["stick_slip"]);
+    assert_eq!(families(&found.result), ["stick_slip"]);
     assert_eq!(found.result.baseline.law, "linear");
     for LawNode {
         k1, k3, c, alpha, ..
@@ -83,7 +83,7 @@ fn effects_may_be_all_of_the_force() {
         let mut slider = slider(1.5, 0.03);
         Box::new(move |sample| 0.02 * sample.2 + slider(sample))
     });
-    let mut named = families(&found);
+    let mut named = families(&found.result);
     named.sort_unstable();
     assert_eq!(named, ["stick_slip", "viscous"]);
     assert_eq!(found.result.baseline.law, "none");
@@ -125,7 +125,7 @@ fn what_is_known_stays_and_more_is_found() {
         move |sample: &Sample| slider(sample)
     };
     let first = traced(0.004, 1, slides);
-    assert_eq!(families(&first), ["stick_slip"]);
+    assert_eq!(families(&first.result), ["stick_slip"]);
     let recorded = |seed, kilograms: f64| {
         let (mut slider, mass) = (slides(), mass(kilograms));
         record("next", &BLOCKS, 0.004, seed, move |sample| {
@@ -134,7 +134,7 @@ fn what_is_known_stays_and_more_is_found() {
     };
     let sought = known(&first.model);
     let next = trace_for(&sought, &[recorded(5, 40.0)], &[], &|_| ()).unwrap();
-    assert_eq!(families(&next), ["inertia"]);
+    assert_eq!(families(&next.result), ["inertia"]);
     assert_eq!(next.result.baseline.known, ["stick_slip"]);
     assert!(next.result.adopted);
     let limit = |model: &Model| {
@@ -151,7 +151,7 @@ fn what_is_known_stays_and_more_is_found() {
 
     let same = trace_for(&sought, &[recorded(6, 0.0)], &[], &|_| ()).unwrap();
     assert_eq!(same.result.verdict, Verdict::None);
-    assert!(families(&same).is_empty() && !same.result.adopted);
+    assert!(families(&same.result).is_empty() && !same.result.adopted);
     assert_near(limit(&same.model), 0.04, "slip limit");
 }
 

@@ -12,7 +12,7 @@ const NOISE: f64 = 0.004;
 /// The only effect found is of `family`, with each of `parameters` within a fraction of the truth.
 fn is_found(trace: &Trace, family: &str, parameters: &[(&str, f64, f64)]) {
     let result = &trace.result;
-    assert_eq!(families(trace), [family], "{:?}", result.verdict);
+    assert_eq!(families(&trace.result), [family], "{:?}", result.verdict);
     assert_eq!(result.verdict, Verdict::Found, "{family}");
     let found = &result.effects[0].parameters;
     for (name, truth, part) in parameters {

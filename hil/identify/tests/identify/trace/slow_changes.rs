@@ -40,7 +40,7 @@ fn traced_warm(lost: [f64; 2]) -> Trace {
 fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
     for lost in [[0.004, 0.0], [0.0, 0.004], [0.004, 0.004]] {
         let trace = traced_warm(lost);
-        assert_eq!(families(&trace), ["temperature"], "{lost:?}");
+        assert_eq!(families(&trace.result), ["temperature"], "{lost:?}");
         let parameters = &trace.result.effects[0].parameters;
         let told = ["beta", "beta_damping"].map(|name| parameters.get(name));
         let [Some(beta), damping] = told else {
@@ -90,7 +90,7 @@ fn traced_drifting(change: [f64; 2]) -> Trace {
 fn what_the_cycles_take_of_stiffness_and_of_friction_is_told_apart() {
     for change in [[-0.2, -0.2], [0.0, 0.4], [0.25, -0.3]] {
         let trace = traced_drifting(change);
-        assert_eq!(families(&trace), ["drift"], "{change:?}");
+        assert_eq!(families(&trace.result), ["drift"], "{change:?}");
         let parameters = &trace.result.effects[0].parameters;
         let told = [
             ("elastic_change", change[0]),

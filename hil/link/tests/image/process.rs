@@ -1,0 +1,69 @@
+//! The process of the emulator, and the size of the image.
+
+use mesh_damper_link::image::{Board, FIRMWARE, sections};
+use mesh_damper_link::lockstep::LinkError;
+
+use crate::emulated;
+use crate::support::{boards_with_rig, image_on};
+
+#[test]
+fn the_death_of_an_emulator_is_reported() {
+    let Some(mut image) = image_on(Board::Mps2An386) else {
+        return;
+    };
+    image.rest().unwrap();
+    let id = image.wire().id().to_string();
+    let killed = std::process::Command::new("kill")
+        .args(["-9", &id])
+        .status();
+    assert!(killed.unwrap().success());
+    let error = loop {
+        if let Err(error) = image.rest() {
+            break error;
+        }
+    };
+    assert!(matches!(error, LinkError::Ended { .. }), "{error}");
+    assert!(error.to_string().contains("signal: 9"), "{error}");
+    assert!(matches!(image.rest(), Err(LinkError::Ended { .. })));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_emulator_ends_with_the_link() {
+    let Some(mut dropped) = image_on(Board::Mps2An386) else {
+        return;
+    };
+    let id = dropped.wire().id();
+    assert!(emulated::lives(id));
+    drop(dropped);
+    assert!(!emulated::lives(id));
+}
+
+#[test]
+fn the_image_is_small() {
+    for board in boards_with_rig() {
+        let Some(elf) = emulated::image(&FIRMWARE, board) else {
+            return;
+        };
+        let sizes = sections(&elf).unwrap();
+        // KiB. The limit was 24 at first. Since then came six effects (5), the residual table (4), the monitor (9), the adaptation (3.5),
+        // further Maxwell branches and tones (1.5), a streamed motion with its messages (1), friction that hardens (1.5), a dashpot that
+        // yields with a low-pass (1.75), the tick rate, model and revision of a pack (1.25), and the check of the ADC's registers with
+        // the reasons of a refused start or clear (0.25). The last two together take 0.75 more: the image is optimized as a whole.
+        // Then the control inputs, damping that differs between the directions, play and degradation (3.5); ticks that are judged by a
+        // clock, an external trip, the DAC's read-back, and converters that are set up again (2.75); the check that a law is passive,
+        // which is evaluated and made for longer ticks once more (7.5); the slices of a pack's check (2.5); settings that are checked as
+        // they are read (2); the attacks that the monitor and the limits find (7); frames through shared memory (0.25); and a harness
+        // that falls silent, with the requests of a board on its own timer, which are refused here (0.25).
+        assert!(sizes.flash > 0 && sizes.flash <= 82 * 1024, "{sizes:?}");
+        // The limit was 12 KiB at first. Since then came, in KiB, the residual table in two laws and a pack (1.8), the monitor (0.75) and
+        // the adaptation (0.25). In bytes: a reading's control inputs, 16 and again 16 in the telemetry; the information of a pack, in the
+        // upload alone, 64; the five effects that came last, 72 in each of two laws and 84 in their state; the clock and the supervision
+        // of the rig, 24. In KiB again: a law and its state for the check that it is passive (1.9), an event of each cause (0.5), the
+        // slices of a check (0.1), and the monitor's view of the force, of noise and of a channel that stands still (0.45).
+        assert!(
+            sizes.ram <= 15 * 1024 + 16 + 64 + 16 + 228 + 24 + 3376,
+            "{sizes:?}"
+        );
+    }
+}

@@ -1,0 +1,189 @@
+//! All effects in one law: one of each, f32 against f64, finite whatever comes.
+
+use mesh_damper::effects::{
+    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
+    Degradation, Delay, Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction,
+    Inertia, LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
+    Viscous, Weakening, Yielding,
+};
+use mesh_damper::error::ConfigError;
+use mesh_damper::law::Law;
+use mesh_damper::real::Real;
+use proptest::prelude::*;
+
+use crate::loops::{TICKS, alone, close, nothing, sine};
+
+/// Each family has its row in the page about them.
+#[test]
+fn the_page_of_effects_has_every_family() {
+    let page = include_str!("../../docs/effects.md");
+    for description in DESCRIPTIONS {
+        let row = format!("| `{}` |", description.family);
+        assert!(page.contains(&row), "docs/effects.md: {row}");
+    }
+}
+
+/// A state that was made for fewer effects has the rest at rest, and drops none.
+#[test]
+fn a_state_of_fewer_effects_serves_more() {
+    let offset = Effect::Offset(Offset::new(0.5).unwrap());
+    let slider = Effect::StickSlip(StickSlip::new(&[(2.0, 0.5)]).unwrap());
+    let small: AugmentedLaw<f64, 2> = AugmentedLaw::new(nothing()).with(offset).unwrap();
+    let large = small.clone().with(slider).unwrap();
+    let mut state = small.at_rest();
+    small.force(&mut state, &Motion::default());
+    large.force(&mut state, &Motion::default());
+    let force = large.force(
+        &mut state,
+        &Motion {
+            displacement: 0.1,
+            ..Motion::default()
+        },
+    );
+    close(force, 0.5 + 0.2, 1e-12);
+}
+
+#[test]
+fn a_full_set_refuses_one_more() {
+    let offset = Effect::Offset(Offset::new(1.0_f32).unwrap());
+    assert_eq!(
+        alone(offset).with(offset),
+        Err(ConfigError::Full {
+            field: "effects",
+            capacity: 1
+        })
+    );
+}
+
+/// Two of a kind are one with other coefficients, or more elements.
+#[test]
+fn a_second_effect_of_a_kind_is_refused() {
+    let law = one_of_each::<f64>();
+    let mut roomy = AugmentedLaw::<f64, 30>::new(*law.law());
+    for effect in law.effects() {
+        roomy = roomy.with(effect).unwrap();
+        let again = roomy.clone().with(effect);
+        assert!(
+            matches!(again, Err(ConfigError::Full { capacity: 1, .. })),
+            "{again:?}"
+        );
+    }
+    assert_eq!(roomy.effects().count(), EFFECTS);
+}
+
+/// Effects that there are.
+const EFFECTS: usize = 24;
+
+/// One of each, of ordinary size.
+fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
+    let r = R::from_f64;
+    let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
+    let all = [
+        Effect::Offset(Offset::new(r(0.05)).unwrap()),
+        Effect::Asymmetry(Asymmetry::new(r(3.0)).unwrap()),
+        Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
+        Effect::StickSlip(StickSlip::new(&[(r(1.2), r(0.03)), (r(0.5), r(0.1))]).unwrap()),
+        Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
+        Effect::Relaxation(
+            Relaxation::new(&[(r(1.0), r(0.05)), (r(0.5), r(0.02))], r(1e-4)).unwrap(),
+        ),
+        Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
+        Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
+        Effect::Directional(Directional::new(r(0.1)).unwrap()),
+        Effect::Drift(
+            Drift::new(r(-0.5), r(25.0))
+                .and_then(|drift| drift.with_forces(r(-0.2), r(0.5)))
+                .unwrap(),
+        ),
+        Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
+        Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
+        Effect::BoucWen(BoucWen::new(r(0.8), r(0.04), r(1.5)).unwrap()),
+        Effect::HardeningFriction(
+            HardeningFriction::new(r(0.3), r(0.4), r(1.2), r(2.0), r(5.0)).unwrap(),
+        ),
+        Effect::Yielding(Yielding::new(r(0.4), r(0.05), r(0.3), r(0.02), r(1e-4)).unwrap()),
+        Effect::ControlInput(
+            ControlInput::new(
+                0,
+                Yielding::new(r(0.4), r(0.05), r(0.3), r(0.0), r(1e-4)).unwrap(),
+                r(0.002),
+            )
+            .and_then(|effect| effect.with_lag(r(0.02), r(1e-4)))
+            .and_then(|effect| effect.with_saturation(r(1.5)))
+            .unwrap(),
+        ),
+        Effect::Backlash(Backlash::new(r(0.7), r(0.02), r(0.05)).unwrap()),
+        Effect::Degradation(Degradation::new(r(0.6), r(0.08), r(0.3)).unwrap()),
+        Effect::Weakening(Weakening::new(r(0.9), r(0.03), r(0.6), r(0.1)).unwrap()),
+        Effect::Periodic(
+            Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
+        ),
+        Effect::Gap(Gap::new(r(0.02), false).unwrap()),
+        Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
+        Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),
+        Effect::ForceFilter(ForceFilter::new(r(200.0), r(1e-4)).unwrap()),
+    ];
+    assert_eq!(
+        all.len(),
+        DESCRIPTIONS.len(),
+        "each effect of the crate is here"
+    );
+    all.into_iter().fold(AugmentedLaw::new(law), |law, effect| {
+        law.with(effect).unwrap()
+    })
+}
+
+/// f32 and f64 through the same code, ten cycles of 2·10^4 ticks, every effect at once.
+///
+/// The state of relaxation is updated by differences of displacements: each rounds by 2^-24·X = 1.2e-8 mm, which at
+/// k = 1.5 kN/mm is a random walk with memory τ/Δt = 1000 ticks, √1000·1.5·1.2e-8/√3 = 3.3e-7 kN, worst 3 of these; that of
+/// stick-slip is a walk over one half cycle, √10⁴·1.2·1.2e-8/√3 = 8e-7 kN. The peak force is 0.8 kN.
+#[test]
+fn f32_follows_f64_within_rounding() {
+    let (single, double) = (one_of_each::<f32>(), one_of_each::<f64>());
+    let (mut small, mut large) = (single.at_rest(), double.at_rest());
+    let (mut error, mut peak) = (0.0_f64, 0.0_f64);
+    for n in 0..10 * TICKS {
+        let f32_force = f64::from(single.force(&mut small, &sine(0.2, 2.0, n)));
+        let f64_force: f64 = double.force(&mut large, &sine(0.2, 2.0, n));
+        error = error.max((f32_force - f64_force).abs());
+        peak = peak.max(f64_force.abs());
+    }
+    assert!(error < 4e-6 * peak, "{error} of {peak}");
+    assert!(error > 0.0, "f32 and f64 cannot agree to the last bit");
+}
+
+fn any_motion() -> impl Strategy<Value = Motion<f32>> {
+    let number = || {
+        prop_oneof![
+            any::<f32>(),
+            -1.0..1.0_f32,
+            Just(f32::MAX),
+            Just(f32::MIN_POSITIVE),
+            Just(-0.0)
+        ]
+    };
+    let controls = [number(), number(), number(), number()];
+    let all = (number(), number(), number(), number(), number(), controls);
+    all.prop_map(|(y, v, a, cycles, temperature, controls)| Motion {
+        displacement: y,
+        velocity: v,
+        acceleration: a,
+        cycles,
+        temperature,
+        controls,
+    })
+}
+
+proptest! {
+    /// The force is finite for any motion, NaN and infinities included, and stays so afterwards.
+    #[test]
+    fn every_force_is_finite(motions in prop::collection::vec(any_motion(), 1..40)) {
+        let law = one_of_each::<f32>();
+        let mut state = law.at_rest();
+        for motion in &motions {
+            prop_assert!(law.force(&mut state, motion).is_finite());
+        }
+        prop_assert!(law.force(&mut state, &sine(0.1, 1.0, 7)).is_finite());
+    }
+}
