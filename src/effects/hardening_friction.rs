@@ -22,9 +22,9 @@ const MOST_LOSS: f64 = 200.0;
 /// way back, with l ≥ 0, no more than that is returned.
 ///
 /// # Step
-/// A step towards 0 and one away from 0 replace (|z|/x)ⁿ by the line through 0 that meets it in the middle of the step, dz = dy·(1
-/// + c·z). The step is of second order, and exact for n = 1. A step that takes more than half of a z loses too much of it rather
-/// than too little. z never passes its bound, whatever the step.
+/// A step towards 0 and one away from 0 replace (|z|/x)ⁿ by the line through 0 that meets it in the middle of the step,
+/// dz = dy·(1 + c·z). The step is of second order, and exact for n = 1. A step that takes more than half of a z loses too much of it
+/// rather than too little. z never passes its bound, whatever the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HardeningFriction<R> {
     stiffness: R,

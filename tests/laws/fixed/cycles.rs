@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mesh_damper::fixed_point::{CycleAccumulator, Law, Part, RawCycle, Scales, Sine};
+use mesh_damper::fixed_point::{CycleAccumulator, Part, RawCycle, Scales, Sine};
 use mesh_damper::law;
 use mesh_damper_reference::{dynamic_test, tables};
 use proptest::prelude::*;
