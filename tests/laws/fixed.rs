@@ -1,19 +1,22 @@
-//! The integers against f64: closed forms, the paper's equations in `mesh_damper_reference`, and every value that fits in.
+//! The law in integers against f64: every force, saturation, and the settings that are refused.
 
-use std::f64::consts::{PI, TAU};
+mod cycles;
+mod sine;
+
+use std::f64::consts::TAU;
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::fixed_point::{
-    Cycle, CycleAccumulator, Law, Part, RAMP_CYCLES_MAX, RawCycle, Scales, Sine, SineGenerator,
+    Cycle, CycleAccumulator, Law, Part, RAMP_CYCLES_MAX, Scales, Sine, SineGenerator,
 };
 use mesh_damper::law;
 use mesh_damper_reference::law::Coefficients;
-use mesh_damper_reference::{dynamic_test, tables};
+use mesh_damper_reference::tables;
 use proptest::prelude::*;
 
 use crate::largest::Largest;
 
-/// How far the integers may be from f64.
+/// Tolerances of the integers against f64.
 mod tolerance {
     /// One rounding of 16 bits.
     const R: f64 = 1.0 / (1u32 << 17) as f64;
@@ -45,13 +48,13 @@ mod tolerance {
     pub const TICK_FROM: f64 = 1e-3;
 
     /// K over itself: the force's error at the extremes, 7.2e-5 of the peak; the amplitude's 2·R is independent of it and
-    /// counts twice in the cubic term less once in K. √(7.2² + 3²)·1e-5 = 8e-5. What is asked is 1e-4.
+    /// counts twice in the cubic term less once in K. √(7.2² + 3²)·1e-5 = 8e-5. The requirement is 1e-4.
     pub const STIFFNESS: f64 = 1e-4;
     /// ΔW over itself. Every rounding that differs from tick to tick averages out; the amplitude's 2·R, α times the
     /// speed's and the quadratics' 4e-6 stay, 2.8e-5; the trapezoids at 1000 ticks to the cycle add (2π/1000)²/6 = 6.6e-6.
-    /// What is asked is 1e-4.
+    /// The requirement is 1e-4.
     pub const ENERGY: f64 = 4e-5;
-    /// Loss factor over itself: √(8² + 4²)·1e-5 = 9e-5 of the two above. What is asked is 1e-4.
+    /// Loss factor over itself: √(8² + 4²)·1e-5 = 9e-5 of the two above. The requirement is 1e-4.
     pub const LOSS_FACTOR: f64 = 1e-4;
 }
 
@@ -70,7 +73,7 @@ fn generator(sine: Sine, scales: &Scales) -> SineGenerator {
     SineGenerator::new(sine, TICK_RATE, scales).unwrap()
 }
 
-/// The whole cycles at full amplitude that law, generator and accumulator come to.
+/// The whole cycles at full amplitude of law, generator and accumulator.
 fn cycles_of(law: &law::Law<f64>, scales: &Scales, sine: Sine) -> Vec<Cycle> {
     let own = Law::new(law, scales).unwrap();
     let mut generator = generator(sine, scales);
@@ -86,119 +89,6 @@ fn cycles_of(law: &law::Law<f64>, scales: &Scales, sine: Sine) -> Vec<Cycle> {
         }
     }
     cycles
-}
-
-#[test]
-fn the_sine_stays_with_f64_over_a_million_cycles() {
-    // 2469/20000 of a cycle a tick; an amplitude that 16 bits hold exactly, so that what is seen is the sine's error alone.
-    let (amplitude, frequency) = (0.75, 1234.5);
-    let omega = TAU * frequency;
-    let scales = Scales::new(1.0, omega, 1.0).unwrap();
-    let sine = Sine {
-        amplitude,
-        frequency,
-        cycles: 1_000_000,
-        ramp_cycles: 1,
-    };
-    let mut generator = generator(sine, &scales);
-    let [mut position, mut velocity] = [const { Largest(0.0) }; 2];
-    let (mut n, mut ends) = (0_u64, 0);
-    while let Some(now) = generator.tick() {
-        let turn = (n * 2469) % 20_000;
-        assert_eq!(u64::from(now.cycle), n * 2469 / 20_000);
-        ends += u32::from(now.cycle_end);
-        if !now.ramp {
-            let (sin, cos) = (TAU * turn as f64 / 20_000.0).sin_cos();
-            position.see(value(now.displacement) / amplitude - sin);
-            velocity.see(value(now.velocity) / amplitude - cos);
-            if turn % 10_000 == 0 {
-                assert_eq!(now.displacement, Part::ZERO);
-            }
-            if turn % 10_000 == 5000 {
-                assert_eq!(now.velocity, Part::ZERO);
-            }
-        }
-        n += 1;
-    }
-    assert_eq!(n, (1_000_002 * 20_000_u64).div_ceil(2469));
-    assert_eq!(ends, 1_000_001);
-    position.check("position", tolerance::SINE);
-    velocity.check("velocity", tolerance::SINE);
-}
-
-/// Velocity is the derivative of displacement from rest to rest, by differences over two ticks.
-#[test]
-fn ramps_begin_and_end_at_rest_and_are_smooth() {
-    for ramp_cycles in [1, 3, 10] {
-        let (amplitude, frequency) = (0.1, 2.0);
-        let speed = TAU * frequency * amplitude;
-        let scales = Scales::new(0.125, 2.0, 1.0).unwrap();
-        let sine = Sine {
-            amplitude,
-            frequency,
-            cycles: 2,
-            ramp_cycles,
-        };
-        let mut generator = generator(sine, &scales);
-        let mut samples = Vec::new();
-        while let Some(now) = generator.tick() {
-            samples.push((value(now.displacement) * 0.125, value(now.velocity) * 2.0));
-        }
-        assert!(generator.tick().is_none());
-        assert_eq!(samples.len() as u32, (2 + 2 * ramp_cycles) * 5000);
-        assert_eq!(samples[0], (0.0, 0.0));
-        let (last, _) = samples[samples.len() - 1];
-        assert!(last.abs() < 1e-9);
-        let (mut error, mut peak) = (Largest::default(), Largest::default());
-        for three in samples.windows(3) {
-            let slope = (three[2].0 - three[0].0) * 0.5 * TICK_RATE;
-            error.see((slope - three[1].1) / speed);
-            peak.see(three[1].0);
-        }
-        // (ω·h)²/6 of the differences is 2.6e-7, in the ramp some ten times that. An error of the position of 2⁻²² amplitude
-        // between two ticks, ω·h = 1.3e-3 apart, is 4e-4 of the speed.
-        error.check("velocity over peak speed", 5e-4);
-        assert!((peak.0 / amplitude - 1.0).abs() < tolerance::POSITION);
-    }
-}
-
-/// 10s³ − 15s⁴ + 6s⁵ of the amplitude after the part s of the ramp, read off over stretches of 40 cycles.
-#[test]
-fn the_longest_ramp_goes_up_and_down_by_its_quintic() {
-    const STRETCHES: u32 = RAMP_CYCLES_MAX / 40;
-    let (amplitude, frequency) = (0.9, 1234.5);
-    let scales = Scales::new(1.0, TAU * frequency, 1.0).unwrap();
-    let sine = Sine {
-        amplitude,
-        frequency,
-        cycles: 1,
-        ramp_cycles: RAMP_CYCLES_MAX,
-    };
-    let mut generator = generator(sine, &scales);
-    let [mut up, mut down] = [const { [const { Largest(0.0) }; STRETCHES as usize] }; 2];
-    while let Some(now) = generator.tick() {
-        let stretch = if !now.ramp {
-            continue;
-        } else if now.cycle < RAMP_CYCLES_MAX {
-            &mut up[(now.cycle / 40) as usize]
-        } else {
-            &mut down[(STRETCHES - 1 - (now.cycle - RAMP_CYCLES_MAX - 1) / 40) as usize]
-        };
-        stretch.see(value(now.displacement) / amplitude);
-        stretch.see(value(now.velocity) / amplitude);
-    }
-    let quintic = |stretch: u32| {
-        let s = f64::from(stretch) / f64::from(STRETCHES);
-        s * s * s * (10.0 - s * (15.0 - 6.0 * s))
-    };
-    for (stretch, (up, down)) in (0..STRETCHES).zip(up.iter().zip(&down)) {
-        let (lowest, highest) = (quintic(stretch), quintic(stretch + 1));
-        for peak in [up.0, down.0] {
-            // 324 samples of a stretch miss the peak by at most (π/324)²/2 = 5e-5 of it.
-            let range = lowest * (1.0 - 5e-5) - tolerance::POSITION..highest + tolerance::POSITION;
-            assert!(range.contains(&peak), "{stretch}: {peak} not in {range:?}");
-        }
-    }
 }
 
 #[test]
@@ -241,85 +131,6 @@ fn the_force_of_every_tick_is_f64s() {
     worst.check("force", tolerance::TICK);
     // δ^α: a tick that fell within δ of a reversal would be off by up to a tenth of the damping. These do not.
     near.check("force next to a reversal", 1e-3);
-}
-
-/// Against 10 000 samples to the cycle, whole cycles in f64; at 1.37 Hz no cycle is whole ticks.
-#[test]
-fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
-    let [mut stiffness, mut energy, mut loss_factor] = [const { Largest(0.0) }; 3];
-    let mut peak = Largest(0.0);
-    for (_, amplitude, exact) in tables::cells() {
-        for frequency in [0.5, 1.0, 1.37, 10.0] {
-            let speed = TAU * frequency * amplitude;
-            let law = law_of(exact);
-            let scale = tolerance::SCALE;
-            let scales = Scales::covering(&law, scale * amplitude, scale * speed).unwrap();
-            let (y, force): (Vec<f64>, Vec<f64>) = (0..10_000)
-                .map(|i| (TAU * f64::from(i) / 10_000.0).sin_cos())
-                .map(|(sin, cos)| (amplitude * sin, exact.force(amplitude * sin, speed * cos)))
-                .unzip();
-            let exact = dynamic_test::characterize(&y, &force).unwrap();
-            let sine = Sine {
-                amplitude,
-                frequency,
-                cycles: 3,
-                ramp_cycles: 1,
-            };
-            let cycles = cycles_of(&law, &scales, sine);
-            assert_eq!(cycles.len(), 3);
-            for cycle in cycles {
-                stiffness.see(f64::from(cycle.stiffness) / exact.stiffness - 1.0);
-                energy.see(f64::from(cycle.energy) / exact.dissipated - 1.0);
-                loss_factor.see(f64::from(cycle.loss_factor) / exact.loss_factor - 1.0);
-                peak.see(f64::from(cycle.amplitude) / amplitude - 1.0);
-            }
-        }
-    }
-    stiffness.check("K", tolerance::STIFFNESS);
-    energy.check("ΔW", tolerance::ENERGY);
-    loss_factor.check("loss factor", tolerance::LOSS_FACTOR);
-    peak.check("X0", tolerance::POSITION);
-}
-
-/// k1·y, c·v and c·sgn v enclose 0, π·c·ω·A² and 4·c·A; 997 Hz leaves ten ticks to the cycle, none of which is its end.
-#[test]
-fn a_cycle_encloses_what_its_closed_form_says() {
-    let amplitude = 0.2;
-    for frequency in [0.1, 1.3, 97.0, 997.0] {
-        let omega = TAU * frequency;
-        let sine = Sine {
-            amplitude,
-            frequency,
-            cycles: 4,
-            ramp_cycles: 1,
-        };
-        let energies = |k1: f64, c: f64, alpha: f64| {
-            let law = law::Law::new(k1, 0.0, c, alpha).unwrap();
-            let scales = Scales::covering(&law, 0.25, 0.25 * omega).unwrap();
-            cycles_of(&law, &scales, sine)
-        };
-        for cycle in energies(5.0, 0.0, 1.0) {
-            // Forces of 1 kN over 0.8 mm, each rounded to 16 bits.
-            assert!(cycle.energy.abs() < 1e-5 * 0.8, "{cycle:?}");
-        }
-        // The polygon of n samples has sin(2π/n)/(2π/n) of an ellipse's area; where it closes it may lack one more part.
-        let ticks = TICK_RATE / frequency;
-        let lacks = (TAU / ticks).powi(2);
-        for cycle in energies(0.0, 2.0, 1.0) {
-            let exact = PI * 2.0 * omega * amplitude * amplitude;
-            let error = f64::from(cycle.energy) / exact - 1.0;
-            assert!(error.abs() < 3e-5 + lacks, "{frequency} Hz: {error:e}");
-        }
-        // A reversal that lies parts a and b of a tick from the ticks beside it lacks (a² + b²)/2·(2π/n)² of c·A, of two
-        // reversals and 4·c·A at most (2π/n)²/4.
-        for cycle in energies(0.0, 2.0, 0.0) {
-            let error = f64::from(cycle.energy) / (4.0 * 2.0 * amplitude) - 1.0;
-            assert!(
-                error.abs() < 5e-5 + lacks / 4.0,
-                "{frequency} Hz: {error:e}"
-            );
-        }
-    }
 }
 
 #[test]
@@ -391,7 +202,7 @@ fn configurations_out_of_range_are_refused_by_name() {
 }
 
 #[test]
-fn what_is_beyond_full_scale_is_saturated() {
+fn a_value_beyond_full_scale_is_saturated() {
     let scales = Scales::new(0.5, 2.0, 8.0).unwrap();
     for beyond in [1e300, f64::INFINITY, 8.0] {
         assert_eq!(scales.displacement_part(beyond), Part::MAX);
@@ -450,55 +261,5 @@ proptest! {
         let force = Law::new(&law, &scales).unwrap().force(Part::ZERO, v);
         prop_assert!(value(force) * value(v) >= 0.0);
         prop_assert!(v != Part::ZERO || force == Part::ZERO);
-    }
-
-    /// Any samples: nothing overflows, the extremes are theirs, and the energy is that of their polygon, but for the force's
-    /// 16 bits and half a unit a tick.
-    #[test]
-    fn the_energy_is_that_of_the_polygon(
-        samples in prop::collection::vec((part(), part()), 1..50),
-    ) {
-        let mut accumulator = CycleAccumulator::new();
-        for (i, &(y, f)) in samples.iter().enumerate() {
-            prop_assert_eq!(accumulator.update(y, f, i == 0), None);
-        }
-        let cycle = accumulator.update(Part::ZERO, Part::ZERO, true).unwrap();
-        let (mut exact, mut path) = (0.0, 0.0);
-        for (i, &(y, f)) in samples.iter().enumerate() {
-            let (next_y, next_f) = samples[(i + 1) % samples.len()];
-            let way = value(next_y) - value(y);
-            exact += 0.5 * (value(f) + value(next_f)) * way;
-            path += way.abs();
-        }
-        let count = samples.len() as f64;
-        let energy = cycle.energy as f64 / f64::from(1 << 29);
-        let tolerance = path * 2_f64.powi(-15) + count * 2_f64.powi(-29);
-        prop_assert!((energy - exact).abs() <= tolerance, "{energy} for {exact}");
-        let extremes = |of: fn(&(Part, Part)) -> Part| {
-            let parts = samples.iter().map(of);
-            (parts.clone().max().unwrap(), parts.min().unwrap())
-        };
-        prop_assert_eq!((cycle.displacement_max, cycle.displacement_min), extremes(|s| s.0));
-        prop_assert_eq!((cycle.force_max, cycle.force_min), extremes(|s| s.1));
-    }
-
-    #[test]
-    fn every_cycle_is_finite(
-        energy in any::<i64>(),
-        y in (part(), part()),
-        f in (part(), part()),
-        scales in prop::sample::select(vec![(1e-9, 1e-9), (1e-9, 1e12), (1.0, 1.0), (1e4, 1e-9), (1e4, 1e12)]),
-    ) {
-        let raw = RawCycle {
-            energy,
-            force_max: f.0.max(f.1),
-            force_min: f.0.min(f.1),
-            displacement_max: y.0.max(y.1),
-            displacement_min: y.0.min(y.1),
-        };
-        let cycle = raw.over(&Scales::new(scales.0, 1.0, scales.1).unwrap());
-        for value in [cycle.amplitude, cycle.energy, cycle.stiffness, cycle.elastic_energy, cycle.loss_factor] {
-            prop_assert!(value.is_finite(), "{cycle:?}");
-        }
     }
 }
