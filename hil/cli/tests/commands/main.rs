@@ -1,6 +1,7 @@
 //! The real command.
 
 mod amplitude_free_command;
+mod bad_arguments;
 mod bad_input;
 mod bad_input_of_studies;
 mod batch_command;
