@@ -40,13 +40,13 @@ use fmu::Unit;
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
-    /// A coefficient pack, for a rig that takes it while it runs
+    /// A coefficient pack, which a rig can load while it runs
     Pack,
-    /// A module of constants with the law composed statically
+    /// A Rust module of constants, with the law as a static type
     Rust,
-    /// A header and a source of C99 with the pack as an array
+    /// A header and a source file in C99 that hold the pack as an array
     C,
-    /// A unit of FMI 2.0 for co-simulation
+    /// An FMU for co-simulation, FMI 2.0
     Fmu,
 }
 

@@ -16,19 +16,19 @@ use super::document::AddDocument as _;
 use super::progress::Progress;
 use super::{Failure, say, summary};
 
-/// Test a specimen with an undeclared effect, trace it, and run again with the better law
+/// Test a simulated specimen with a hidden effect, trace the recording, and test again with the augmented law
 ///
-/// Writes DIR/recording.csv.gz, DIR/trace.json, DIR/model.json, DIR/report.html and DIR/loop.svg.
+/// Needs no input. Writes recording.csv.gz, trace.json, model.json, report.html and loop.svg into the folder of --out.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  hil demo --seed 7 --out demo-out")]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  hil demo --seed 7 --out demo-7")]
 pub struct DemoCommand {
-    /// Which effect the specimen hides, how large, and the sensors' noise
+    /// Seed, a whole number: it draws the hidden effect, its size and the sensor noise
     #[arg(long, default_value_t = 4)]
     seed: u64,
-    /// Where the results go
+    /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "demo-out")]
     out: PathBuf,
-    /// Where the result goes as JSON as well; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

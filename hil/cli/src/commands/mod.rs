@@ -19,11 +19,15 @@ use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
 use mesh_damper_recording::error::InputError;
 
-/// Rig tests, tracing and prediction of the elastic porous metal mesh damper.
+/// Test metal mesh dampers on a rig, find what a force law lacks, and predict forces
 ///
-/// Exit codes: 0 done, 1 the check asked for failed, 2 bad usage or bad input.
+/// Exit codes: 0: done. 1: the work is done, but a check failed or the rig tripped. 2: bad usage or bad input.
 #[derive(Debug, Parser)]
-#[command(name = "hil", version)]
+#[command(
+    name = "hil",
+    version,
+    after_help = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz"
+)]
 pub struct Cli {
     /// Numbers that decide, as JSON, in the place of the default ones
     #[cfg(feature = "full")]
@@ -116,4 +120,95 @@ fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::Pa
 /// Prints to standard error what the user should know though the work goes on.
 fn warn(text: &str) {
     eprintln!("warning: {text}");
+}
+
+#[cfg(all(test, feature = "full"))]
+mod tests {
+    use clap::{Command, CommandFactory as _, Parser as _};
+
+    use super::Cli;
+
+    /// A narrow terminal shows an example of this many characters in one line, to be copied as it is.
+    const WIDTH: usize = 79;
+
+    /// `command` and all below it, each with the words that call it.
+    fn all_of(command: &Command, called: String) -> Vec<(String, Command)> {
+        let below = command
+            .get_subcommands()
+            .filter(|one| one.get_name() != "help");
+        let below: Vec<_> = below
+            .flat_map(|one| all_of(one, format!("{called} {}", one.get_name())))
+            .collect();
+        [(called, command.clone())]
+            .into_iter()
+            .chain(below)
+            .collect()
+    }
+
+    fn all() -> Vec<(String, Command)> {
+        let mut whole = Cli::command();
+        whole.build();
+        all_of(&whole, "hil".into())
+    }
+
+    /// The examples that end a help text, each in one line.
+    fn examples(help: &str) -> Vec<String> {
+        let (_, last) = help
+            .rsplit_once("Examples:\n")
+            .or_else(|| help.rsplit_once("Example:\n"))
+            .unwrap_or_default();
+        let joined = last.replace("\\\n", " ");
+        let lines = joined
+            .lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty());
+        lines.map(str::to_owned).collect()
+    }
+
+    /// The words of a line for a shell, without its redirections; of a pipe those of the last command.
+    fn words(line: &str) -> Vec<String> {
+        let line = line.rsplit(" | ").next().unwrap_or(line);
+        let line = line.split(" > ").next().unwrap_or(line);
+        // Every second part is within quotes, where blanks do not part words.
+        let quoted = line.split('\'').enumerate();
+        let kept: String = quoted
+            .map(|(index, part)| match index % 2 {
+                0 => part.to_owned(),
+                _ => part.replace(' ', "\0"),
+            })
+            .collect();
+        let words = kept.split_whitespace();
+        words.map(|word| word.replace('\0', " ")).collect()
+    }
+
+    #[test]
+    fn every_help_ends_with_examples_that_parse() {
+        for (called, mut command) in all() {
+            let help = command.render_long_help().to_string();
+            let examples = examples(&help);
+            let own =
+                |example: &String| *example == called || example.starts_with(&format!("{called} "));
+            assert!(examples.iter().any(own), "{called} has no example: {help}");
+            for example in &examples {
+                let words = words(example);
+                assert_eq!(words[0], "hil", "{called}: {example}");
+                let parsed = Cli::try_parse_from(&words);
+                assert!(parsed.is_ok(), "{called}: {example}: {parsed:?}");
+            }
+            let example_lines = help.rsplit("Example").next().unwrap_or_default().lines();
+            for line in example_lines {
+                assert!(line.chars().count() <= WIDTH, "{called}: {line}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_option_has_a_help() {
+        for (called, command) in all() {
+            for argument in command.get_arguments() {
+                let help = argument.get_help().or(argument.get_long_help());
+                assert!(help.is_some(), "{called}: {}", argument.get_id());
+            }
+        }
+    }
 }

@@ -12,7 +12,9 @@ use mesh_damper_recording::read_limit::ReadLimit;
 /// How much of each file is read.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Reading {
-    /// Most bytes read of each file, unpacked; of a line, of all comments or of a JSON file a 64th
+    /// Largest file to read, such as 800MB or 2GiB
+    ///
+    /// The size counts after unpacking. One line, all comments together, or a JSON file may take 1/64 of it.
     #[arg(long = "max-read", value_name = "SIZE", default_value_t)]
     pub limit: ReadLimit,
 }
@@ -20,19 +22,21 @@ pub struct Reading {
 /// How recordings are read. `hil inspect FILE` says what a file holds.
 #[derive(Args, Clone, Debug)]
 pub struct RecordingFiles {
-    /// The column of a quantity: `force="Axial Force"`; of time, displacement, force, velocity, temperature or a control input
+    /// Column of a quantity, such as force='Axial Force'; give it once for each quantity
+    ///
+    /// Quantities are time, displacement, force, velocity and temperature, and a control input by its name, such as current_A.
     #[arg(long = "channel", value_name = "QUANTITY=COLUMN", value_parser = pair)]
     channels: Vec<(String, String)>,
-    /// The unit of a quantity's column: `force=N`
+    /// Unit of a quantity's column, such as force=N; give it once for each quantity
     #[arg(long = "unit", value_name = "QUANTITY=UNIT", value_parser = pair)]
     units: Vec<(String, String)>,
-    /// Samples a second, in the place of a column of times
+    /// Sampling rate in Hz, above 0; it replaces a time column
     #[arg(long, value_name = "HZ", value_parser = rate)]
     rate: Option<f64>,
-    /// The sheet, group or table of a file that has several
+    /// Sheet, group or table to read, if the file has several
     #[arg(long, value_name = "NAME")]
     table: Option<String>,
-    /// The decimal sign of numbers in text, where it could be either
+    /// Decimal sign of the numbers in a text file, if both are possible
     #[arg(long, value_name = "SIGN", value_parser = ["point", "comma"])]
     decimal: Option<String>,
     #[command(flatten)]

@@ -13,16 +13,21 @@ use mesh_damper_recording::read_limit::ReadLimit;
 /// What a trace seeks.
 #[derive(Args, Clone, Debug)]
 pub struct Seeking {
-    /// Seek only these families of effects, as `stick_slip,yielding`; all where it is not given
-    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
+    /// Look for these families of effects only, such as `stick_slip,yielding`; the default is all
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family, long_help = families_help())]
     families: Vec<Family>,
-    /// Seek none of these families: what the specimen cannot have
+    /// Do not look for these families: effects that the specimen cannot have
     #[arg(long, value_name = "FAMILIES", value_delimiter = ',', value_parser = family)]
     exclude: Vec<Family>,
-    /// What the law is without effects: `mixed` (eq 13), `linear` (a spring and a dashpot), or `none` (nothing but the effects)
+    /// The law without effects
+    ///
+    /// `mixed` is the mixed damping law k1·y + k3·y³ + c·|v|^α·sgn v (eq 13). `linear` is a spring and a dashpot. `none` has effects only.
     #[arg(long, value_name = "LAW", default_value = BaseLaw::default().word(), value_parser = base_law)]
     baseline: BaseLaw,
-    /// A model whose effects are known: they stay in the law, and more is sought. Their parameters are fitted with the law's, from those of the model
+    /// A model whose effects are known; the trace looks for more
+    ///
+    /// The known effects stay in the law. The trace fits their parameters again, together with those of the law, and starts from the values
+    /// of the model.
     #[arg(long, value_name = "MODEL")]
     law: Option<PathBuf>,
 }
@@ -55,10 +60,20 @@ impl Seeking {
 }
 
 fn family(name: &str) -> Result<Family, String> {
-    Family::named(name).ok_or_else(|| {
-        let all: Vec<&str> = Family::all().map(Family::name).collect();
-        format!("no effect has that name; give one of {}", all.join(", "))
-    })
+    Family::named(name)
+        .ok_or_else(|| format!("no effect has that name; give one of {}", all_families()))
+}
+
+fn families_help() -> String {
+    format!(
+        "Look for these families of effects only, such as `stick_slip,yielding`; the default is all\n\nFamilies: {}",
+        all_families()
+    )
+}
+
+fn all_families() -> String {
+    let all: Vec<&str> = Family::all().map(Family::name).collect();
+    all.join(", ")
 }
 
 fn base_law(word: &str) -> Result<BaseLaw, String> {

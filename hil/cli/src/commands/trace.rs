@@ -15,28 +15,29 @@ use super::seeking::Seeking;
 use super::separating;
 use super::{Failure, say, summary};
 
-/// Find what the law lacks in recordings, and mend it
+/// Find the effects that the law lacks in recordings, and write the augmented law
 ///
-/// Writes DIR/trace.json, DIR/model.json and DIR/report.html; and where several effects explain the recordings equally well
-/// DIR/separating-test.csv, the motion that would tell them apart, which `hil run --drive` follows.
+/// Writes trace.json, model.json and report.html into the folder of --out. If several effects explain the recordings equally well, it
+/// also writes separating-test.csv: the motion of a test that tells them apart. `hil run --drive` follows that motion.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Example:\n  hil trace rig-test.csv.gz --held-out other-amplitudes.csv.gz --out trace-out\n\n\
-    With no --held-out, the last cycles of each block and one whole block are held out."
-)]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  \
+    hil trace demo-out/recording.csv.gz\n  \
+    hil trace demo-out/recording.csv.gz --exclude inertia,offset --out trace-2")]
 pub struct TraceCommand {
-    /// Recordings of one specimen to fit
+    /// Recordings of one specimen; the model is fitted to them
     #[arg(value_name = "REC", required = true)]
     recordings: Vec<PathBuf>,
-    /// Recordings that are never fitted, only predicted
+    /// Recordings for the test: the model predicts them and is never fitted to them
+    ///
+    /// Without this option, the trace holds out the last cycles of each block and one whole block.
     #[arg(long, value_name = "REC", num_args = 1..)]
     held_out: Vec<PathBuf>,
-    /// Where the results go
+    /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "trace-out")]
     out: PathBuf,
     #[command(flatten)]
     seeking: Seeking,
-    /// Where trace.json goes as well; `-` for standard output
+    /// Write trace.json to this file too; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -7,6 +7,8 @@ mod bad_input_of_studies;
 mod batch_command;
 mod bench_command;
 mod board_command;
+#[cfg(unix)]
+mod book;
 #[path = "../../../live/tests/live/broker.rs"]
 mod broker;
 mod command;
@@ -31,6 +33,7 @@ mod predict;
 mod quotes;
 mod read_limit;
 mod readme;
+mod reference;
 mod refusal;
 mod respond_command;
 mod run_command;

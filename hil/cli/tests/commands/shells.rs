@@ -74,14 +74,7 @@ fn every_command_has_a_page_that_man_shows() {
     };
     let whole = text("hil.1");
     let help = hil(root.path(), &["--help"]);
-    let commands = help
-        .lines()
-        .skip_while(|line| *line != "Commands:")
-        .skip(1)
-        .take_while(|line| line.starts_with("  "))
-        .filter_map(|line| line.split_whitespace().next())
-        .filter(|name| *name != "help");
-    for command in commands {
+    for command in crate::reference::below(&help) {
         let text = text(&format!("hil-{command}.1"));
         assert!(text.contains(".SH SYNOPSIS"), "{command}");
         assert!(

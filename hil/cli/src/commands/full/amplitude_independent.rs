@@ -13,18 +13,20 @@ use mesh_damper_studies::amplitude_independent::{HeldOut, Study, study};
 use crate::commands::document::AddDocument as _;
 use crate::commands::{Failure, say};
 
-/// Fit one law for every amplitude to loops of the published tables
+/// Fit an amplitude-independent law to force loops of the paper's tables
 ///
-/// Fits loops at 0.05, 0.10, 0.20 and 0.25 mm and tells the error at 0.15 mm beside that of one set of eq 13, of the tables
-/// between their rows, and of the published surfaces. With --out it writes a model of each density for `hil predict` and
-/// `hil run`, and a picture of the loops at 0.15 mm.
+/// Fits the loops at 0.05, 0.10, 0.20 and 0.25 mm. Prints the error at 0.15 mm, which is not fitted, and compares it with three others:
+/// one set of coefficients of eq 13, the tables interpolated between their rows, and the paper's surfaces. With --out it writes a model
+/// for each density, which `hil predict` and `hil run` read, and a picture of the loops at 0.15 mm.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil amplitude-free\n  \
     hil amplitude-free --frequencies 1 --out free-out\n  \
-    hil run --model free-out/model-3.0.json --blocks 0.08:2:6,0.15:1:6 --out run-out")]
+    hil run --model free-out/model-3.0.json --blocks 0.08:2:6,0.15:1:6")]
 pub struct AmplitudeFreeCommand {
-    /// Of the loops, Hz, 0.1 to 100. The paper tested at 1 Hz; others are its tables' extrapolation by |v|^α, without which
-    /// nothing tells friction that depends on velocity from friction that does not
+    /// Frequencies of the loops in Hz, 0.1 to 100
+    ///
+    /// The paper tested at 1 Hz. Loops at other frequencies extrapolate its tables by |v|^α. At a single frequency, the fit cannot tell
+    /// friction that depends on velocity from friction that does not.
     #[arg(
         long,
         value_name = "HZ,...",
@@ -32,10 +34,10 @@ pub struct AmplitudeFreeCommand {
         default_value = "1,10"
     )]
     frequencies: Vec<f64>,
-    /// Where models and pictures go
+    /// Folder for models and pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -16,31 +16,39 @@ use crate::commands::reading::RecordingFiles;
 use crate::commands::seeking::Seeking;
 use crate::commands::{Failure, say, warn};
 
-/// Trace many recordings, a row of outcome each
+/// Trace many recordings and write one row of results for each
 ///
-/// Writes DIR/outcomes.parquet and DIR/outcomes.csv with a row a trace, DIR/effects.parquet with a row a parameter, DIR/index.html, and for
-/// each trace a folder with trace.json and model.json. A batch that was broken off goes on where it was when it is started again: what has
-/// been made of the same recordings with the same options is not made again.
+/// Writes into the folder of --out: outcomes.parquet and outcomes.csv with one row per trace, effects.parquet with one row per parameter,
+/// index.html, and one folder per trace with trace.json and model.json.
+///
+/// If a batch was interrupted, start it again with the same options: it keeps the finished traces and does the rest.
+///
+/// A table of paths is CSV or Parquet with a column `path`. The columns `group`, `specimen` and `role` (`fit` or `held_out`) are
+/// optional. Rows with the same group make one trace.
+///
+/// Exit codes: 0: all recordings were traced. 1: some were not; their rows hold the errors.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Example:\n  hil batch tests/ --out batch-out --reports\n  find archive -name '*.csv.gz' | hil batch - --out batch-out\n\n\
-    A table of paths is CSV or Parquet with a column `path`, and `group`, `specimen`, and `role` (fit or held_out) where they are wanted: the \
-    rows of one group are one trace.\n\nExit codes: 0 all were traced, 1 some could not be: their rows have the errors."
+    after_help = "Examples:\n  hil demo --seed 4 --out tests/4\n  hil demo --seed 7 --out tests/7\n  \
+    hil batch tests/4/recording.csv.gz tests/7/recording.csv.gz --reports\n  \
+    find tests -name 'recording.csv.gz' | hil batch - --out listed-out"
 )]
 pub struct BatchCommand {
-    /// A folder of recordings, a list with a path on every line (`-`: standard input), a table of paths; or several recordings
+    /// A folder of recordings, a text file with one path per line (`-` is standard input), a table of paths, or several recordings
     #[arg(value_name = "DIR|LIST", required = true)]
     inputs: Vec<PathBuf>,
-    /// Where the results go, and where those of an earlier run are taken up
+    /// Folder for the results; a batch that was interrupted continues there
     #[arg(long, value_name = "DIR", default_value = "batch-out")]
     out: PathBuf,
-    /// Recordings that are traced at the same time, each on one core and in memory; as many as there are cores where it is not given
+    /// Number of traces at the same time, 1 or more; the default is the number of cores
+    ///
+    /// Each trace uses one core and holds its recordings in memory.
     #[arg(long, value_name = "N", value_parser = jobs)]
     jobs: Option<NonZeroUsize>,
-    /// Write a report.html for each trace as well
+    /// Also write report.html for each trace
     #[arg(long)]
     reports: bool,
-    /// Where the outcomes go as JSON as well; `-` for standard output
+    /// Write the outcomes as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

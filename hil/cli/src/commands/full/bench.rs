@@ -16,26 +16,25 @@ use crate::commands::progress::Progress;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, is_free_for_text, warn};
 
-/// Count the instructions of law, tick and effects in an emulator, beside their peers
+/// Count the instructions of law, tick and effects in an emulator, and compare them with other libraries
 ///
-/// Exit code 1 when a count is more than 5 % above the baseline's, or a limit that can be held is not.
+/// Needs qemu-system-arm and the Rust target thumbv7em-none-eabihf. The Cortex-M0 needs the target thumbv6m-none-eabi; the comparison
+/// with C needs arm-none-eabi-gcc with newlib.
+///
+/// Exit code 1: a count is more than 5 % above the baseline, or a limit that was met is now exceeded.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil bench --json bench.json\n  hil bench --bless\n\n\
-    Needs qemu-system-arm and the target thumbv7em-none-eabihf; the Cortex-M0 needs the target thumbv6m-none-eabi, the peer \
-    in C needs arm-none-eabi-gcc with newlib."
-)]
+#[command(after_help = "Examples:\n  hil bench\n  hil bench --json bench.json")]
 pub struct BenchCommand {
-    /// Where everything goes as JSON as well; `-` for standard output
+    /// Write all results as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    /// Write the checks, passed and failed, as JUnit XML to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// What the counts are held against, instead of the repository's own
+    /// Baseline to compare the counts with; the default is that of the repository
     #[arg(long, value_name = "FILE", conflicts_with = "bless")]
     baseline: Option<PathBuf>,
-    /// Write the repository's baseline anew from this run
+    /// Replace the repository's baseline with the counts of this run
     #[arg(long)]
     bless: bool,
     #[command(flatten)]

@@ -16,44 +16,46 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
 
-/// Trace specimens whose hidden effects are drawn by seeds that the tracer never sees, and count what it gets right
+/// Trace specimens with hidden effects drawn by seed, and count how often the trace is right
 ///
-/// Prints the rates, the error ratios and the confusion matrix.
+/// Prints the rates, the error ratios and the confusion matrix. In every 50 seeds, 10 hide no effect, 18 hide one effect of a known
+/// family, 9 hide two of them, and 13 hide an effect of no family. A seed counts in the rates if eq 13, fitted at each amplitude
+/// separately, has a residual of at least 3 times the noise.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil blind --seeds 50\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 64\n\n\
-    Of every 50 seeds 10 hide nothing, 18 a listed effect, 9 two of them, 13 an unlisted one. Rates count effects of which\n\
-    eq 13, fitted at each amplitude by itself, leaves at least 3 times the noise."
+    after_help = "Examples:\n  hil blind --seeds 3\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 3"
 )]
 pub struct BlindCommand {
-    /// How many seeds
+    /// Number of seeds, 1 to 1000000
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     seeds: u64,
-    /// The first of them
+    /// First seed, 0 to 1000000000
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     first: u64,
-    /// Only this seed: what it hides, and what is said of it
+    /// Run this seed only; print what it hides and what the trace found
     #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "first", "check", "json", "junit"])]
     show: Option<u64>,
-    /// With --show: where its recordings go, as training.csv.gz and held-out.csv.gz
+    /// Folder for the recordings of --show: training.csv.gz and held-out.csv.gz
     #[arg(long, value_name = "DIR", requires = "show")]
     out: Option<PathBuf>,
-    /// Hide the crate's own effects in turn, with about their typical parameters, in the place of physics of their own
+    /// Hide the effects of the crate in turn, with parameters near their typical values
+    ///
+    /// The other trials simulate their effects with separate code.
     #[arg(long)]
     described: bool,
-    /// Only effects that are on no list; the seeds are numbered among these
+    /// Hide only effects of no family; seeds are counted among these
     #[arg(long, conflicts_with = "described")]
     unlisted: bool,
-    /// Over any motion and sensors, in the place of blocks of sines: random, stepped, slow, swept, with pauses
+    /// Use other motions and sensors instead of blocks of sines: random, stepped, slow, swept, with pauses
     #[arg(long, conflicts_with_all = ["described", "unlisted"])]
     motions: bool,
-    /// Fail (exit code 1) where a rate or an error is worse than what has been reached
+    /// Fail with exit code 1 if a rate or an error is worse than its limit, the level reached before
     #[arg(long)]
     check: bool,
-    /// Where all results go as JSON; `-` for standard output
+    /// Write all results as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    /// Write the checks, passed and failed, as JUnit XML to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }

@@ -15,34 +15,32 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say, warn};
 
-/// Stiffness and loss factor of a recording, eqs 1–7
+/// Compute stiffness and loss factor of a recording by eqs 1–7 of the paper
 ///
-/// --static takes load–unload curves: the middle line, equivalent stiffness and static loss factor of every whole one, a
-/// preload or a sensor's zero taken off. --dynamic takes cycles: dynamic stiffness and loss factor of each, and of the
-/// averaged cycle of every block of like cycles.
+/// --static reads load–unload curves. It gives the middle line, the equivalent stiffness and the static loss factor of every complete
+/// curve, after it subtracts a preload or a sensor offset. --dynamic reads cycles. It gives dynamic stiffness and loss factor of each
+/// cycle, and of the averaged cycle of every block of equal cycles.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil characterize press.csv --static --out press-out\n  \
-    hil characterize run-out/recording.csv.gz --dynamic --json -"
-)]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  \
+    hil characterize demo-out/recording.csv.gz --dynamic --out loops-out")]
 pub struct CharacterizeCommand {
     /// The recording
     #[arg(value_name = "FILE")]
     recording: PathBuf,
-    /// Of a load–unload curve, eqs 1 and 2
+    /// Static: load–unload curves, eqs 1 and 2
     #[arg(
         long = "static",
         required_unless_present = "of_cycles",
         conflicts_with = "of_cycles"
     )]
     of_curves: bool,
-    /// Of cycles, eqs 3–7
+    /// Dynamic: cycles, eqs 3–7
     #[arg(long = "dynamic")]
     of_cycles: bool,
-    /// Where the picture characterize.svg goes
+    /// Folder for the picture characterize.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

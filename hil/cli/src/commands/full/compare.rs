@@ -15,29 +15,31 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say};
 
-/// Set models of one specimen beside each other: what changed, beyond its interval
+/// Compare models of one specimen over time, and report changes beyond the confidence intervals
 ///
-/// The force of the models on one motion is compared always; parameters are where the models have the same effects. What is claimed is
-/// corrected for the number of comparisons: of a specimen that did not change, something is claimed in one case of twenty.
+/// Compares the forces of all models on one motion. If the models have the same effects, it compares their parameters too. The claims are
+/// corrected for the number of comparisons: for a specimen that did not change, 1 comparison in 20 claims a change.
+///
+/// A model is a folder of `hil trace`, or a model.json with the trace.json of its intervals in the same folder.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Example:\n  hil compare may/ july/ october/ --times 0,61,153 --out compare.svg\n\n\
-    Each is the folder that `hil trace` wrote, or a model.json: the trace.json beside it has the intervals."
+    after_help = "Examples:\n  hil demo --seed 4 --out may\n  hil demo --seed 4 --out july\n  \
+    hil compare may/ july/ --times 0,61 --time-unit days --out compare.svg"
 )]
 pub struct CompareCommand {
-    /// Models, or the folders of their traces, in the order of time
+    /// Models, or the folders of their traces, in order of time
     #[arg(value_name = "MODEL", required = true, num_args = 2..)]
     models: Vec<PathBuf>,
-    /// When each was, in any unit; their places from 0 where it is not given
+    /// Time of each model, in any unit; the default is 0, 1, 2, …
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time)]
     times: Vec<f64>,
-    /// The unit of the times, for the picture: `days`
+    /// Unit of the times in the picture, such as `days`
     #[arg(long, value_name = "UNIT", requires = "times")]
     time_unit: Option<String>,
-    /// Where a picture of the force and of the parameters over time goes, as SVG
+    /// File for a picture of force and parameters over time, SVG
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use crate::commands::{Cli, Failure, say};
 /// The name of the program.
 const PROGRAM: &str = "hil";
 
-/// A script that completes the command's words in a shell
+/// Print a script that completes commands and options in a shell
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil completions bash > ~/.local/share/bash-completion/completions/hil\n  \
@@ -35,13 +35,13 @@ impl CompletionsCommand {
     }
 }
 
-/// Man pages of the command and of each of its subcommands
+/// Write man pages of `hil` and of each of its commands
 ///
-/// Writes DIR/hil.1, DIR/hil-trace.1 and so on. `man -l DIR/hil.1` shows one.
+/// Writes hil.1, hil-trace.1 and so on into the folder of --out. `man -l FILE` shows one.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  hil man --out ~/.local/share/man/man1")]
 pub struct ManCommand {
-    /// Where the pages go
+    /// Folder for the pages
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

@@ -10,7 +10,7 @@ use crate::commands::warn;
 /// Control inputs of a damper.
 #[derive(Args, Debug)]
 pub struct Controls {
-    /// A control input that holds throughout, by the name of its column, such as current_A=0.5; it takes the place of the column
+    /// Constant value of a control input, such as current_A=0.5; it replaces the column of that name
     #[arg(long = "control", value_name = "NAME=VALUE", value_parser = named, allow_hyphen_values = true)]
     given: Vec<(String, f64)>,
 }

@@ -20,25 +20,28 @@ use crate::commands::{Failure, say};
 
 /// Find the densities that give a stiffness and a loss factor
 ///
-/// One density has both at certain amplitudes only: every pair of density and amplitude is given that meets them, with the
-/// amplitudes about it that keep both within the tolerance, and every near miss, which meets them within the tolerance only;
-/// or, at one given amplitude, every density that is nearest and within the tolerance. Beside each stands what the other of
-/// tables and surfaces gives there, which was not used to find it, and what the simulated rig measures of such a specimen.
+/// A density has both only at certain amplitudes. The command prints every pair of density and amplitude that meets both, with the
+/// amplitudes around it that stay within the tolerance. It also prints near misses, which meet both only within the tolerance. With
+/// --amplitude it prints the nearest densities within the tolerance at that amplitude.
+///
+/// For each pair it also prints two checks: the result of the other source (tables or surfaces), and the result of a test on the
+/// simulated rig.
+///
+/// Exit code 1: no density gives both, and the nearest one is printed; or the rig tripped.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil design --stiffness 4 --loss-factor 0.3\n  \
     hil design --stiffness 1.7 --loss-factor 0.6 --amplitude 0.1\n  \
-    hil design --stiffness 1.7 --loss-factor 0.6 --amplitude-range 0.05..0.15 --json -\n\n\
-    Exit code 1 says that no density gives both; what is nearest is told."
+    hil design --stiffness 1.7 --loss-factor 0.6 --amplitude-range 0.05..0.15"
 )]
 pub struct DesignCommand {
-    /// Dynamic stiffness that is wanted, kN/mm
+    /// Wanted dynamic stiffness in kN/mm, above 0
     #[arg(long, value_name = "KN_PER_MM", allow_negative_numbers = true)]
     stiffness: f64,
-    /// Dynamic loss factor that is wanted
+    /// Wanted dynamic loss factor, above 0
     #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
     loss_factor: f64,
-    /// Of the cycles, mm; any of the tables' without it
+    /// Amplitude of the cycles in mm, 0.05 to 0.25; the default is any of these
     #[arg(
         long,
         value_name = "MM",
@@ -46,10 +49,10 @@ pub struct DesignCommand {
         allow_negative_numbers = true
     )]
     amplitude: Option<f64>,
-    /// Of the cycles, from..to in mm
+    /// Range of amplitudes in mm, within 0.05..0.25, such as 0.05..0.15
     #[arg(long, value_name = "MM..MM")]
     amplitude_range: Option<String>,
-    /// Of the cycles, Hz; the tables are of 1 Hz
+    /// Frequency of the cycles in Hz, 0.1 to 100; the paper tested at 1 Hz
     #[arg(
         long,
         value_name = "HZ",
@@ -57,7 +60,7 @@ pub struct DesignCommand {
         allow_negative_numbers = true
     )]
     frequency: f64,
-    /// By what part a figure may be missed
+    /// Largest relative error of stiffness and loss factor, 1e-6 to 0.5; 0.05 is 5 %
     #[arg(
         long,
         value_name = "PART",
@@ -65,10 +68,10 @@ pub struct DesignCommand {
         allow_negative_numbers = true
     )]
     tolerance: f64,
-    /// Where the coefficients are taken from
+    /// Source of the coefficients
     #[arg(long, value_enum, default_value_t = PublishedLaw::Tables)]
     law: PublishedLaw,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -23,14 +23,16 @@ const RANDOM: &str = "random:";
 /// The motion that a rig is to follow in the place of blocks.
 #[derive(Args, Debug)]
 pub struct DriveOptions {
-    /// Follow a motion instead of blocks: a recording, of which a column of displacement is enough, or
-    /// random:rms=0.1mm,from=0.5Hz,to=20Hz,duration=30s,seed=1
+    /// Follow this motion instead of blocks: a recording, or a random motion
+    ///
+    /// A recording needs times and displacements only. A random motion is written as
+    /// random:rms=0.1mm,from=0.5Hz,to=20Hz,duration=30s,seed=1.
     #[arg(long, value_name = "REC|random:…", conflicts_with_all = ["blocks", "programme"])]
     drive: Option<String>,
-    /// The motion of --drive times this
+    /// Multiply the motion of --drive by this factor, not 0
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, requires = "drive")]
     scale: f64,
-    /// Added to the recorded displacement before that, mm
+    /// Add this to the recorded displacement before scaling, mm
     #[arg(
         long,
         value_name = "MM",

@@ -22,35 +22,35 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Emulate a board on its own timer, with a simulated specimen beside it, until it is ended
+/// Emulate a board that runs on its own timer, connected to a simulated specimen, until you stop it
 ///
-/// The board's serial port is a pseudo-terminal, whose name is printed: `hil record` and `hil upload` find a board there. The board's
-/// time goes on while nobody asks it anything. Actuator, sensors and specimen are those of `hil run`.
+/// The board's serial port is a pseudo-terminal. The command prints its name; `hil record` and `hil upload` connect to it. The board's
+/// time runs on even if no command is connected. Actuator, sensors and specimen are the same as in `hil run`. Ctrl-C stops it.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil emulate --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
-    hil emulate --drawn --seed 7 --blocks 0.1:1:6,0.2:5:10"
+    hil emulate --drawn --seed 7 --blocks 0.1:1:6,0.2:5:10 --ends-after 60"
 )]
 pub struct EmulateCommand {
     #[command(flatten)]
     specimen: SpecimenOptions,
-    /// The blocks that are expected, for which the load cell's range is chosen as `hil run` does
+    /// Blocks that you will run, as amplitude:frequency:cycles in mm and Hz; the range of the load cell follows from them
     #[arg(
         long,
         value_name = "BLOCKS",
         default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
     )]
     blocks: String,
-    /// Ticks per second that the board will be set to
+    /// Tick rate that the board will be set to, Hz
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
     tick_rate: f64,
-    /// At most how many times as fast as the clock on the wall the board's time goes
+    /// Highest speed of the board's time relative to real time, 0.001 to 1000
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     speed: f64,
-    /// After how many seconds it ends by itself
+    /// Stop after this time, in s, 0.001 to 1000000
     #[arg(long, value_name = "S")]
     ends_after: Option<f64>,
-    /// Where port and ranges go as JSON as well
+    /// Write the port and the channel ranges as JSON to this file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -12,49 +12,50 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say, warn};
 
-/// A model as others take it: a coefficient pack, a Rust module, a C header and source, or an FMU
+/// Export a model for firmware or simulation: a coefficient pack, a Rust module, C sources, or an FMU
 ///
-/// All of them are the same law at one tick rate, and say for which tick rate and operating range it is, of which model, and which
-/// revision. A law whose coefficients change with the amplitude is taken at the largest one that it was fitted at, or at --amplitude.
+/// Every format holds the same law at one tick rate. It states that tick rate, the operating range, the identity of the model, and the
+/// revision. If the coefficients depend on the amplitude, the export uses those at the largest fitted amplitude, or at --amplitude.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil export --model trace-out/model.json --format pack --tick-rate 10000 --out mount.mdcp\n  \
-    hil export --model trace-out/model.json --format rust --tick-rate 10000 --out src/mount.rs\n  \
-    hil export --model trace-out/model.json --format c --tick-rate 10000 --out mount.c\n  \
-    hil export --model trace-out/model.json --format fmu --tick-rate 10000 --out mount.fmu"
-)]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  \
+    hil export --model demo-out/model.json --format pack --tick-rate 10000 \\\n      \
+    --out mount.mdcp\n  \
+    hil export --model demo-out/model.json --format c --tick-rate 10000 \\\n      \
+    --out mount.c")]
 pub struct ExportCommand {
-    /// The model, as `hil trace` writes it
+    /// The model, a model.json of `hil trace`
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// What it becomes
+    /// Format of the export
     #[arg(long, value_enum)]
     format: Format,
-    /// Ticks per second of the firmware, or evaluations of the law per second in an FMU, 1 to 1000000
+    /// Tick rate of the firmware, or evaluation rate of the law in an FMU, in Hz, 1 to 1000000
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     tick_rate: f64,
-    /// Where it goes, `-` for standard output; of C the name of header and source, with or without its ending
+    /// File to write; `-` is standard output
+    ///
+    /// For C this names both header and source; you may leave out the ending.
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
-    /// What the model is called, at most 32 bytes; the name of the file that is written without it
+    /// Name of the model, at most 32 bytes; the default is the name of the written file
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Of this export: a firmware may refuse one that is not above that of before
+    /// Revision of this export; a firmware may refuse a revision that is not above its last one
     #[arg(long, value_name = "N", default_value_t = 0)]
     revision: u32,
-    /// The amplitude at which the law is taken, mm
+    /// Amplitude whose coefficients are used, mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     amplitude: Option<f64>,
-    /// Density of the specimen, g/cm³, to be said with the law
+    /// Density of the specimen in g/cm³, stated in the export
     #[arg(long, value_name = "G_PER_CM3", allow_negative_numbers = true)]
     density: Option<f64>,
-    /// Exports a law that gives more energy than it takes as well: a firmware that loads it has to allow that too
+    /// Export a law even if it can deliver energy; the firmware must allow that too
     #[arg(long)]
     allow_active: bool,
-    /// The library for an FMU, in the place of the one beside this program; again for each further platform
+    /// Library for an FMU instead of the one next to this program; repeat it for each platform
     #[arg(long, value_name = "FILE")]
     library: Vec<PathBuf>,
-    /// Where what was written goes as JSON as well; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -25,42 +25,42 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
 
-/// Put faults into specimen, sensors and actuator of the simulated rig, attack its signals, and count what its monitor finds
+/// Inject faults into the simulated rig, attack its signals, and count what its monitor finds
 ///
-/// Prints, for each kind and size of fault, how many were found, how soon, and whether they were called what they are; the same of
-/// attacks and pairs of them, with the hazardous states that they led to and the diagnostic coverage of each element; then false
-/// alarms over healthy cycles that include run-in, changes of temperature, hum, bursts and pauses, and how well slow changes are
-/// followed.
+/// Faults act on specimen, sensors and actuator. For each kind and size of fault, the command prints how many the monitor found, how soon,
+/// and how many it named correctly. It prints the same for attacks and pairs of attacks, with the hazardous states that they caused and
+/// the diagnostic coverage of each element. Then it prints the false alarms in healthy cycles (run-in, temperature changes, hum, bursts,
+/// pauses), and how well the adaptation follows slow changes.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil faults --out faults-out\n  hil faults --part --check\n  hil faults --adversary 5000 --check\n  hil faults --on image --adversary 200 --first 5000 --check"
+    after_help = "Examples:\n  hil faults --adversary 20\n  hil faults --part --check\n  hil faults --out faults-out"
 )]
 pub struct FaultsCommand {
-    /// Where the crate runs; on the image there are one specimen's faults and attacks only
+    /// Where the controller runs; on the image, only one specimen is tested
     #[arg(long, value_enum, default_value_t = On::Host)]
     on: On,
-    /// Only a part: three specimens at 1 % noise, some of the attacks, 18 000 healthy cycles
+    /// Run a part only: three specimens at 1 % noise, some of the attacks, 18000 healthy cycles
     #[arg(long, conflicts_with = "on")]
     part: bool,
-    /// Healthy cycles in all
+    /// Total number of healthy cycles, 0 to 100000000
     #[arg(long, value_name = "N", conflicts_with = "on", value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     healthy: Option<u32>,
-    /// Only N trials of one to four attacks each that an adversary draws
+    /// Run N random trials only, 1 to 10000000; each draws one to four attacks
     #[arg(long, value_name = "N", conflicts_with_all = ["part", "healthy"], value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     adversary: Option<u32>,
-    /// Number of the adversary's first trial; the same number is the same trial
+    /// Seed of the first random trial; the same seed gives the same trial
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "adversary")]
     first: u64,
-    /// Where the pictures go: faults.svg, of attacks attacks.svg, and of slow changes following.svg
+    /// Folder for the pictures: faults.svg, attacks.svg, and following.svg for slow changes
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Fail (exit code 1) where the requirement is not met
+    /// Fail with exit code 1 if a requirement is not met
     #[arg(long)]
     check: bool,
-    /// Where all results go as JSON; `-` for standard output
+    /// Write all results as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    /// Write the checks, passed and failed, as JUnit XML to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }

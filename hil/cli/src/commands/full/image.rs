@@ -21,7 +21,7 @@ use crate::commands::progress::Progress;
 pub enum On {
     /// In this process
     Host,
-    /// In the firmware's image, in an emulator
+    /// In the firmware image, in an emulator
     Image,
 }
 
@@ -112,11 +112,11 @@ impl Linked {
 /// Which of the image's log messages are shown.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum LogLevel {
-    /// Where the rig stops
+    /// Trips only
     Error,
-    /// And what is refused
+    /// Also what the image refuses
     Warn,
-    /// And starts, blocks, cycles and coefficient packs
+    /// Also starts, blocks, cycles and coefficient packs
     Info,
 }
 

@@ -17,19 +17,20 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, shell};
 use crate::commands::{Failure, say};
 
-/// What a file holds: its channels, units and rate, what they are taken for, and the command to run
+/// Show what files hold: columns, units and rate, how they are read, and the command to run next
 ///
-/// Where something must be said first, the question is printed with the option that answers it, and the exit code is 0 all the same. A file
-/// that no option makes right ends with 2, after what it holds. Nothing is computed.
+/// If you must state something first, the command prints the question with the option that answers it. The exit code is then still 0.
+/// It is 2 for a file that no option makes readable; its contents are printed all the same. The command computes nothing.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Example:\n  hil inspect test.csv\n  hil inspect test.dat --channel force='Force 2' --json -"
+    after_help = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  \
+    hil inspect demo-out/recording.csv.gz --channel force=force_kN"
 )]
 pub struct InspectCommand {
-    /// The files
+    /// Files to show
     #[arg(required = true, value_name = "FILE")]
     paths: Vec<PathBuf>,
-    /// Where the same goes as JSON; `-` for standard output
+    /// Write the same as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -8,9 +8,9 @@ use mesh_damper_studies::design::Source;
 /// Where eq 13's coefficients come from.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum PublishedLaw {
-    /// Tables 6–9, between their cells in straight lines
+    /// Tables 6–9 of the paper, with linear interpolation
     Tables,
-    /// The surfaces that are fitted to their loops
+    /// Surfaces fitted to the loops of these tables
     Surfaces,
 }
 

@@ -19,12 +19,12 @@ use crate::commands::warn;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "While it runs")]
 pub(super) struct LiveOptions {
-    /// Show the test on a page at this port of 127.0.0.1, or at a free one
+    /// Show the test on a web page at this port of 127.0.0.1; without a number, at a free port
     ///
-    /// Its address goes to standard error. The command ends with the test; a page that is open keeps what it has.
+    /// The address is printed to standard error. The command ends with the test; an open page keeps its data.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     live: Option<u16>,
-    /// Wait at most this many seconds until the page is open, before the rig starts
+    /// Before the rig starts, wait at most this long for someone to open the page, in s, 0 to 86400
     #[arg(
         long,
         value_name = "S",
@@ -33,7 +33,7 @@ pub(super) struct LiveOptions {
         allow_negative_numbers = true
     )]
     live_wait: f64,
-    /// Go on serving the page for this many seconds after the results are written; Ctrl-C ends it before
+    /// Serve the page for this long after the results are written, in s, 0 to 86400; Ctrl-C ends it earlier
     #[arg(
         long,
         value_name = "S",
@@ -42,7 +42,7 @@ pub(super) struct LiveOptions {
         allow_negative_numbers = true
     )]
     live_hold: f64,
-    /// Send health, cycles and events to an MQTT broker, mqtt://[USER:PASSWORD@]HOST[:PORT][/RIG]
+    /// Send health, cycles and events to an MQTT broker, as mqtt://[USER:PASSWORD@]HOST[:PORT][/RIG]
     #[arg(long, value_name = "URL")]
     mqtt: Option<String>,
 }

@@ -17,23 +17,26 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::Reading;
 use crate::commands::{Failure, say};
 
-/// Analyse an orthogonal test on an L9 by ranges and by variance
+/// Analyse an orthogonal test on an L9 array by range and by variance
 ///
-/// Without a file the paper's: Table 3 recomputed, and its orders of significance beside those that its numbers give. A
-/// file is CSV with nine rows, a column factor_NAME for each of two to four factors, whose cells name its three levels, and
-/// columns result_NAME; result_NAME.1, result_NAME.2 are repeats, without which four factors leave no error to be told
-/// from. Other columns are ignored.
+/// Without a file it recomputes the paper's Table 3, and compares the paper's orders of significance with those of its numbers.
+///
+/// A file is CSV with nine rows. Each of two to four factors has a column factor_NAME, whose cells name its three levels. Each result has
+/// a column result_NAME, or result_NAME.1, result_NAME.2 for repeats. With four factors and no repeats, the variance of the error is
+/// unknown. Other columns are ignored. The first lines of such a file:
+///
+/// factor_density,factor_angle,factor_wire,result_stiffness.1,result_stiffness.2
+///
+/// 2.0,15,0.10,0.022,0.025
+///
+/// 2.0,45,0.15,0.057,0.051
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil orthogonal\n  hil orthogonal test.csv --json -\n\n\
-    test.csv:\n  factor_density,factor_angle,factor_wire,result_stiffness.1,result_stiffness.2\n  \
-    2.0,15,0.10,0.022,0.025\n  2.0,45,0.15,0.057,0.051\n  …"
-)]
+#[command(after_help = "Examples:\n  hil orthogonal\n  hil orthogonal --json orthogonal.json")]
 pub struct OrthogonalCommand {
-    /// The test; the paper's without it
+    /// CSV file of the test; without it, the paper's test
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -11,20 +11,17 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Recompute every table, equation and claim of the paper, and say which hold
+/// Recompute every table, equation and claim of the paper, and print which claims hold
 ///
-/// Writes DIR/report.html: the claims with the numbers that decide them, the paper's figures drawn again as far as its tables
-/// allow, and surfaces of the coefficients beside the published ones.
+/// Writes report.html into the folder of --out: each claim with the numbers that decide it, the paper's figures as far as its tables
+/// allow, and fitted surfaces of the coefficients next to the published ones.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil paper\n  hil paper --out paper-out --json paper.json\n  \
-    hil run --law surfaces --density 2.7"
-)]
+#[command(after_help = "Examples:\n  hil paper\n  hil paper --out paper-out --json paper.json")]
 pub struct PaperCommand {
-    /// Where the report goes
+    /// Folder for the report
     #[arg(long, value_name = "DIR", default_value = "paper-out")]
     out: PathBuf,
-    /// Where every number goes as JSON as well; `-` for standard output
+    /// Write every number as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -25,38 +25,37 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
-/// The force that a model gives for a recording's motion
+/// Predict the force for a recording's motion with a model
 ///
-/// Writes the recording's rows with two more columns in the recording's own unit: predicted_force_UNIT, and predicted_band_UNIT, by which
-/// the force may be off either way in 90 % of the cases because the motion is estimated from a noisy displacement. The model's own
-/// error is not in it.
+/// Writes the rows of the recording and two more columns, in the recording's unit: predicted_force_UNIT and predicted_band_UNIT. The band
+/// is half the width of the 90 % interval of the force due to displacement noise. It does not include the error of the model.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Example:\n  hil predict --model trace-out/model.json test.csv.gz --out pred.csv"
-)]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  \
+    hil predict --model demo-out/model.json demo-out/recording.csv.gz \\\n      \
+    --out prediction.csv")]
 pub struct Predict {
-    /// The recording whose motion the model is given
+    /// Recording that gives the motion
     #[arg(value_name = "REC")]
     recording: PathBuf,
-    /// The model, as `hil trace` writes it
+    /// The model, a model.json of `hil trace`
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// Where the law is evaluated
     ///
-    /// `f64`: as it was fitted. `f32`: the embedded law at the recording's tick. `image`: the same inside the firmware's image, in an emulator.
-    /// `serial:PORT`: the same on a board.
+    /// `f64`: in double precision, as it was fitted. `f32`: the embedded law at the recording's rate. `image`: the same in the firmware
+    /// image, in an emulator. `serial:PORT`: the same on a board.
     #[arg(long, value_name = "PLACE", default_value_t = On::F32)]
     on: On,
-    /// The image's log messages to standard error, from this level on
+    /// Print log messages of the image from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
-    /// Where the prediction goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
+    /// File for the prediction: .csv, .csv.gz, .parquet, .mat or .mcap; `-` is standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Where the error and what it was computed from go as JSON; `-` for standard output
+    /// Write the error and its inputs as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the motion that the law was given and its force go as JSON, to the last bit; `-` for standard output
+    /// Write the motion given to the law and its force as JSON, exact to the last bit; `-` is standard output
     #[arg(long, value_name = "FILE")]
     motion: Option<PathBuf>,
     #[command(flatten)]

@@ -37,81 +37,83 @@ use crate::commands::{Failure, say, warn};
 
 /// Record a test that a board runs on its own timer
 ///
-/// Restarts the board, sets it up, starts its rig and writes what it sends as a recording that `hil trace` takes. While it goes on
-/// REC.partial.csv holds what has come so far; a recording that is broken off leaves it. With --join nothing is set up: what the rig does
-/// already is recorded.
+/// Restarts the board, sets it up, starts its rig, and writes a recording that `hil trace` reads. During the test, REC.partial.csv holds
+/// the data received so far; an interrupted recording leaves that file. With --join, the command sets nothing up and records the test
+/// that is already running.
+///
+/// Exit code 1: the rig tripped. The recording up to the trip is written.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
-    hil record --from serial:/dev/ttyACM0 --blocks 0.1:1:6,0.2:5:10 --force-range 5 --out recording.csv.gz\n  \
-    hil record --from serial:/dev/ttyACM0 --pack mount.mdcp --keep-running --duration 10 --force-range 5 --out before.csv.gz\n  \
-    hil record --from serial:/dev/ttyACM0 --join --duration 10 --out after.csv.gz\n\n\
-    Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
+    hil record --from serial:/dev/ttyACM0 --force-range 5 --out recording.csv.gz\n  \
+    hil record --from serial:/dev/ttyACM0 --force-range 5 --pack mount.mdcp \\\n      \
+    --blocks 0.12:4:400 --duration 4 --keep-running --out before.csv.gz\n  \
+    hil record --from serial:/dev/ttyACM0 --join --duration 4 --out after.csv.gz")]
 pub struct RecordCommand {
-    /// The board, on its own timer
+    /// The board's serial port, such as serial:/dev/ttyACM0; its firmware runs on its own timer
     #[arg(long, value_name = "serial:PORT")]
     from: Port,
-    /// Blocks amplitude:frequency:cycles in mm and Hz, frequency from-to for a sweep
+    /// Blocks of sines as amplitude:frequency:cycles in mm and Hz; 0.1:1-20:50 is a sweep from 1 to 20 Hz
     #[arg(
         long,
         value_name = "BLOCKS",
         default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
     )]
     blocks: String,
-    /// A JSON file with the blocks instead
+    /// Read the blocks from this JSON file
     #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
     programme: Option<PathBuf>,
-    /// The law beside the specimen, as `hil export --format pack` writes it; the published one without it
+    /// Law that the board runs, a file of `hil export --format pack`; the default is the paper's law
     #[arg(long, value_name = "FILE")]
     pack: Option<PathBuf>,
-    /// Density of the specimen, g/cm³, 2 to 4, for the published law
+    /// Density of the specimen in g/cm³, 2 to 4; it selects the paper's law
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
-    /// Force at the ends of the force channel, kN
+    /// Full scale of the force channel, kN
     #[arg(long, value_name = "KN", required_unless_present = "join")]
     force_range: Option<f64>,
-    /// Displacement at the ends of its channel, mm
+    /// Full scale of the displacement channel, mm
     #[arg(long, value_name = "MM", default_value_t = 1.0)]
     displacement_range: f64,
-    /// Displacement that the largest command asks for, mm
+    /// Displacement at full scale of the command output, mm
     #[arg(long, value_name = "MM", default_value_t = 1.0)]
     command_range: f64,
-    /// Force at which the rig stops, kN; 0.95 of the channel's range without it
+    /// Force at which the rig trips, kN; the default is 0.95 of --force-range
     #[arg(long, value_name = "KN")]
     force_limit: Option<f64>,
-    /// Displacement at which the rig stops, mm
+    /// Displacement at which the rig trips, mm
     #[arg(long, value_name = "MM", default_value_t = RigSettings::default().displacement_limit)]
     displacement_limit: f64,
-    /// How far the displacement may be from the demanded one before the rig stops, mm
+    /// Tracking error (measured minus demanded displacement) at which the rig trips, mm
     #[arg(long, value_name = "MM", default_value_t = RigSettings::default().tracking_limit)]
     tracking_limit: f64,
-    /// By how much the actuator lags, s, as far as it is known; the rig finds the rest itself
+    /// Known delay of the actuator, s; the rig finds the rest of the delay itself
     #[arg(long, value_name = "S", default_value_t = LEAD)]
     lead: f64,
-    /// Ticks per second of the rig
+    /// Tick rate of the rig, Hz
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
     tick_rate: f64,
-    /// Every how many ticks a row is recorded; 20 is what 115 200 baud carry at 10 kHz
+    /// Record one row every this many ticks, 1 to 1000000; 115200 baud carry every 20th tick at 10 kHz
     #[arg(long, value_name = "TICKS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     record_every: u32,
-    /// A control input that the board measures, such as current_A; may be given more than once, in the law's order
+    /// Control input that the board measures, such as current_A; give it once for each, in the order of the law
     #[arg(long, value_name = "NAME_UNIT")]
     control: Vec<String>,
-    /// For how many seconds the harness may be silent before the rig stops, 0.5 to 100; 0 lets it go on
+    /// The rig trips if it hears nothing from this command for this long, in s, 0.5 to 100; 0 turns this off
     #[arg(long, value_name = "S", default_value_t = 2.0, conflicts_with_all = ["keep_running", "join"])]
     silence: f64,
-    /// Stop recording after this many seconds of the test
+    /// Stop the recording after this time of the test, in s, 0.001 to 3600
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
-    /// Leave the rig running where the recording stops before the test is over
+    /// Leave the rig running if the recording ends before the test
     #[arg(long)]
     keep_running: bool,
-    /// Record what the rig does already; set nothing up, and leave it running
+    /// Record the test that is already running; set nothing up, and leave the rig running
     #[arg(long, conflicts_with_all = ["blocks", "programme", "pack", "density", "force_range", "displacement_range", "command_range", "force_limit", "displacement_limit", "tracking_limit", "lead", "tick_rate", "keep_running"])]
     join: bool,
-    /// Where the recording goes, .csv, .csv.gz, .parquet, .mat or .mcap
+    /// File for the recording: .csv, .csv.gz, .parquet, .mat or .mcap
     #[arg(long, value_name = "REC")]
     out: PathBuf,
-    /// Where the result goes as JSON as well; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

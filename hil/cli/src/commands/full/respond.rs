@@ -24,46 +24,48 @@ use crate::commands::{Failure, say, warn};
 /// A base is to be smoothed where its velocity is noise to more than this part: the friction of the damper would follow the noise.
 const NOISY: f64 = 0.1;
 
-/// The motion of a mass on a damper, under a force or on a moving base
+/// Compute the motion of a mass on a damper, under a force or on a moving base
 ///
-/// Integrates M·x'' + F(x − base) = force with the force F of a model. Writes the damper's displacement, velocity and force, which
-/// `hil trace` reads as a recording, and the mass's displacement, velocity and acceleration. --sweep moves the base by sines and
-/// writes the transmissibility.
+/// Integrates M·x'' + F(x − base) = force, where F is the force of a model. Writes displacement, velocity and force of the damper, which
+/// `hil trace` reads as a recording, and displacement, velocity and acceleration of the mass. With --sweep, the base moves by sines and
+/// the command writes the transmissibility.
+///
+/// A model with the effect `inertia` has its own mass, which is added to --mass; --mass 0 uses that mass alone.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  hil respond --model trace-out/model.json --mass 120 --force shaker.csv --out response.csv\n  \
-    hil respond --model trace-out/model.json --mass 120 --base floor.csv.gz --out response.csv --json -\n  \
-    hil respond --model trace-out/model.json --mass 120 --sweep --amplitudes 0.05,0.1 --from 5 --to 100 --out sweep.csv --picture sweep.svg\n\n\
-    A model with the effect `inertia` has a mass of its own, which is added: --mass 0 takes that alone."
-)]
+#[command(after_help = "Examples:\n  hil demo --seed 4\n  \
+    hil respond --model demo-out/model.json --mass 500 \\\n      \
+    --base demo-out/recording.csv.gz --out response.csv\n  \
+    hil respond --model demo-out/model.json --mass 500 --sweep \\\n      \
+    --amplitudes 0.05,0.1 --from 5 --to 80 --points 20 \\\n      \
+    --out sweep.csv --picture sweep.svg")]
 pub struct RespondCommand {
-    /// The model, as `hil trace` writes it
+    /// The model, a model.json of `hil trace`
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// The mass that is fastened to the damper, kg
+    /// Mass on the damper, kg
     #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     mass: f64,
-    /// The force on the mass: a recording with time and a force
+    /// Force on the mass: a recording with time and force
     #[arg(long, value_name = "REC", required_unless_present_any = ["base", "sweep"], conflicts_with_all = ["base", "sweep"])]
     force: Option<PathBuf>,
-    /// The motion of the base: a recording with time and a displacement
+    /// Motion of the base: a recording with time and displacement
     #[arg(long, value_name = "REC", conflicts_with = "sweep")]
     base: Option<PathBuf>,
-    /// The transmissibility of a base that moves by sines, each until the motion is steady
+    /// Compute the transmissibility: the base moves by sines, each until the motion is steady
     #[arg(long, requires_all = ["amplitudes", "from", "to"])]
     sweep: bool,
     #[command(flatten)]
     range: SweepOptions,
-    /// The model's constant force (`offset`) acts on the mass; without this a static load is taken to balance it
+    /// Apply the model's constant force (`offset`) to the mass; by default a static load balances it
     #[arg(long)]
     with_offset: bool,
-    /// Steps are halved until displacements change by less than this part of their RMS
+    /// Halve the time step until displacements change by less than this part of their RMS, 1e-12 to 1
     #[arg(long, value_name = "PART", default_value_t = Settings::TOLERANCE, allow_negative_numbers = true, conflicts_with = "sweep")]
     tolerance: f64,
-    /// Where the motion or the sweep goes, .csv, .csv.gz, .parquet, .mat or .mcap; `-` for standard output, as CSV
+    /// File for the motion or the sweep: .csv, .csv.gz, .parquet, .mat or .mcap; `-` is standard output, as CSV
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Where peaks, RMS values, energies and steps go as JSON, or the sweep; `-` for standard output
+    /// Write peaks, RMS values, energies and steps, or the sweep, as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]

@@ -22,7 +22,7 @@ use crate::commands::{Failure, say, warn};
 /// Which sines.
 #[derive(Args, Debug)]
 pub struct SweepOptions {
-    /// Amplitudes of the base, mm
+    /// Amplitudes of the base in mm, 1e-9 to 10000
     #[arg(
         long,
         value_name = "MM,…",
@@ -31,7 +31,7 @@ pub struct SweepOptions {
         allow_negative_numbers = true
     )]
     amplitudes: Vec<f64>,
-    /// The first frequency, Hz
+    /// First frequency in Hz, 0.001 to 100000
     #[arg(
         long,
         value_name = "HZ",
@@ -39,7 +39,7 @@ pub struct SweepOptions {
         allow_negative_numbers = true
     )]
     from: Option<f64>,
-    /// The last frequency, Hz
+    /// Last frequency in Hz, above --from and at most 100000
     #[arg(
         long,
         value_name = "HZ",
@@ -47,10 +47,10 @@ pub struct SweepOptions {
         allow_negative_numbers = true
     )]
     to: Option<f64>,
-    /// How many frequencies, evenly in octaves
+    /// Number of frequencies, 2 to 10000, evenly spaced in octaves
     #[arg(long, value_name = "N", default_value_t = 60)]
     points: usize,
-    /// Where the picture goes, as SVG
+    /// File for the picture, SVG
     #[arg(long, value_name = "FILE", requires = "sweep")]
     picture: Option<PathBuf>,
 }

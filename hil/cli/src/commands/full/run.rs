@@ -38,50 +38,49 @@ use crate::commands::progress::Progress;
 use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, is_free_for_text, say, warn};
 
-/// Run the rig in the loop with a simulated actuator and specimen
+/// Run a test on the rig controller with a simulated actuator and specimen
 ///
-/// Writes DIR/recording.csv.gz, in another format with --recording-as, and DIR/cycles.csv: what was measured, and what every cycle came
-/// to beside the law. Until then DIR/recording.partial.csv holds what was measured so far; a run that is broken off leaves it. With
-/// --drive the rig follows a recorded or a random motion; there is no cycles.csv then, as the cycles of such a motion are not told apart.
+/// Writes into the folder of --out: recording.csv.gz (or the format of --recording-as), and cycles.csv with the per-cycle results of
+/// measurement and law. During the run, recording.partial.csv holds the samples so far; an interrupted run leaves that file. With --drive
+/// the rig follows a recorded or random motion. There is no cycles.csv then, because such a motion has no defined cycles.
+///
+/// Exit code 1: the rig tripped. The recording up to the trip is written.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil run --blocks 0.1:1:6,0.1:5:10\n  \
-    hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03\n  \
-    hil run --drawn --seed 7 --model trace-out/model.json --blocks 0.1:1-10:40 --out run-out\n  \
-    hil run --drive road.csv --scale 0.5\n  \
-    hil run --live --mqtt mqtt://localhost/rig-1\n  \
-    hil run --drive random:rms=0.08mm,from=0.5Hz,to=15Hz,duration=30s,seed=1\n\n\
-    Exit code 1 says that the rig stopped on a limit; what it recorded until then is written.")]
+    hil run --effect stick_slip:stiffness=1.2,slip_limit=0.03 --out slip-out\n  \
+    hil run --drive random:rms=0.08mm,from=0.5Hz,to=15Hz,duration=30s,seed=1 \\\n      \
+    --out random-out")]
 pub struct RunCommand {
-    /// Where the crate runs
+    /// Where the controller runs
     ///
-    /// `host`: in this process. `image`: in the firmware's image, in an emulator. `serial:PORT`: on a board, in lockstep over a serial port; the
-    /// specimen is simulated here. Results are the same to the last bit.
+    /// `host`: in this process. `image`: in the firmware image, in an emulator. `serial:PORT`: on a board, in lockstep over a serial port;
+    /// the specimen is simulated here. The results are the same to the last bit.
     #[arg(long, value_name = "PLACE", default_value_t = Place::Host)]
     on: Place,
-    /// The image's log messages to standard error, from this level on
+    /// Print log messages of the image from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
-    /// Blocks amplitude:frequency:cycles in mm and Hz, frequency from-to for a sweep
+    /// Blocks of sines as amplitude:frequency:cycles in mm and Hz; 0.1:1-20:50 is a sweep from 1 to 20 Hz
     #[arg(
         long,
         value_name = "BLOCKS",
         default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
     )]
     blocks: String,
-    /// A JSON file with the blocks instead
+    /// Read the blocks from this JSON file
     #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
     programme: Option<PathBuf>,
     #[command(flatten)]
     drive: DriveOptions,
-    /// The law beside the specimen, as `hil trace` writes it; the published coefficients without it
+    /// Law that the controller runs, a model.json of `hil trace`; the default is the paper's law
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Where the published coefficients are taken from
+    /// Source of the paper's coefficients
     #[arg(long, value_enum, default_value_t = PublishedLaw::Tables, conflicts_with = "model")]
     law: PublishedLaw,
     #[command(flatten)]
     specimen: SpecimenOptions,
-    /// Let the law follow slow changes of k1, k3 and c, after the run-in by up to this part of each, 0 to 0.5
+    /// Adaptation: let k1, k3 and c follow slow changes after the run-in, each by up to this part, 0 to 0.5
     #[arg(
         long,
         value_name = "PART",
@@ -89,27 +88,27 @@ pub struct RunCommand {
         conflicts_with = "drive"
     )]
     follow: f64,
-    /// Ticks per second of the crate
+    /// Tick rate of the controller, Hz
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]
     tick_rate: f64,
-    /// Every how many ticks a sample is recorded
+    /// Record one sample every this many ticks, 1 or more
     #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     record_every: u64,
-    /// Where the results go
+    /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "run-out")]
     out: PathBuf,
-    /// How the recording is written into DIR: csv, csv.gz, parquet, mat or mcap
+    /// Format of the recording: csv, csv.gz, parquet, mat or mcap
     #[arg(long, value_name = "FORMAT", default_value_t = WriteAs::CsvGz)]
     recording_as: WriteAs,
-    /// Where the result goes as JSON as well; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the checks go as JUnit XML, those that fail included; `-` for standard output
+    /// Write the checks, passed and failed, as JUnit XML to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
     #[command(flatten)]
     live: LiveOptions,
-    /// Seconds of the test to a second of the clock, 0.001 to 1000, or max; 1 with --live, max without
+    /// Speed of the test relative to real time, 0.001 to 1000, or `max`; the default is 1 with --live and `max` without
     #[arg(long, value_name = "FACTOR", help_heading = "While it runs")]
     speed: Option<Speed>,
     #[command(flatten)]

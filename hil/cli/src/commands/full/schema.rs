@@ -33,25 +33,25 @@ use crate::commands::demo;
 use crate::commands::document::{AddDocument as _, Document};
 use crate::commands::{Failure, say};
 
-/// The JSON schemas of everything that the commands write as JSON
+/// Print the JSON schemas of all documents that the commands write
 ///
-/// Without a name it lists them. A document says by its fields `format` and `version` which schema it has. Fields are added without a
-/// new version; a new version is one in which a field has gone, or has another type or meaning.
+/// Without a name it lists them. The fields `format` and `version` of a document name its schema. A new field does not change the version.
+/// The version changes if a field is removed, or gets another type or meaning.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil schema\n  hil schema trace > trace.schema.json\n  hil schema --all --out schemas"
 )]
 pub struct SchemaCommand {
-    /// The document's name
+    /// Name of the document, as in the list
     #[arg(value_name = "NAME", conflicts_with_all = ["all", "json"])]
     name: Option<String>,
-    /// Write every schema
+    /// Write all schemas into the folder of --out
     #[arg(long, requires = "out")]
     all: bool,
-    /// Where all schemas go, as NAME.json
+    /// Folder for the schemas, as NAME.json
     #[arg(long, value_name = "DIR", requires = "all")]
     out: Option<PathBuf>,
-    /// Where the list goes as JSON; `-` for standard output
+    /// Write the list as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

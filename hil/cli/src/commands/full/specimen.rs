@@ -12,16 +12,16 @@ pub const SPECIMEN_AMPLITUDE: f64 = 0.1;
 /// Which specimen is simulated.
 #[derive(Args, Debug)]
 pub struct SpecimenOptions {
-    /// Density of the specimen, g/cm³, 2 to 4
+    /// Density of the simulated specimen in g/cm³, 2 to 4
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
-    /// Test the specimen with an undeclared effect that the seed draws, as the demonstration does
+    /// Draw a specimen with a hidden effect by --seed, as `hil demo` does
     #[arg(long, conflicts_with_all = ["density", "effect"])]
     drawn: bool,
-    /// Test the specimen with this effect, family:name=value,name=value; may be given more than once
+    /// Give the specimen this effect, as family:name=value,name=value; repeat it for more effects
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
-    /// Of the sensors' noise, and of the effect drawn
+    /// Seed, a whole number: it draws the sensor noise, and the specimen of --drawn
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }

@@ -11,11 +11,11 @@ use crate::commands::{Failure, say};
 
 /// Stop a rig that runs on a board's own timer
 ///
-/// The enable line drops at once. It is for a rig that `hil record --keep-running` has left running, and is no emergency stop.
+/// The enable line drops at once. Use it for a rig that `hil record --keep-running` left running. It is no emergency stop.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  hil stop --at serial:/dev/ttyACM0")]
 pub struct StopCommand {
-    /// The board, on its own timer
+    /// The board's serial port, such as serial:/dev/ttyACM0; its firmware runs on its own timer
     #[arg(long, value_name = "serial:PORT")]
     at: Port,
 }

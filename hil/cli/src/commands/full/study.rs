@@ -17,8 +17,9 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Study the tracer itself
+/// Study the trace itself: its numbers, a benchmark, its time and memory
 #[derive(Args, Debug)]
+#[command(after_help = "Example:\n  hil study bouc-wen")]
 pub struct StudyCommand {
     #[command(subcommand)]
     study: Study,
@@ -43,31 +44,31 @@ impl StudyCommand {
 
 /// Halve and double each tuned number, and run the blind trial with it
 ///
-/// Each trial is a process of its own. All tuned numbers take hours, so that --only takes some of them and --known takes over
-/// what was measured before on the same seeds.
+/// Each trial runs in its own process. All tuned numbers take hours. Use --only to measure some of them, and --known to reuse earlier
+/// results of the same seeds.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil study numbers --only identify.score --json score.json\n  \
-    hil study numbers --known score.json --only identify.select --json both.json --table docs/numbers.md\n  \
-    hil study numbers --seeds 0 --table numbers.md"
+    after_help = "Examples:\n  hil study numbers --seeds 0 --table numbers.md\n  \
+    hil study numbers --only identify.score --json score.json\n  \
+    hil study numbers --known score.json --only identify.select --json both.json"
 )]
 struct NumbersCommand {
-    /// How many seeds; 0 measures nothing
+    /// Number of seeds, 0 to 1000000; 0 measures nothing
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(..=1_000_000))]
     seeds: u64,
-    /// The first of them
+    /// First seed, 0 to 1000000000
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     first: u64,
-    /// Only numbers whose path begins so, such as `identify.select`
+    /// Only numbers whose path begins with this, such as `identify.select`
     #[arg(long, value_name = "PATH", default_value = "")]
     only: String,
-    /// Results of an earlier run; with --seeds 0 of whatever seeds
+    /// JSON file with results of an earlier run on the same seeds; with --seeds 0, on any seeds
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
-    /// Where the scores go as JSON; `-` for standard output
+    /// Write the scores as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where all numbers go as a table in Markdown
+    /// File for a table of all numbers, Markdown
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
 }

@@ -10,22 +10,22 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Trace the Bouc–Wen benchmark, and simulate its tests with what was found
+/// Trace the Bouc–Wen benchmark, and simulate its tests with the model
 ///
-/// Simulates the benchmark of Noël and Schoukens: an oscillator of 2 kg with hysteresis. The trace sees force and displacement of
-/// the training record alone; the model is judged by the force on two tests without noise, and by the displacement under their force.
+/// Simulates the benchmark of Noël and Schoukens: an oscillator of 2 kg with hysteresis. The trace gets force and displacement of the
+/// training record only. Two noise-free tests score the model: by the force for their motion, and by the displacement under their force.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil study bouc-wen\n  hil study bouc-wen --seed 4 --out bouc-wen-out --json -"
 )]
 pub struct BoucWenCommand {
-    /// Draws the phases of the multisines and the noise
+    /// Seed, a whole number: it draws the phases of the multisines and the noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Where the recordings and the model go, as CSV.gz and model.json
+    /// Folder for the recordings (CSV.gz) and model.json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Where the result goes as JSON; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -16,25 +16,27 @@ use crate::commands::document::{AddDocument as _, Document as _};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
 
-/// Measure the time and memory that a trace takes, over the number of rows
+/// Measure time and memory of a trace over the number of rows
 ///
-/// Simulates recordings of blocks of sines and of a random motion, and traces each in a process of its own. Needs Linux, whose
-/// /proc says what a process takes. Other work on the machine makes the times longer.
+/// Simulates recordings of blocks of sines and of a random motion, and traces each in its own process. Needs Linux: the command reads
+/// the memory from /proc. Other work on the machine makes the times longer.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil study size --picture size.svg\n  hil study size --rows 5e6 --json size.json --check"
+    after_help = "Examples:\n  hil study size --rows 1e4\n  hil study size --rows 5e6 --json size.json --check"
 )]
 pub struct SizeCommand {
-    /// Numbers of rows, such as 1e6; with commas between them
+    /// Numbers of rows, 1e4 to 1e7 each, separated by commas
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1e4,1e5,1e6", value_parser = rows)]
     rows: Vec<usize>,
-    /// Where the measurements go as JSON; `-` for standard output
+    /// Write the measurements as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where the picture goes, as SVG
+    /// File for the picture, SVG
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Fail where a trace takes more than 400 bytes a row and 64 MiB, or longer than a twentieth of the test and than 2 s
+    /// Fail with exit code 1 if a trace needs too much memory or time
+    ///
+    /// Limits: 400 bytes per row plus 64 MiB, and the longer of 1/20 of the test's duration and 2 s.
     #[arg(long)]
     check: bool,
 }

@@ -16,22 +16,22 @@ use super::pack::read_with_info;
 use crate::commands::document::AddDocument as _;
 use crate::commands::{Failure, say};
 
-/// Put a coefficient pack onto a running rig, and wait until its law is in force
+/// Send a coefficient pack to a running rig, and wait until the rig uses its law
 ///
-/// The board checks the pack between its ticks: its checksum, its tick rate and that its law is passive. The law in force stays where it
-/// refuses, and until the end of the cycle where it does not.
+/// Between its ticks, the board checks the pack: the checksum, the tick rate, and that the law is passive. If the board refuses the pack,
+/// it keeps its law. If it accepts the pack, it changes to the new law at the end of the cycle.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  hil upload --to serial:/dev/ttyACM0 mount.mdcp")]
 pub struct UploadCommand {
-    /// The board, on its own timer
+    /// The board's serial port, such as serial:/dev/ttyACM0; its firmware runs on its own timer
     #[arg(long, value_name = "serial:PORT")]
     to: Port,
-    /// The pack, as `hil export --format pack` writes it
+    /// The pack, a file of `hil export --format pack`
     pack: PathBuf,
-    /// How many seconds to wait for the end of the cycle
+    /// Wait at most this long for the end of the cycle, in s, 0 to 1000000
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     wait: f64,
-    /// Where the result goes as JSON as well; `-` for standard output
+    /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
