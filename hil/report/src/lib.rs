@@ -39,6 +39,8 @@ mod charts;
 pub mod conditions;
 pub mod curves;
 mod cycles;
+#[cfg(test)]
+mod effect_pages;
 mod evidence;
 mod from_trace;
 mod html;
