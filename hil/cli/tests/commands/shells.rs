@@ -81,7 +81,7 @@ fn every_command_has_a_page_that_man_shows() {
             text.contains(&format!("hil {command}")),
             "{command}: {text}"
         );
-        assert!(whole.contains(command), "hil.1 lacks {command}");
+        assert!(whole.contains(&command), "hil.1 lacks {command}");
     }
     if is_there("mandoc", false) {
         let output = Command::new("mandoc")
