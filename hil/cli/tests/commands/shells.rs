@@ -74,14 +74,14 @@ fn every_command_has_a_page_that_man_shows() {
     };
     let whole = text("hil.1");
     let help = hil(root.path(), &["--help"]);
-    for command in crate::reference::below(&help) {
+    for command in &crate::reference::below(&help) {
         let text = text(&format!("hil-{command}.1"));
         assert!(text.contains(".SH SYNOPSIS"), "{command}");
         assert!(
             text.contains(&format!("hil {command}")),
             "{command}: {text}"
         );
-        assert!(whole.contains(&command), "hil.1 lacks {command}");
+        assert!(whole.contains(command), "hil.1 lacks {command}");
     }
     if is_there("mandoc", false) {
         let output = Command::new("mandoc")
