@@ -209,6 +209,10 @@ fn the_commands_write_documents_alone() {
 
 /// Words that say a number's unit, or that it has none.
 const UNITS: &[&str] = &[
+    "divided by",
+    "multiple of",
+    "fraction",
+    "relative",
     "mm",
     "kN",
     ", s",
