@@ -370,7 +370,7 @@ pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
 /// # Errors
 /// What is wrong with it, and how to mend it.
 pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
-    const MEND: &str = "remove the row or mend the value";
+    const MEND: &str = "remove the row or correct the value";
     if cell.is_empty() {
         return Err(("the cell is empty".into(), MEND));
     }

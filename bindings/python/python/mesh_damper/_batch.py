@@ -41,7 +41,7 @@ class Batch:
 
     @property
     def failed(self) -> int:
-        """Traces that could not be made: the column `error` says why."""
+        """Traces that failed: the column `error` says why."""
         return int(self._summary["failed"])
 
     @property

@@ -309,7 +309,7 @@ fn a_law_that_errs_elsewhere_is_said_to() {
         let warned = result
             .warnings
             .iter()
-            .any(|w| w.contains("times the noise, and where it was fitted"));
+            .any(|w| w.contains("times the noise on the held-out data"));
         assert_eq!(warned, said, "{:?}", result.warnings);
     }
 }
@@ -531,7 +531,7 @@ fn a_turned_sign_is_turned_back_and_said() {
     let copy = with_force(&one, "copy", |f| -f);
     let error = trace(&[one], &[copy], &|_| ()).unwrap_err().to_string();
     assert!(
-        error.contains("copy") && error.contains("nothing that is not fitted"),
+        error.contains("copy") && error.contains("only repeats fitted recordings"),
         "{error}"
     );
 }
@@ -546,7 +546,8 @@ fn recordings_that_tell_nothing_are_refused() {
     };
     assert!(refused(&with_force(&one, "dead", |_| 0.3), &[]).contains("never changes"));
     assert!(
-        refused(&one, &[with_force(&one, "copy", |f| f)]).contains("nothing that is not fitted")
+        refused(&one, &[with_force(&one, "copy", |f| f)])
+            .contains("only repeats fitted recordings")
     );
     let still = Recording::new(
         "still",

@@ -28,7 +28,7 @@ impl Declared {
             };
         }
         if first.starts_with("MTS793|") {
-            // Program, application, language, two versions, decimal sign, signs of dates and times; cells are divided by tabs.
+            // Program, application, language, two versions, decimal sign, signs of dates and times; cells are separated by tabs.
             let sign = first.split('|').nth(5).and_then(decimal);
             return Self {
                 separator: Some(Separator::Sign('\t')),
