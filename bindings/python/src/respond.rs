@@ -139,7 +139,7 @@ fn respond<'py>(
     let response = moved.map_err(|error| refused(&error.about(&model.name)))?;
     if !response.settled {
         warnings.push(format!(
-            "displacements still change by {:.2} % when the step of {:.1e} s is halved: the motion may depend on the step",
+            "displacements still change by {:.2} % if the time step of {:.1e} s is halved: the motion may depend on the time step",
             100.0 * response.change,
             2.0 * response.step
         ));

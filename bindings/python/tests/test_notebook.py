@@ -11,7 +11,7 @@ import pytest
 NOTEBOOK = Path(__file__).parents[1] / "examples" / "damper.ipynb"
 
 
-@pytest.mark.filterwarnings("ignore:the law changes with the amplitude", "ignore:.*outside the operating range")
+@pytest.mark.filterwarnings("ignore:the coefficients depend on the amplitude", "ignore:.*outside the operating range")
 def test_the_cells_run() -> None:
     cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
     space: dict[str, object] = {}

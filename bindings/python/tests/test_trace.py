@@ -240,7 +240,7 @@ def test_control_inputs_are_columns_with_a_unit() -> None:
     other = mesh_damper.trace({**block, "I": current}, inputs={"current_A": "I"})
     assert named.to_json() == other.to_json()
     assert mesh_damper.trace({**block, "current_A": current}, inputs=[]).to_dict()["law"] != []
-    with pytest.raises(mesh_damper.InputError, match='"I" is not the name of a control input, which ends in a unit; found "time_s"'):
+    with pytest.raises(mesh_damper.InputError, match='"I" is not the name of a control input, which must end in a unit; found "time_s"'):
         mesh_damper.trace({**block, "I": current}, inputs=["I"])
 
 
@@ -328,7 +328,7 @@ REFUSED: list[tuple[dict[str, float], dict[str, Any], str]] = [
     (
         {"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0},
         {"units": {"force": "N"}},
-        "column force_kN: its name says kN, and --unit force=N says N; leave the unit out, or rename the column",
+        "column force_kN: its name says kN, and --unit force=N says N; leave out --unit, or rename the column",
     ),
     ({"time_s": 1.0, "displacement_mm": 1.0, "Ch 4": 1.0}, {"force": "Ch 4", "units": {"force": "stone"}}, 'unknown unit "stone"'),
 ]
@@ -367,7 +367,7 @@ def test_a_unit_that_contradicts_a_labs_name_counts_and_is_said() -> None:
     with pytest.warns(mesh_damper.GuessWarning) as warned:
         found = mesh_damper.trace(lab, units={"force": "kN"})
     assert [str(one.message) for one in warned] == [
-        'recording: column "Kraft [N]" is read in kN, as was said, and not in N, which it says itself',
+        'recording: column "Kraft [N]" is read in kN, as --unit says, not in N, as the column says',
         'recording: force is read from column "Kraft [N]" in kN',
     ]
     assert found.to_dict()["law"] == mesh_damper.trace(sine_block()).to_dict()["law"]

@@ -32,7 +32,7 @@ pub(crate) fn trace(task: &Task, settings: &Settings, folder: String) -> Result<
     catch_unwind(AssertUnwindSafe(|| try_to_trace(task, settings, folder))).unwrap_or_else(
         |panic| {
             Err(Failure::of(&format!(
-                "a fault in the trace itself, please report it: {}",
+                "an internal error of the trace, please report it: {}",
                 said(&*panic)
             )))
         },
@@ -42,7 +42,7 @@ pub(crate) fn trace(task: &Task, settings: &Settings, folder: String) -> Result<
 fn said(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or(panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no word of why")
+        .unwrap_or("no reason given")
 }
 
 fn try_to_trace(task: &Task, settings: &Settings, folder: String) -> Result<Made, Failure> {

@@ -94,7 +94,7 @@ pub struct Summary {
     pub version: u64,
     /// Traces that were made, now or earlier.
     pub traced: usize,
-    /// Traces that could not be made.
+    /// Traces that failed.
     pub failed: usize,
     /// Traces that were made or failed in this run.
     pub computed: usize,

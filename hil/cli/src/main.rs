@@ -22,7 +22,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|fault| {
         eprintln!(
-            "error: a fault in hil itself, please report it: {}",
+            "error: internal error in hil, please report it: {}",
             fault.to_string().replace('\n', ": ")
         );
     }));

@@ -68,7 +68,7 @@ pub enum DemoError {
     #[error(transparent)]
     Trace(#[from] TraceError),
     /// The rig stopped before its programme's end.
-    #[error("the rig stopped after {time:.2} s: {fault}")]
+    #[error("the rig tripped after {time:.2} s: {fault}")]
     Stopped {
         /// s since the start.
         time: f64,

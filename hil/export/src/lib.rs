@@ -198,7 +198,7 @@ impl Request {
         if self.out == Path::new("-") {
             return Err(InputError::new(
                 "--out",
-                "C is a header and a source, and standard output takes one of them",
+                "C needs two files, a header and a source; standard output takes only one",
                 "give a file name",
             ));
         }
@@ -206,7 +206,7 @@ impl Request {
         if stem.is_empty() || stem.contains(['"', '\\']) || stem.contains(char::is_control) {
             return Err(InputError::new(
                 format!("--out {}", self.out.display()),
-                "this is no name for a C header",
+                "this is not a valid name for a C header",
                 "give a name of letters, digits and _",
             ));
         }
@@ -300,12 +300,12 @@ impl Request {
             (info.amplitude, self.amplitude, file.model().law.len() > 1)
         {
             warnings.push(format!(
-                "the law changes with the amplitude, and is that of {amplitude} mm: --amplitude takes another"
+                "the coefficients depend on the amplitude; the export uses those of {amplitude} mm; --amplitude selects others"
             ));
         }
         if let Some(active) = export.active() {
             warnings.push(format!(
-                "the law is active: {active}, and a load refuses it unless it allows that"
+                "the law is active: {active}; a firmware refuses it unless it allows active laws"
             ));
         }
         Ok(Exported {

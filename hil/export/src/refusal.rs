@@ -28,7 +28,7 @@ impl Request {
             ),
             ExportError::Model(error @ ModelError::Refused { .. }) => InputError {
                 mend: format!(
-                    "give another --tick-rate than {}, mend the field, or trace the recordings again",
+                    "give a --tick-rate other than {}, correct the field, or trace the recordings again",
                     self.tick_rate
                 ),
                 ..model_error(&model, error)
@@ -37,13 +37,13 @@ impl Request {
             ExportError::Active(active) => InputError::new(
                 model,
                 format!("the law is active: {active}"),
-                "see to its damping and to stiffnesses of friction below 0, or give --allow-active",
+                "check for negative damping and negative friction stiffness, or give --allow-active",
             )
             .at(Place::Field("law".into())),
             ExportError::ResidualTable => InputError::new(
                 model,
-                "a law that Rust composes statically carries no residual table",
-                "export it with --format pack or c, whose law is read while it runs",
+                "a Rust module cannot hold a residual table",
+                "export it with --format pack or c, which firmware reads at run time",
             )
             .at(Place::Field("correction".into())),
         }

@@ -334,7 +334,7 @@ fn the_watchdog_restarts_a_board_whose_ticks_stay_away() {
     assert_eq!(
         image.start_rig(),
         Err(LinkError::Refused {
-            reason: "it does not come in this order".into(),
+            reason: "the request came in the wrong order".into(),
             mend: "run it again; if it stays, run it on the host and report this",
         })
     );

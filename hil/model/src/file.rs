@@ -229,7 +229,7 @@ impl ModelFile {
             None => {
                 return Err(refused(
                     "format",
-                    "missing, so that this is no model file".into(),
+                    "missing, so this is not a model file".into(),
                     "give the model.json that `hil trace` wrote",
                 ));
             }
@@ -256,7 +256,7 @@ impl ModelFile {
             refused(
                 &error.path().to_string(),
                 error.inner().to_string(),
-                "mend the field, or trace the recordings again",
+                "correct the field, or trace the recordings again",
             )
         })?;
         file.check(name)?;
@@ -311,7 +311,7 @@ impl ModelFile {
             Err(InputError::new(
                 name,
                 problem,
-                "mend the field, or trace the recordings again",
+                "correct the field, or trace the recordings again",
             )
             .at(Place::Field(field)))
         };
@@ -341,7 +341,7 @@ impl ModelFile {
             if !((low as f32).is_finite() && (high as f32).is_finite() && low <= high) {
                 return refused(
                     format!("fitted_range.{field}"),
-                    format!("{low} to {high} is no finite range"),
+                    format!("{low} to {high} is not a finite range"),
                 );
             }
         }
@@ -349,7 +349,7 @@ impl ModelFile {
         if !(low.is_finite() && high.is_finite() && low <= high) {
             return refused(
                 "displacement_zero".into(),
-                format!("{low} to {high} is no finite range"),
+                format!("{low} to {high} is not a finite range"),
             );
         }
         for (index, control) in self.controls.iter().enumerate() {
@@ -357,14 +357,14 @@ impl ModelFile {
             if control.name.is_empty() || others.iter().any(|each| each.name == control.name) {
                 return refused(
                     format!("controls[{index}].name"),
-                    format!("{:?} is no name of its own", control.name),
+                    format!("{:?} is empty or used twice", control.name),
                 );
             }
             let [low, high] = control.range;
             if !(low.is_finite() && high.is_finite() && low <= high) {
                 return refused(
                     format!("controls[{index}].range"),
-                    format!("{low} to {high} is no finite range"),
+                    format!("{low} to {high} is not a finite range"),
                 );
             }
         }
@@ -423,7 +423,7 @@ pub fn model_error(file: &str, error: &ModelError) -> InputError {
     InputError::new(
         file,
         problem,
-        "mend the field, or trace the recordings again",
+        "correct the field, or trace the recordings again",
     )
     .at(Place::Field(field))
 }
@@ -546,7 +546,7 @@ mod tests {
         assert_eq!(read.displacement_zero(), [0.13, 0.14]);
         assert!(
             read_changed(|v| v["displacement_zero"] = serde_json::json!([1.0, 0.0]))
-                .starts_with("m.json: field displacement_zero: 1 to 0 is no finite range")
+                .starts_with("m.json: field displacement_zero: 1 to 0 is not a finite range")
         );
     }
 

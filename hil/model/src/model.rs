@@ -105,7 +105,7 @@ impl Control {
         let ([low, high], (least, largest)) = (self.range, least_and_largest(values));
         (least < low || largest > high).then(|| {
             format!(
-                "{} goes from {least} to {largest}, and {low} to {high} was fitted: the force is extrapolated",
+                "{} ranges from {least} to {largest}, but the model was fitted from {low} to {high}: the force is extrapolated",
                 self.name
             )
         })
@@ -224,7 +224,7 @@ impl Model {
             return Err(InputError::new(
                 format!("--control {name}"),
                 format!("is no control input of the model, which has {has}"),
-                "mend the name, or leave it out",
+                "correct the name, or leave it out",
             ));
         }
         let channel = |name: &&str| {
@@ -343,7 +343,7 @@ impl AddedEffect {
             }
         }
         if let Some(name) = unused.first() {
-            return Err(refused(format!("parameter {name} is not one of its own")));
+            return Err(refused(format!("the effect has no parameter {name}")));
         }
         Ok((description, values))
     }

@@ -70,10 +70,10 @@ fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputEr
         return Err(InputError::new(
             &later.name,
             format!(
-                "of it and {}, {} gives energy where the other takes it",
+                "compared with {}: {} delivers energy and the other dissipates it",
                 earlier.name, giving.name
             ),
-            "turn the sign of its force channel",
+            "reverse the sign of its force channel",
         ));
     }
     let factor = b.stiffness / a.stiffness;
@@ -137,7 +137,7 @@ fn check_declarations(earlier: &Recording, later: &Recording) -> Result<(), Inpu
                     "its comments declare the {key} \"{b}\" where {} declares \"{a}\"",
                     earlier.name
                 ),
-                "give recordings of one specimen at a time, or mend the comment",
+                "give recordings of one specimen at a time, or correct the comment",
             ));
         }
     }
@@ -182,7 +182,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     let (how, mend) = match factor {
         Some(factor) if (factor + 1.0).abs() < policy().consistency.opposite => (
             "its force has the opposite sign".to_owned(),
-            "turn the sign of one force channel, or drop one of the two",
+            "reverse the sign of one force channel, or drop one of the two",
         ),
         Some(factor) => (
             format!("its force is {factor:.4} times as large"),
@@ -190,7 +190,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
         ),
         None => (
             format!("its force differs by {:.0} % RMS", 100.0 * apart),
-            "drop the one that is not of this specimen",
+            "drop the recording of another specimen",
         ),
     };
     Err(InputError::new(

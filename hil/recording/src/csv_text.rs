@@ -369,7 +369,7 @@ pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
 /// # Errors
 /// Its error, and its correction.
 pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
-    const MEND: &str = "remove the row or mend the value";
+    const MEND: &str = "remove the row or correct the value";
     if cell.is_empty() {
         return Err(("the cell is empty".into(), MEND));
     }

@@ -300,7 +300,7 @@ impl Recording {
                 return Err(InputError::new(
                     &self.name,
                     "the value is not finite",
-                    "remove the row or mend the value",
+                    "remove the row or correct the value",
                 )
                 .at(Place::Cell {
                     line: self.line(index),

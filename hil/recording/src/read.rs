@@ -291,7 +291,7 @@ impl Samples {
                 column: self.column_names[index].clone(),
             },
         );
-        InputError::new(&self.name, problem, "remove the row or mend the value").at(place)
+        InputError::new(&self.name, problem, "remove the row or correct the value").at(place)
     }
 
     fn into_recording(self, time: Option<Vec<f64>>, repeated: usize) -> Recording {

@@ -173,10 +173,10 @@ impl Trajectory {
             return Err(InputError::new(
                 &recording.name,
                 format!(
-                    "hardly a sample of it can be used: {}",
+                    "almost none of its samples can be used: {}",
                     faults::listed(&found)
                 ),
-                "mend the channels, or leave the recording out",
+                "correct the channels, or leave the recording out",
             ));
         }
         let average = MovingAverage::find(&uniform.displacement, &uniform.force);

@@ -212,7 +212,7 @@ fn a_unit_that_contradicts_the_name_is_refused_of_our_own_names_and_else_said() 
     let foreign = named(["time_s", "displacement_mm", "Kraft [N]", "current_A"]);
     let foreign = Recording::of_columns("a test", foreign, &reading).unwrap();
     assert_eq!(foreign.units.force.symbol, "kN");
-    assert!(foreign.guesses()[0].contains("is read in kN, as was said, and not in N"));
+    assert!(foreign.guesses()[0].contains("is read in kN, as --unit says, not in N"));
 }
 
 #[test]

@@ -34,7 +34,7 @@ pub fn found(summary: &Summary) -> String {
     picture(
         "How soon each fault was named",
         &rows.collect::<Vec<Row>>(),
-        &[(0, "named for what it is"), (1, "named otherwise")],
+        &[(0, "named correctly"), (1, "named incorrectly")],
         ("cycles from the fault to its name", ""),
     )
 }
@@ -78,12 +78,12 @@ pub fn attacked(attacks: &AttackSummary) -> String {
         "How soon each attack was named",
         &rows,
         &[
-            (0, "named for what it is or may be"),
-            (1, "named otherwise"),
+            (0, "named correctly, or among two causes"),
+            (1, "named incorrectly"),
             (3, "a hazardous state"),
         ],
         (
-            "cycles from the attack to its name, 10 where it is later or none",
+            "cycles from the attack to its name; 10 if later or never",
             "",
         ),
     )

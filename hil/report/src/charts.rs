@@ -93,5 +93,5 @@ pub fn residual_chart(series: &[Series], size: Size) -> Picture {
             layer(AFTER, Colour::After, |one| &one.after[..]),
         ],
     };
-    Picture::of("The force left over time", size, panel)
+    Picture::of("Residual over time", size, panel)
 }

@@ -37,14 +37,14 @@ pub(crate) fn gains(result: &TraceResult) -> Option<Section> {
     };
     let body = html! {
         p {
-            "Each condition was held out in turn, and the law fitted to the others. The first column of errors is what the law with all \
-             effects leaves of that condition, the darker the more. The others are what it leaves without one effect: blue and ▲ where \
+            "Each condition was held out in turn, and the law was fitted to the others. The first column is the error of the law with all \
+             effects on that condition; darker is larger. The other columns are its error without one effect: blue and ▲ where \
              the effect helps, red and ▼ where it harms."
         }
         (table("Error of each condition where it was held out, with all effects and without each", head, rows))
         ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (said(effect)) } } }
         @if let Some(left) = &result.remainder {
-            p { "What is left is " (text::remainder(left)) "." }
+            p { "The residual is " (text::remainder(left)) "." }
         }
     };
     Some(Section::new("What each effect gains", body))

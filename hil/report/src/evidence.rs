@@ -24,7 +24,7 @@ pub fn map_chart(map: &Map, scale: f64, title: &str) -> Picture {
         unit: "kN",
     };
     let layer = Layer::new(
-        "mean force left",
+        "mean residual",
         Colour::Ink,
         Look::Cells(cells),
         vec![(-y, -v), (y, v)],
@@ -82,7 +82,9 @@ pub fn spectrum_chart(series: &[Series], with_after: bool, title: &str) -> Pictu
     let panel = Panel {
         title: String::new(),
         x: Axis::new("frequency", "Hz").logarithmic(),
-        y: Axis::new("amplitude left", "kN").logarithmic().over(range),
+        y: Axis::new("amplitude of the residual", "kN")
+            .logarithmic()
+            .over(range),
         layers,
     };
     Picture::of(title, HALF, panel)
@@ -104,8 +106,8 @@ pub fn autocorrelation_chart(found: &Autocorrelation) -> Picture {
         y: Axis::new("autocorrelation", "").over(y),
         layers: vec![
             Layer::new("white noise", Colour::Ink, Look::Band, band),
-            Layer::new("force left", Colour::After, Look::Stems, points),
+            Layer::new("residual", Colour::After, Look::Stems, points),
         ],
     };
-    Picture::of("Autocorrelation of the force left", WIDE, panel)
+    Picture::of("Autocorrelation of the residual", WIDE, panel)
 }

@@ -45,8 +45,8 @@ pub fn render(data: &ReportData) -> String {
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let last = html! {
         p {
-            "Errors are the RMS of the force's error over the RMS of the measured force. Held out means never fitted. Intervals are of \
-             90 %."
+            "Errors are the RMS of the force error divided by the RMS of the measured force. Held-out data was never fitted. Intervals \
+             are 90 % intervals."
         }
     };
     page(&data.title, first, &sections, last, &[])
@@ -60,7 +60,7 @@ fn given(data: &ReportData) -> Section {
         }
         (recordings(data))
         @if !data.result.guesses.is_empty() {
-            p { strong { "What the files were taken for" } }
+            p { strong { "How the files were read" } }
             ul { @for guess in &data.result.guesses { li { (guess) } } }
         }
         @if data.result.warnings.is_empty() {
@@ -72,7 +72,7 @@ fn given(data: &ReportData) -> Section {
             }
         }
     };
-    Section::new("1. What was given", body)
+    Section::new("1. The recordings", body)
 }
 
 fn errors(result: &TraceResult) -> Section {
@@ -93,14 +93,14 @@ fn errors(result: &TraceResult) -> Section {
         (row(format!("Before: {alone}"), Some(result.baseline.nrmse_fitted), result.baseline.nrmse_held_out, false))
         @if let Some(staged) = &result.baseline.staged {
             (row(
-                "Before: the same, fitted in two stages as the paper does".into(),
+                "Before: the same, fitted in two stages as in the paper".into(),
                 Some(staged.nrmse_fitted),
                 staged.nrmse_held_out,
                 false
             ))
         }
         (row(
-            "After: with what was found (f64)".into(),
+            "After: with the effects found (f64)".into(),
             Some(result.augmented.nrmse_fitted),
             result.augmented.nrmse_held_out,
             true
@@ -125,7 +125,7 @@ pub fn names(result: &TraceResult) -> [(&'static str, String); 2] {
             BEFORE,
             format!("before: {}", text::law_alone(&result.baseline)),
         ),
-        (AFTER, "after: with what was found".into()),
+        (AFTER, "after: with the effects found".into()),
     ]
 }
 
@@ -151,7 +151,7 @@ fn loops(result: &TraceResult, series: &[Series]) -> Section {
     let drawn: Vec<_> = drawn.collect();
     let body = html! {
         @if drawn.is_empty() {
-            p { "No whole cycle was found in the recordings." }
+            p { "The recordings hold no complete cycle." }
         } @else {
             (picture::key(drawn.iter().map(|(_, _, picture)| picture), &names(result)))
             div.grid {
@@ -201,9 +201,9 @@ fn over_time(result: &TraceResult, series: &[Series]) -> Section {
     let chart = charts::residual_chart(series, WIDE);
     let body = html! {
         (picture::key([&chart], &names(result)))
-        (figure(html! { "measured force less the law's" }, &chart))
+        (figure(html! { "residual: measured force minus the law's" }, &chart))
     };
-    Section::new("The force left over time", body)
+    Section::new("Residual over time", body)
 }
 
 fn found(result: &TraceResult) -> Section {
@@ -232,7 +232,7 @@ fn found(result: &TraceResult) -> Section {
         (reasoning::concluded(result))
         @if !result.effects.is_empty() { (table("Effects found, with their parameters", head, rows)) }
     };
-    Section::new("4. What was found", body)
+    Section::new("4. Effects found", body)
 }
 
 fn candidates(result: &TraceResult) -> Option<Section> {
@@ -240,9 +240,9 @@ fn candidates(result: &TraceResult) -> Option<Section> {
         return None;
     }
     let head = html! { tr {
-        th scope="col" { "step" } th.text scope="col" { "candidate" } th scope="col" { "judging error" }
-        th scope="col" { "held-out error" } th.text scope="col" { "told apart from the best of its step" }
-        th.text scope="col" { "what it is" }
+        th scope="col" { "step" } th.text scope="col" { "candidate" } th scope="col" { "validation error" }
+        th scope="col" { "held-out error" } th.text scope="col" { "distinguishable from the best of its step" }
+        th.text scope="col" { "description" }
     } };
     let rows = html! {
         @for (index, candidate) in result.candidates.iter().enumerate() {
@@ -254,8 +254,8 @@ fn candidates(result: &TraceResult) -> Option<Section> {
                 td { (text::percent(candidate.nrmse_held_out)) }
                 td.text {
                     @if candidate.added { "added" }
-                    @else if !candidate.admissible { "cannot be: a source of energy, or a drift that stands still within blocks" }
-                    @else if best { "the best, without a clear gain" }
+                    @else if !candidate.admissible { "impossible: a source of energy, or a drift that does not show within blocks" }
+                    @else if best { "the best, but without a clear gain" }
                     @else if candidate.distinguishable { "yes" } @else { "no" }
                 }
                 td.text.plain { (text::description(&candidate.family)) }
@@ -285,7 +285,7 @@ fn law(data: &ReportData) -> Section {
     let body = html! {
         p {
             "F = k₁·y + k₃·y³ + c·|v|" sup { "α" } "·sgn v"
-            @if !data.result.effects.is_empty() { " + what was added" }
+            @if !data.result.effects.is_empty() { " + effects" }
             @if data.result.correction.is_some() { " + the table" }
         }
         (table("Coefficients with half widths of their 90 % intervals", head, rows))

@@ -40,29 +40,29 @@ impl Evidence {
     pub fn before(&self, data: &ReportData) -> Section {
         let result = &data.result;
         let error = result.baseline.nrmse_held_out;
-        let map = evidence::map_chart(&self.before, self.scale, "Mean force left by the law alone");
-        let title = "Spectrum of the force left by the law alone";
+        let map = evidence::map_chart(&self.before, self.scale, "Mean residual of the law alone");
+        let title = "Spectrum of the residual of the law alone";
         let spectrum = evidence::spectrum_chart(&data.series, false, title);
         let body = html! {
             p {
-                "Fitted as well as it can be, the law leaves " (text::percent(error)) " of the force's RMS on what was \
+                "The error of the fitted law is " (text::percent(error)) " of the force's RMS on data that was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
-                @if error <= 2.0 * result.noise_floor_nrmse { "There is hardly more than noise in it." }
+                @if error <= 2.0 * result.noise_floor_nrmse { "It is hardly more than noise." }
                 @else {
                     "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise: something is missing. "
                     "Where the map has a colour, the measured force is above (red) or below (blue) the law's every time \
-                     that the motion comes there; noise would leave it pale."
+                     the motion passes there; noise alone would leave it pale."
                 }
                 @if let Some(found) = &self.white_before { " " (whiteness(found)) }
             }
             (evidence::map_key(self.scale))
             div.pair {
-                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
-                (figure(html! { "spectrum of the force left" }, &spectrum))
+                (figure(html! { "mean residual over displacement and velocity (cube-root scale)" }, &map))
+                (figure(html! { "spectrum of the residual" }, &spectrum))
             }
         };
         Section::new(
-            format!("2. What the {} leaves", text::law(&result.baseline)),
+            format!("2. Residual of the {}", text::law(&result.baseline)),
             body,
         )
     }
@@ -70,17 +70,17 @@ impl Evidence {
     /// The residual with the effects found.
     pub fn after(&self, data: &ReportData) -> Section {
         let result = &data.result;
-        let title = "Mean force left with what was found";
+        let title = "Mean residual with the effects found";
         let map = evidence::map_chart(&self.after, self.scale, title);
-        let title = "Spectrum of the force left, before and after";
+        let title = "Spectrum of the residual, before and after";
         let spectrum = evidence::spectrum_chart(&data.series, true, title);
         let body = html! {
             @if result.augmented.nrmse_held_out == result.baseline.nrmse_held_out {
-                p { "Nothing was added, so what is left is what the law leaves." }
+                p { "Nothing was added, so the residual is that of the law." }
             } @else {
                 p {
-                    "With what was found, " (text::percent(result.augmented.nrmse_held_out))
-                    " is left on what was never fitted, "
+                    "With the effects found, the error on data that was never fitted is "
+                    (text::percent(result.augmented.nrmse_held_out)) ", "
                     (text::number(result.augmented.nrmse_held_out / result.noise_floor_nrmse))
                     " times the noise. The colours are those of step 2, on the same scale."
                 }
@@ -88,28 +88,28 @@ impl Evidence {
             (picture::key([&spectrum], &names(result)))
             (evidence::map_key(self.scale))
             div.pair {
-                (figure(html! { "mean force left, over displacement and velocity (by its cube root)" }, &map))
-                (figure(html! { "spectrum of the force left, before and after" }, &spectrum))
+                (figure(html! { "mean residual over displacement and velocity (cube-root scale)" }, &map))
+                (figure(html! { "spectrum of the residual, before and after" }, &spectrum))
             }
             @if let Some(found) = &self.white_after {
                 (figure(
-                    html! { "autocorrelation of the force left; white noise keeps to the grey band nineteen times in twenty" },
+                    html! { "autocorrelation of the residual; white noise stays within the grey band 19 times in 20" },
                     &evidence::autocorrelation_chart(found)
                 ))
                 p { (whiteness(found)) }
             }
         };
-        Section::new("5. What is left", body)
+        Section::new("5. Residual that remains", body)
     }
 }
 
 /// The test of whiteness in a sentence.
 fn whiteness(found: &Autocorrelation) -> Markup {
     html! {
-        "Whiteness over " (found.tested) " lags: Ljung–Box sum " (text::number(found.ljung_box)) " where white noise has "
+        "Whiteness over " (found.tested) " lags: the Ljung–Box sum is " (text::number(found.ljung_box)) "; for white noise it is "
         (found.tested) " ± " (text::number((2.0 * found.tested as f64).sqrt())) " — "
-        @if found.is_white() { strong { "white" } ", nothing more can be found in it." }
-        @else { strong { "not white" } ", each sample still foretells the next ones." }
+        @if found.is_white() { strong { "white" } ": the residual holds no further structure." }
+        @else { strong { "not white" } ": the residual is autocorrelated." }
     }
 }
 
@@ -118,21 +118,21 @@ pub fn tried(result: &TraceResult) -> Section {
     let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
     let body = html! {
         @if result.candidates.is_empty() {
-            p { "Nothing: the law leaves no more than the noise." }
+            p { "Nothing: the residual of the law is no more than the noise." }
         } @else {
             p {
-                "Each step adds to the law what the steps before had found, and tries every family of effects beside it. The \
-                 bars are errors on cycles kept apart for judging, none of which was fitted; the dotted line is the noise. Each \
-                 family is shown at its best: fitted where it promised most, else as a fit would begin, as are all beside a law \
-                 that is near the noise. A bar twice as long as most is cut. A step without a clear gain adds \
-                 nothing and ends the search."
+                "Each step starts from the law with the effects of the earlier steps, and tries every family of effects. The \
+                 bars are errors on the validation data, which was not fitted; the dotted line is the noise. Each \
+                 family is shown at its best. Families with a large predicted gain were fitted; the others, and all families if the law \
+                 is near the noise, are shown at their starting values. Bars longer than twice the median are cut. A step without a \
+                 clear gain adds nothing and ends the search."
             }
             ul.key {
                 li { i.swatch.stood {} "before the step" }
                 li { i.swatch.won {} "added" }
-                li { i.swatch.rival {} "rival: not told apart from the best" }
+                li { i.swatch.rival {} "rival: not distinguishable from the best" }
                 li { i.swatch {} "worse" }
-                li { i.swatch.refused {} "refused: no passive effect" }
+                li { i.swatch.refused {} "refused: not a passive effect" }
             }
             @for step in steps { (bars(step, result)) }
         }
@@ -159,7 +159,7 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     );
     html! {
         h3 {
-            "Step " (number) ": beside the law"
+            "Step " (number) ": added to the law"
             @for candidate in &before { " + " (text::name(&candidate.family)) }
         }
         div.bars {
@@ -256,33 +256,33 @@ pub fn concluded(result: &TraceResult) -> Markup {
         @match result.verdict {
             Verdict::None => {
                 p {
-                    "Nothing: what the law alone leaves of the judging cycles is hardly more than the noise, or no family \
-                     leaves clearly less."
+                    "Nothing: the residual of the law alone on the validation data is hardly more than the noise, or no family \
+                     makes it clearly smaller."
                 }
             }
             Verdict::Found => {}
             Verdict::Ambiguous if result.effects.len() == 1 => {
-                p { "It explains the recordings with any value of a parameter that they leave without bounds." }
+                p { "It explains the recordings with any value of the parameter that they do not bound." }
             }
             Verdict::Ambiguous => {
                 p {
                     @if result.remainder.is_none() { "Any one of these explains the recordings" }
-                    @else { "Any one of these explains as much of the recordings, beside which something is left" }
+                    @else { "Any one of these explains the same part of the recordings, and a residual remains" }
                     "; they cannot tell which it is."
                 }
             }
             Verdict::Unlisted => {
                 p {
-                    "Something that is none of the families tried, or more of it than they explain"
-                    @if !result.effects.is_empty() { "; what mends most of it is below." }
-                    @else if result.correction.is_some() { "; a table without a name stands in for it." }
+                    "No family of effects explains the residual, or all of it"
+                    @if !result.effects.is_empty() { "; the effects that reduce it most are below." }
+                    @else if result.correction.is_some() { "; a residual table stands in for it." }
                     @else { "." }
                 }
             }
         }
         @if let Some(rule) = result.effects_rejected_by {
             p {
-                @if rule == Rule::SaysLess { "The effects found by the search explain what was fitted and no more: " }
+                @if rule == Rule::SaysLess { "The effects found by the search explain the fitted data only: " }
                 @else { "The effects found by the search do not explain all of the recordings: " }
                 (rule.says()) "."
             }
@@ -295,10 +295,10 @@ pub fn concluded(result: &TraceResult) -> Markup {
             p { "Added at a step, but not kept in the end: " (text::listed(&dropped)) "." }
         }
         @if !result.depends_on.is_empty() {
-            p { "What the law lacked depends on " strong { (text::listed(&result.depends_on)) } "." }
+            p { "The residual of the law depends on " strong { (text::listed(&result.depends_on)) } "." }
         }
         @if let Some(test) = &result.separating_test {
-            p.test { strong { "The test that would settle it: " } (test) }
+            p.test { strong { "The test that would decide: " } (test) }
         }
     }
 }

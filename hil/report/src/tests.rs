@@ -271,7 +271,7 @@ fn a_model_that_is_not_adopted_or_worse_elsewhere_says_so_first() {
     result.augmented.nrmse_held_out = 1.5 * result.baseline.nrmse_held_out;
     let (heading, _) = text::verdict(&result);
     assert!(
-        heading.ends_with("; worse than the law alone on what was held out"),
+        heading.ends_with("; worse than the law alone on the held-out data"),
         "{heading}"
     );
     result.verdict = Verdict::Unlisted;
@@ -328,7 +328,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         depends_on: vec!["frequency".into()],
     });
     let (heading, sentence) = text::verdict(result);
-    assert_eq!(heading, "Found: stick-slip; something is left");
+    assert_eq!(heading, "Found: stick-slip; a residual remains");
     assert!(sentence.contains("1.52 %") && sentence.contains("it depends on frequency"));
     let mut delay = result.effects[0].clone();
     delay.family = "delay".into();
@@ -344,9 +344,9 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         "rgba(178,24,43,0.02)",
         "▲",
         "stick-slip is confirmed",
-        "delay is not confirmed: another effect in its place does as well (compliance)",
+        "delay is not confirmed: another effect in its place predicts as well (compliance)",
         "The worst conditions",
-        "ring-3.csv, 0.200 mm at 5.00 Hz, 2.00 % left where it was held out",
+        "ring-3.csv, 0.200 mm at 5.00 Hz, error 2.00 % where it was held out",
     ] {
         assert!(page.contains(said), "{said}");
     }
@@ -360,7 +360,7 @@ fn what_is_left_beside_rivals_is_said() {
     result.verdict = Verdict::Ambiguous;
     let (heading, one) = text::verdict(result);
     assert_eq!(heading, "Ambiguous: stick-slip");
-    assert!(one.contains("a parameter of it without bounds"), "{one}");
+    assert!(one.contains("do not bound one of its parameters"), "{one}");
     let mut rival = result.effects[0].clone();
     rival.family = "compliance".into();
     result.effects.push(rival);
@@ -376,22 +376,22 @@ fn what_is_left_beside_rivals_is_said() {
     let (heading, beside) = text::verdict(result);
     assert_eq!(heading, "Ambiguous: stick-slip or compliance");
     assert!(
-        beside.contains("in its place the others do as well"),
+        beside.contains("each of the others does as well in its place"),
         "{beside}"
     );
-    let left = "1.52 % of the force's RMS in what was held out, 3.20 times the noise; it depends on history";
+    let left = "1.52 % of the force's RMS on the held-out data, 3.20 times the noise; it depends on history";
     assert!(beside.contains(left), "{beside}");
     let page = render(&data);
-    assert!(page.contains("beside which something is left"));
+    assert!(page.contains("and a residual remains"));
     let result = &mut data.result;
     result.verdict = Verdict::Unlisted;
     result.effects_rejected_by = Some(Rule::SaysLess);
     let (_, elsewhere) = text::verdict(result);
     assert!(
-        elsewhere.contains("explain what was fitted, and not what was held out"),
+        elsewhere.contains("explain the fitted data but not the held-out data"),
         "{elsewhere}"
     );
-    assert!(render(&data).contains("explain what was fitted and no more"));
+    assert!(render(&data).contains("explain the fitted data only"));
 }
 
 #[test]
@@ -465,5 +465,5 @@ fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     }
     let none = section(&data);
     assert_eq!(none.matches("<figure").count(), 0);
-    assert!(none.contains("No two cycles alike follow each other"));
+    assert!(none.contains("no two consecutive cycles of these recordings are alike"));
 }

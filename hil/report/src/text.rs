@@ -110,8 +110,8 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
         return (
             format!("{heading}; the law alone is kept"),
             format!(
-                "The law lacks something. What was found is no better on conditions that were held out in turn, and was not \
-                 adopted: on data that was never fitted it leaves {}, where the law alone leaves {}.",
+                "The law lacks something. The effects found are no better on conditions held out in turn, so they were not \
+                 adopted: their error on data that was never fitted is {}, that of the law alone is {}.",
                 percent(rejected.augmented.nrmse_held_out),
                 percent(alone)
             ),
@@ -119,8 +119,10 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
     }
     if result.adopted && with > WORSE * alone {
         return (
-            format!("{heading}; worse than the law alone on what was held out"),
-            format!("{sentence} Do not use the model there: it was not fitted to such a test."),
+            format!("{heading}; worse than the law alone on the held-out data"),
+            format!(
+                "{sentence} Do not use the model under such conditions: it was not fitted to them."
+            ),
         );
     }
     (heading, sentence)
@@ -167,7 +169,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
         Verdict::None => (
             "Nothing is missing".into(),
             format!(
-                "Beside the {} nothing is needed: its error on data that was never fitted is {} of the force's RMS, and the noise of \
+                "The {} needs no further effect: its error on data that was never fitted is {} of the force's RMS; the noise of \
                  the recording is {}.",
                 law(&result.baseline),
                 percent(result.baseline.nrmse_held_out),
@@ -187,9 +189,9 @@ fn concluded(result: &TraceResult) -> (String, String) {
                     format!("{what}. {change}"),
                 ),
                 Some(left) => (
-                    format!("Found: {}; something is left", named.join(" and ")),
+                    format!("Found: {}; a residual remains", named.join(" and ")),
                     format!(
-                        "{what}. Confirmed on every condition that was held out in turn. What is left is {}. {change}",
+                        "{what}. Confirmed on every condition held out in turn. The residual is {}. {change}",
                         remainder(left)
                     ),
                 ),
@@ -197,41 +199,41 @@ fn concluded(result: &TraceResult) -> (String, String) {
         }
         Verdict::Ambiguous if named.len() == 1 => (
             format!("Ambiguous: {}", named.join(" or ")),
-            format!("The recordings leave a parameter of it without bounds. {change}"),
+            format!("The recordings do not bound one of its parameters. {change}"),
         ),
         Verdict::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
             match &result.remainder {
                 None => format!("The recordings cannot tell these apart. {change}"),
                 Some(left) => format!(
-                    "The first helps on every condition that was held out in turn, and in its place the others do as well: the recordings \
-                     cannot tell which it is. What is left is {}. {change}",
+                    "The first helps on every condition held out in turn, and each of the others does as well in its place: the recordings \
+                     cannot tell which it is. The residual is {}. {change}",
                     remainder(left)
                 ),
             },
         ),
         Verdict::Unlisted if result.correction.is_some() => (
-            "An effect that is not on the list".into(),
+            "Unmodelled: no family of effects explains the residual".into(),
             format!(
-                "The law lacks something that none of the effects tried explains. {} {change}",
+                "The law lacks something that no family of effects explains. {} {change}",
                 correction(&named, &result.depends_on)
             ),
         ),
         Verdict::Unlisted if result.effects.is_empty() => (
-            "An effect that is not on the list".into(),
-            "The law lacks something, and none of the effects tried explains any of it. Nothing was added.".into(),
+            "Unmodelled: no family of effects explains the residual".into(),
+            "The law lacks something, and no family of effects explains any of it. Nothing was added.".into(),
         ),
         Verdict::Unlisted if result.effects_rejected_by == Some(Rule::SaysLess) => (
-            "An effect that is not on the list".into(),
+            "Unmodelled: no family of effects explains the residual".into(),
             format!(
-                "The nearest effects, {}, explain what was fitted, and not what was held out. They are in the model. {change}",
+                "The nearest effects, {}, explain the fitted data but not the held-out data. They are in the model. {change}",
                 named.join(" and ")
             ),
         ),
         Verdict::Unlisted => (
-            "An effect that is not on the list".into(),
+            "Unmodelled: no family of effects explains the residual".into(),
             format!(
-                "None of the effects tried explains most of what the law lacks. The nearest, {}, was added. {change}",
+                "No family of effects explains most of the residual. The nearest, {}, was added. {change}",
                 named.join(" and ")
             ),
         ),
@@ -242,10 +244,10 @@ fn concluded(result: &TraceResult) -> (String, String) {
 fn correction(named: &[String], depends_on: &[String]) -> String {
     let beside = match named {
         [] => String::new(),
-        _ => format!(" beside {}", listed(named)),
+        _ => format!(" in addition to {}", listed(named)),
     };
     let over = over(depends_on);
-    format!("A correction that has no name, a table, was fitted to it{beside}{over}.")
+    format!("A residual table was fitted to it{beside}{over}.")
 }
 
 /// The size of a remainder, and the variables that it depends on.
@@ -254,7 +256,7 @@ pub fn remainder(left: &Remainder) -> String {
         "{} of the force's RMS{}, {} times the noise{}",
         percent(left.nrmse),
         if left.held_out {
-            " in what was held out"
+            " on the held-out data"
         } else {
             ""
         },
@@ -337,9 +339,6 @@ mod tests {
             "A correction that has no name, a table, was fitted to it beside stick-slip and offset; it depends on \
              displacement and velocity."
         );
-        assert_eq!(
-            correction(&[], &[]),
-            "A correction that has no name, a table, was fitted to it."
-        );
+        assert_eq!(correction(&[], &[]), "A residual table was fitted to it.");
     }
 }

@@ -27,7 +27,7 @@ pub fn loops(data: &ReportData) -> Option<Section> {
         let name = text::file_name(&held_out(condition)).to_owned();
         let title = format!("The worst loop of {name}");
         let caption = format!(
-            "{name}, {} left where it was held out",
+            "{name}, error {} where it was held out",
             text::percent(condition.nrmse_with)
         );
         Some((caption, charts::loop_chart(series, &samples, &title, SMALL)))
@@ -37,7 +37,7 @@ pub fn loops(data: &ReportData) -> Option<Section> {
         return None;
     }
     let body = html! {
-        p { "Of each the loop in which the law, fitted to all of them, errs most." }
+        p { "For each condition: the loop with the largest error of the law, which was fitted to all conditions." }
         (picture::key(worst.iter().map(|(_, picture)| picture), &names(&data.result)))
         div.grid { @for (caption, picture) in &worst { (figure(html! { (caption) }, picture)) } }
     };

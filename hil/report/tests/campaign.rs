@@ -15,7 +15,7 @@ fn every_trial_and_every_slow_change_has_its_marks() {
     assert!(summary.right > 0);
     // One mark for each trial in the pictures, in addition to those of the legend.
     let found = campaign::found(&summary);
-    assert!(found.contains("named otherwise"));
+    assert!(found.contains("named incorrectly"));
     assert_eq!(found.matches("<circle").count(), summary.right + 1);
     let followed = campaign::followed(&summary.slow);
     assert_eq!(

@@ -132,7 +132,7 @@ fn a_random_motion_that_cannot_be_is_refused_by_its_field() {
         ),
         (
             "rms=-1,from=1,to=10,duration=4",
-            "field rms: \"-1\" is no number above 0",
+            "field rms: \"-1\" is not a number above 0",
         ),
         ("rms=nan,from=1,to=10,duration=4", "field rms:"),
         (

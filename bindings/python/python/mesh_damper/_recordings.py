@@ -148,7 +148,7 @@ class Given:
         if (assumed := read.assumed()) is not None:
             self.assumed.append(f"{read.name}: {assumed}")
         if self._step() is not None and self.reading().scale("time") is None:
-            self.assumed.append(f"{read.name}: no unit is said, and assumed is s for time=; give its unit")
+            self.assumed.append(f"{read.name}: no unit is given for time=, so s is assumed; give its unit")
         self.guesses += [f"{read.name}: {guess}" for guess in read.guesses()]
         return read
 

@@ -50,7 +50,7 @@ impl CommonMotion {
             if !moment.knows_zero() {
                 return Err(cannot(
                     format!(
-                        "the displacement's zero of {} was taken off, and its trace.json does not keep where it was",
+                        "the displacement's zero of {} was subtracted, but its trace.json does not state it",
                         moment.name
                     ),
                     "trace its recordings again",
@@ -121,7 +121,7 @@ fn displacement(moments: &[Moment]) -> Result<[f64; 2], InputError> {
         &placed,
         "displacement",
         "mm",
-        "record them about one place; where the sensor's zero moved, take that off the recordings and trace them again",
+        "record them about one position; if the sensor's zero moved, subtract the shift from the recordings and trace them again",
     ))
 }
 
@@ -135,8 +135,8 @@ fn velocity(moments: &[Moment]) -> Result<f64, InputError> {
         return Ok(largest);
     }
     Err(cannot(
-        "they share no velocity either way".to_owned(),
-        "record a motion to and fro, and trace it again",
+        "they share no velocities of both signs".to_owned(),
+        "record a motion in both directions, and trace it again",
     ))
 }
 
@@ -162,14 +162,14 @@ fn temperature(
         if let Some(other) = depending.find(|other| other.model.model().depends_on_temperature()) {
             return Err(cannot(
                 format!(
-                    "the force of {} depends on the temperature, and that of {} is not known",
+                    "the force of {} depends on the temperature, but the temperature of {} is unknown",
                     other.name, unknown.name
                 ),
                 "record the temperature with each, and trace them again",
             ));
         }
         notes.push(format!(
-            "the temperature of {} is not known: a change may be one of the temperature",
+            "the temperature of {} is unknown: a change may come from the temperature",
             unknown.name
         ));
         return Ok(None);
@@ -201,7 +201,7 @@ fn cycles(moments: &[Moment]) -> Result<Option<[f64; 2]>, InputError> {
         return match depending {
             Some(depending) if claimed(moments).count() > 0 => Err(cannot(
                 format!(
-                    "the force of {} depends on the cycles, and those of another were not kept",
+                    "the force of {} depends on the number of cycles, which the trace.json of another model does not state",
                     depending.name
                 ),
                 "trace their recordings again",
@@ -239,13 +239,13 @@ fn controls(moments: &[Moment]) -> Result<Vec<Control>, InputError> {
         };
         return Err(cannot(
             format!(
-                "they see other control inputs ({}: {}; {}: {})",
+                "they have different control inputs ({}: {}; {}: {})",
                 moments[0].name,
                 said(names(&moments[0])),
                 other.name,
                 said(names(other))
             ),
-            "compare models that see the same",
+            "compare models with the same control inputs",
         ));
     }
     let each = first.iter().enumerate().map(|(place, control)| {

@@ -94,8 +94,8 @@ pub(super) fn changes(
         if least < largest {
             let has_nodes = |moment: &Moment| moment.model.model().law.len() > 1;
             notes.push(format!(
-                "{} has its zero at {:.4} mm, {} at {:.4} mm: the difference is the least that a zero from one to the other gives, since \
-                 either the specimen or the sensor's zero may have moved",
+                "{} has its zero at {:.4} mm, {} at {:.4} mm. Either the specimen or the sensor's zero may have moved, so the difference given is the \
+                 smallest over all zeros between the two",
                 moments[0].name,
                 zero,
                 moments[model].name,
@@ -103,7 +103,7 @@ pub(super) fn changes(
             ));
             if has_nodes(&moments[0]) || has_nodes(&moments[model]) {
                 notes.push(format!(
-                    "{} cannot be compared with {}: a law with coefficients for each amplitude holds about its own zero alone",
+                    "{} cannot be compared with {}: a law with an amplitude grid is valid about its own zero only",
                     moments[model].name, moments[0].name
                 ));
                 (change.p, change.expected) = (None, None);

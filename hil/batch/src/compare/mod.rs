@@ -115,8 +115,8 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     if moments.len() < 2 {
         return Err(InputError::new(
             "the models",
-            "are fewer than two",
-            "give models of one specimen at two times at least",
+            "there are fewer than two",
+            "give models of one specimen from two or more times",
         ));
     }
     let numbers = ComparePolicy::default();
@@ -124,7 +124,7 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
     let mut notes = Vec::new();
     for moment in moments.iter().filter(|moment| moment.trace.is_none()) {
         notes.push(format!(
-            "{} has no trace.json beside it: the intervals of its parameters are not known, and nothing is claimed of it",
+            "{} has no trace.json in its folder: the intervals of its parameters are unknown, so no change is claimed for it",
             moment.name
         ));
     }

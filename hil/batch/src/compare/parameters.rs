@@ -151,13 +151,13 @@ pub(super) fn changes(
     let mut alike: Vec<bool> = moments.iter().map(is_alike).collect();
     for (moment, _) in moments.iter().zip(&alike).filter(|(_, alike)| !**alike) {
         notes.push(format!(
-            "{} has other effects than {}, or a law at other amplitudes or about another zero: its parameters are not compared, its force is",
+            "{} and {} differ in effects, amplitude grid or zero: their forces are compared, their parameters are not",
             moment.name, moments[0].name
         ));
     }
     for (moment, _) in moments.iter().zip(hides).filter(|(_, hides)| **hides) {
         notes.push(format!(
-            "the law of {} may have taken in what the temperature or the cycles did, more than its intervals say: no parameters are compared with it",
+            "the law of {} may include effects of temperature or cycles beyond its intervals: its parameters are not compared",
             moment.name
         ));
     }

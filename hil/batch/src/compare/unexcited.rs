@@ -103,7 +103,7 @@ fn would_show(family: &Family, with: &Moment, without: &Moment) -> String {
         }
     };
     format!(
-        "a recording of the specimen in the state of {} {under}, as {} has it",
+        "a recording of the specimen in its state at {} {under}, the conditions of {}",
         without.name, with.name
     )
 }

@@ -108,7 +108,7 @@ impl List {
             refused(
                 list,
                 "has no column path",
-                "name the column of the paths so",
+                "call the column of the paths `path`",
             )
         })?;
         Ok(Self {

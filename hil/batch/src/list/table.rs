@@ -63,7 +63,7 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
     let broken = |error: &dyn std::fmt::Display| {
         refused(
             list,
-            format!("is no Parquet that can be read: {error}"),
+            format!("cannot be read as Parquet: {error}"),
             "write it again, or give the table as CSV",
         )
     };
@@ -86,7 +86,7 @@ pub(super) fn parquet(list: &Path, bytes: Vec<u8>) -> Result<Vec<Task>, InputErr
             return Err(refused(
                 list,
                 format!("has no column path; it has {}", names.join(", ")),
-                "name the column of the paths so",
+                "call the column of the paths `path`",
             ));
         };
         for row in 0..batch.num_rows() {
@@ -112,7 +112,7 @@ fn places(
         let mut found = (0..names.len()).filter(|&at| names[at].eq_ignore_ascii_case(column));
         *place = found.next();
         if found.next().is_some() {
-            return Err(refused(list, "stands there twice", "leave one of them out")
+            return Err(refused(list, "appears twice", "leave one of them out")
                 .at(Place::Column((*column).to_owned())));
         }
     }
@@ -120,12 +120,10 @@ fn places(
         return Ok(None);
     }
     if places[3].is_some() && places[4].is_some() {
-        return Err(refused(
-            list,
-            "says the same as the column held_out",
-            "leave one of them out",
-        )
-        .at(Place::Column("role".into())));
+        return Err(
+            refused(list, "repeats the column held_out", "leave one of them out")
+                .at(Place::Column("role".into())),
+        );
     }
     Ok(Some(places))
 }
@@ -176,7 +174,7 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
             "held_out" | "true" | "yes" | "1" => true,
             _ => {
                 return refused(
-                    format!("{} is no role", quoted(&word)),
+                    format!("{} is not a role", quoted(&word)),
                     "write fit or held_out, or true or false below held_out",
                 );
             }
@@ -227,7 +225,7 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
         Some(task) => Err(refused(
             list,
             format!(
-                "{} has recordings that are held out and none to fit",
+                "{} has held-out recordings but none to fit",
                 quoted(&task.name)
             ),
             "give the recordings of one trace the same group, one of them at least with the role fit",

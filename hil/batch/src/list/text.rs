@@ -34,7 +34,7 @@ pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> 
         Ok(text) => Ok(text.trim_start_matches('\u{feff}').to_owned()),
         Err(_) => Err(refused(
             path,
-            "is neither UTF-8 text nor Parquet, so that it is no list",
+            "is neither UTF-8 text nor Parquet, so it cannot be a list",
             "give a list of paths or a folder; one recording is for `hil trace`",
         )),
     }
@@ -61,7 +61,7 @@ pub(super) fn paths(list: &Path, text: &str) -> Result<Vec<Task>, InputError> {
     if !tasks.iter().flat_map(Task::paths).any(Path::exists) {
         return Err(refused(
             list,
-            "no line of it is the path of a file that is there",
+            "none of its lines is the path of an existing file",
             "give a list of paths, a table with a column path, or a folder; one recording is for `hil trace`",
         ));
     }

@@ -137,7 +137,7 @@ fn a_sensor_whose_zero_moved_is_no_specimen_that_changed() {
         .to_string();
     assert!(
         refused.contains("cannot be compared: they share no displacement")
-            && refused.contains("where the sensor's zero moved"),
+            && refused.contains("if the sensor's zero moved"),
         "{refused}"
     );
 }
@@ -153,7 +153,10 @@ fn a_trace_that_does_not_keep_its_zero_is_refused_where_one_was_taken_off() {
     let mut old = new.clone();
     old.trace.as_mut().unwrap().operating_conditions = None;
     let refused = compare(vec![new, old]).unwrap_err().to_string();
-    assert!(refused.contains("does not keep where it was"), "{refused}");
+    assert!(
+        refused.contains("its trace.json does not state it"),
+        "{refused}"
+    );
 }
 
 fn warm(seed: u64, loss: f64, temperature: [f64; 2]) -> Varied {
@@ -198,7 +201,7 @@ fn a_law_that_took_a_little_warmth_in_did_not_change() {
             }
             let mut notes = found.notes.iter();
             assert!(
-                notes.any(|note| note.contains("may have taken in")),
+                notes.any(|note| note.contains("may include effects")),
                 "{found:?}"
             );
             let undecided = found.undecided.first().unwrap();

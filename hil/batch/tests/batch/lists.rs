@@ -92,7 +92,7 @@ fn a_list_gives_a_trace_a_line_relative_to_itself() {
         assert!(error.contains(said), "{error}");
     }
     fs::write(&path, b"\xff\xfe\x00").unwrap();
-    assert!(read(&path).unwrap_err().contains("so that it is no list"));
+    assert!(read(&path).unwrap_err().contains("so it cannot be a list"));
 }
 
 #[test]
@@ -120,15 +120,15 @@ fn a_table_gives_a_trace_a_group() {
         assert_eq!(list.tasks[1].specimen.as_deref(), Some("S8"));
     }
     for (text, said) in [
-        ("path,role\na.csv,judge\n", "line 2: \"judge\" is no role"),
-        ("path,group\n,1\n", "line 2: has no path"),
         (
-            "path,path\na.csv,b.csv\n",
-            "column path: stands there twice",
+            "path,role\na.csv,judge\n",
+            "line 2: \"judge\" is not a role",
         ),
+        ("path,group\n,1\n", "line 2: has no path"),
+        ("path,path\na.csv,b.csv\n", "column path: appears twice"),
         (
             "path,role,held_out\na.csv,fit,no\n",
-            "column role: says the same as the column held_out",
+            "column role: repeats the column held_out",
         ),
         (
             "path,group,specimen\na.csv,1,S7\nb.csv,1,S8\n",
@@ -136,7 +136,7 @@ fn a_table_gives_a_trace_a_group() {
         ),
         (
             "path,held_out\na.csv,yes\n",
-            "\"a.csv\" has recordings that are held out and none to fit",
+            "\"a.csv\" has held-out recordings but none to fit",
         ),
         ("path,group\na.csv\n", "line 2"),
         ("path,group\n", "has no row"),
@@ -211,6 +211,6 @@ fn a_table_as_parquet_gives_the_same() {
     assert!(
         read(&path)
             .unwrap_err()
-            .contains("is no Parquet that can be read")
+            .contains("cannot be read as Parquet")
     );
 }

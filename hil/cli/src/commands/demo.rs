@@ -140,14 +140,14 @@ fn facts(done: &Demo, summary: &Summary) -> Vec<(String, String)> {
     let said = if summary.named {
         "named".to_owned()
     } else if found.is_empty() {
-        "missed: nothing was found".to_owned()
+        "missed: no effect was found".to_owned()
     } else {
-        format!("missed: found was {}", text::listed(&found))
+        format!("missed: the trace found {}", text::listed(&found))
     };
     let change = if summary.nearer {
-        "nearer the specimen than before"
+        "closer to the specimen than before"
     } else {
-        "no nearer the specimen than before"
+        "no closer to the specimen than before"
     };
     [
         (
@@ -164,7 +164,7 @@ fn facts(done: &Demo, summary: &Summary) -> Vec<(String, String)> {
         ),
         ("The trace", said),
         (
-            "In the loop, on a test that was not fitted",
+            "In the loop, on a test that was never fitted",
             format!(
                 "{change}: error of the force from {} to {}",
                 text::percent(summary.loop_error_before),

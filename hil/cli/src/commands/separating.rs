@@ -44,7 +44,7 @@ pub fn motion(path: &Path, result: &TraceResult) -> Result<String, InputError> {
     }
     let mut generator = SineGenerator::new(programme).map_err(refused)?;
     let mut text = format!(
-        "# excitation: the test that tells apart what explains {} equally well\n# run: {}\ntime_s,displacement_mm\n",
+        "# excitation: the test that tells apart the effects that explain {} equally well\n# run: {}\ntime_s,displacement_mm\n",
         result.recordings.join(", ").replace(['\n', '\r'], " "),
         command(path).replace(['\n', '\r'], " ")
     );

@@ -25,7 +25,7 @@ pub fn print(result: &TraceResult) {
         }
     }
     if let Some(left) = &result.remainder {
-        say(&format!("Left: {}", remainder(left)));
+        say(&format!("Residual: {}", remainder(left)));
     }
     let before = format!("before: {}", law_alone(&result.baseline));
     say("Error of the force, RMS over RMS            fitted     held out");
@@ -36,7 +36,7 @@ pub fn print(result: &TraceResult) {
             result.baseline.nrmse_held_out,
         ),
         (
-            "after: with what was found, f64",
+            "after: with the effects found, f64",
             Some(result.augmented.nrmse_fitted),
             result.augmented.nrmse_held_out,
         ),
@@ -54,7 +54,7 @@ pub fn print(result: &TraceResult) {
         ));
     }
     if let Some(test) = &result.separating_test {
-        say(&format!("To settle it: {test}"));
+        say(&format!("A test that would decide: {test}"));
     }
     for warning in &result.warnings {
         say(&format!("Note: {warning}"));

@@ -99,7 +99,7 @@ fn a_batch_says_what_failed_and_its_models_are_compared() {
         ],
     );
     assert!(
-        printed.contains("offset force") && printed.contains("Force beside that of model 0"),
+        printed.contains("offset force") && printed.contains("Force compared with model 0"),
         "{printed}"
     );
     let found: serde_json::Value =

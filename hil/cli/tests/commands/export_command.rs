@@ -178,7 +178,7 @@ fn a_law_over_amplitude_is_warned_of() {
     };
     assert_eq!(
         out(&[]),
-        "warning: the law changes with the amplitude, and is that of 0.2 mm: --amplitude takes another\n"
+        "warning: the coefficients depend on the amplitude; the export uses those of 0.2 mm; --amplitude selects others\n"
     );
     assert_eq!(out(&["--amplitude", "0.15"]), "");
 }
@@ -276,7 +276,7 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
             "--model model.json --format pack --tick-rate 20000 --out p",
             &[
                 "model.json: field effects[1] (delay): time",
-                "give another --tick-rate than 20000",
+                "give a --tick-rate other than 20000",
             ],
         ),
         (
@@ -305,7 +305,7 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
         ),
         (
             "--model model.json --format c --tick-rate 1e4 --out -",
-            &["--out: C is a header and a source"],
+            &["--out: C needs two files"],
         ),
         (
             &format!("--model model.json --format rust --tick-rate 1e4 --out {long}"),

@@ -41,7 +41,7 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
         "force in N",
         "400 samples from 0 to 1.995 s, 200 Hz",
         "displacement -0.1 to 0.1 mm",
-        "cells are divided by a semicolon, the decimal sign is a comma",
+        "cells are separated by a semicolon, the decimal sign is a comma",
         "1 row of words at the end",
         "next: hil trace 'rig 1.txt'",
     ] {

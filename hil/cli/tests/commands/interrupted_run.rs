@@ -137,7 +137,7 @@ fn a_run_under_way_holds_its_folder_and_what_a_killed_one_left_is_kept() {
     assert_eq!(
         after,
         refused(
-            "run-out/recording.partial.csv: left by a run that was broken off; \
+            "run-out/recording.partial.csv: left by an interrupted run; \
              move it or remove it, or name another folder"
         )
     );
@@ -204,7 +204,8 @@ fn an_emulator_killed_at_any_moment_ends_the_run_in_one_message() {
         );
         if moment > 0 {
             assert!(
-                message.ends_with("what was recorded before is run-out/recording.partial.csv"),
+                message
+                    .ends_with("the samples recorded before are in run-out/recording.partial.csv"),
                 "{message}"
             );
             assert!(Recording::read(&journal).unwrap().len() > 100);

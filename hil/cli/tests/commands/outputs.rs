@@ -191,7 +191,7 @@ fn of_two_outputs_neither_is_lost() {
         destroys_nothing(
             root.path(),
             &[&predict[..], &["--out", one, "--json", other]].concat(),
-            &["would take two outputs"],
+            &["would be written twice"],
         );
     }
     for (command, name) in FILLING {
@@ -203,11 +203,11 @@ fn of_two_outputs_neither_is_lost() {
         destroys_nothing(
             root.path(),
             &[command, &["--json", &output]].concat(),
-            &[&output, "would take two outputs, the other is out/"],
+            &[&output, "would be written twice; the other output is out/"],
         );
     }
     let partial = ["run", "--json", "run-out/recording.partial.csv"];
-    destroys_nothing(root.path(), &partial, &["would take two outputs"]);
+    destroys_nothing(root.path(), &partial, &["would be written twice"]);
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn what_a_broken_off_run_left_is_kept() {
             root.path(),
             &[command, "--out", "out"],
             &[
-                "out/recording.partial.csv: left by a run that was broken off",
+                "out/recording.partial.csv: left by an interrupted run",
                 "move it or remove it, or name another folder",
             ],
         );
@@ -312,7 +312,7 @@ fn a_file_that_standard_output_goes_to_is_an_output_like_any_other() {
         ),
         (
             "\"$HIL\" predict --model model.json rec.csv --out - --json x > x; rm x; exit 2",
-            "x: would take two outputs",
+            "x: would be written twice",
         ),
     ] {
         let output = shell(root.path(), script);

@@ -257,7 +257,7 @@ fn a_cut_row_is_said_by_every_command() {
     let root = folder();
     let text = fs::read_to_string(root.path().join("good.csv")).unwrap();
     fs::write(root.path().join("cut.csv"), &text[..text.len() - 3]).unwrap();
-    let said = "the last row has no line end, so that its last number may have been cut; the row was left out";
+    let said = "the last row has no line end, so its last number may be cut; the row was left out";
     let hil = |arguments: &[&str]| {
         let output = hil_within(4096, root.path(), arguments);
         let error = String::from_utf8(output.stderr).unwrap();

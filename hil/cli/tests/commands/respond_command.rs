@@ -59,7 +59,7 @@ fn a_force_moves_the_mass_and_the_file_is_a_recording() {
     let (out, error) = done(root.path(), &FORCE);
     assert!(out.contains("Energy, J: input"), "{out}");
     assert!(
-        error.contains("delay: a force channel that is late"),
+        error.contains("delay: a delay of the force channel"),
         "{error}"
     );
     assert!(

@@ -213,7 +213,7 @@ fn a_rig_that_stops_on_a_limit_ends_with_1_and_keeps_what_it_recorded() {
     let output = run(root.path(), &["--blocks", "0.1:5:4,2:5:10"]);
     assert_eq!(output.status.code(), Some(1));
     let error = String::from_utf8(output.stderr).unwrap();
-    assert!(error.starts_with("error: the rig stopped "), "{error}");
+    assert!(error.starts_with("error: the rig tripped "), "{error}");
     assert_eq!(error.lines().count(), 1);
     Recording::read(root.path().join("run-out/recording.csv.gz")).unwrap();
 }
@@ -378,7 +378,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
         );
         let line = error.lines().next().unwrap();
         let said = format!(
-            "warning: model.json cannot be meant for this specimen: over the first 3 steady cycles its force is off by {:.0} % of ",
+            "warning: model.json does not fit this specimen: over the first 3 steady cycles the error of its force is {:.0} % of ",
             100.0 * nrmse
         );
         assert!(line.starts_with(&said), "{error}");
@@ -399,7 +399,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
     let (json, error) = ran(3.0, &drive);
     assert_eq!(json["first_error"]["cycles"], 0);
     assert!(
-        error.contains("over what was recorded its force is off by "),
+        error.contains("over the recording the error of its force is "),
         "{error}"
     );
 }

@@ -228,7 +228,7 @@ impl<'a> Closing<'a> {
 
         let (separating_test, separating_blocks) = match (verdict, &rivals) {
             (_, Some(rivals)) => {
-                progress("seeking the test that would tell the rivals apart");
+                progress("looking for a test that tells the candidates apart");
                 let (said, blocks) = separating_test(rivals, self.trajectories, self.sought.law)?;
                 (Some(said), blocks)
             }

@@ -51,7 +51,7 @@ impl Controlled {
                     ));
                 }
                 found.warnings.push(format!(
-                    "{name} is not looked at: {} has no such column",
+                    "{name} is ignored: {} has no such column",
                     without.name
                 ));
                 continue;
@@ -63,13 +63,13 @@ impl Controlled {
                     .any(|end| end.is_finite() && *end != range[0])
                 {
                     found.warnings.push(format!(
-                        "{name} is not looked at: it is {} in all that is fitted, and another where it is held out",
+                        "{name} is ignored: it is {} in all fitted data, and different in the held-out data",
                         range[0]
                     ));
                 }
             } else if found.controls.len() == CONTROLS {
                 found.warnings.push(format!(
-                    "{name} is not looked at: a damper has at most {CONTROLS} control inputs"
+                    "{name} is ignored: a damper has at most {CONTROLS} control inputs"
                 ));
             } else {
                 found.controls.push(Control {

@@ -192,22 +192,22 @@ pub fn trace_for(
         if !aligned.follow(&closed.model)? {
             break;
         }
-        progress("moving a force again that is early or late");
+        progress("correcting time shifts of the force");
         closed = conclude(&mut aligned, sought, progress)?;
     }
     for _ in 0..mesh_damper_recording::policy::policy().zero.most {
         if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
             break;
         }
-        progress("moving back a force whose zero steps");
+        progress("correcting zero steps of the force");
         closed = conclude(&mut aligned, sought, progress)?;
     }
     if is_more_missing(&closed.result) && aligned.take_zeros(&closed)? {
-        progress("moving back forces whose zero is another");
+        progress("correcting zero offsets between recordings");
         closed = conclude(&mut aligned, sought, progress)?;
     }
     if is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
-        progress("allowing for noise that grows towards low frequencies");
+        progress("estimating noise that grows towards low frequencies");
         closed = conclude(&mut aligned, sought, progress)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
@@ -256,7 +256,7 @@ fn conclude(
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(
             &known.name,
-            "is held out and holds nothing that is not fitted as well",
+            "is held out, but only repeats fitted recordings",
             "hold out another recording, or none",
         )
         .into());
@@ -277,7 +277,7 @@ fn conclude(
     }
     let (fitted, held) = (&*fitted, &*held);
     let (over_amplitude, selection) = search(fitted, &judging, sought, progress)?;
-    progress("fitting what was found to all that is not held out");
+    progress("fitting the effects found to all data that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
     if sought.law != BaseLaw::None && (2..=most_amplitudes()).contains(&over.len()) {

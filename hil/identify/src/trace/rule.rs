@@ -20,24 +20,24 @@ pub enum Rule {
     /// Of a candidate: it promised too little for a fit, and with the parameters of the start of a fit its error was larger than
     /// that of the best of the step.
     LittlePromise,
-    /// Of a candidate: the best of the step predicts the judging cycles clearly better.
+    /// Of a candidate: the best of the step predicts the validation data clearly better.
     Worse,
     /// Of a candidate: it does as well as the best of the step, which has the same families in another form.
     SameFamilies,
     /// Of a candidate: it does as well as the best of the step, but one of its shapes has a value at which the effect is a simpler
     /// one.
     AtLimit,
-    /// Of a candidate: two simpler effects that it may stand for do equally well in its place.
+    /// Of a candidate: two simpler effects together predict as well in its place.
     SimplerOnes,
     /// Of a candidate: it does not predict the judging cycles clearly better than the law before the step.
     LittleGain,
-    /// Of a candidate that was added: the judging cycles are predicted equally well without it.
+    /// Of a candidate that was added: the validation data is predicted as well without it.
     Needless,
     /// Of a candidate that was added: it vanishes in the fit to all open samples.
     Vanishes,
     /// Of the effects found: their error is larger than that of noise-limited laws.
     LeavesTooMuch,
-    /// Of the effects found: the remaining error is too large a part of the error of the law alone beyond the noise.
+    /// Of the effects found: their residual beyond the noise is too large a part of the law's.
     AccountsForTooLittle,
     /// Of the effects found: they hardly improve the prediction of blocks left out of the fit.
     UnknownElsewhere,
@@ -51,7 +51,7 @@ pub enum Rule {
     Unsteady,
     /// Of such an effect: another one in its place predicts the held-out conditions equally well.
     Rivalled,
-    /// Of a residual table: no table fits clearly better than the law does.
+    /// Of a residual table: no table fits clearly better than the law.
     TableWorthLittle,
     /// Of a residual table: it does not clearly improve the prediction of blocks left out of the fit.
     TableUnknownElsewhere,
@@ -61,48 +61,48 @@ impl Rule {
     /// The reason in words, to follow the name of the rejected candidate.
     pub fn says(self) -> &'static str {
         match self {
-            Self::NoiseLimited => "nothing is added to a noise-limited law",
-            Self::NotPassive => "a term would give energy, or push as a mass or a spring does not",
-            Self::StandsStill => "the cycles within a block show nothing of such a drift",
-            Self::InStepWithMotion => "its frequency is one that a specimen makes of the motion's",
-            Self::Warmth => "the measured temperature explains as much in the place of the drift",
+            Self::NoiseLimited => "the law is noise-limited, so nothing is added",
+            Self::NotPassive => "a term would deliver energy, or act as no mass or spring can",
+            Self::StandsStill => "the cycles within a block show no such drift",
+            Self::InStepWithMotion => {
+                "its frequency is one that a specimen can generate from the motion"
+            }
+            Self::Warmth => "the measured temperature explains as much as the drift",
             Self::LittlePromise => {
-                "it promised too little to be fitted, and the best of the step is clearly better"
+                "its predicted gain was too small to fit it, and the best of the step is clearly better"
             }
-            Self::Worse => "the best of the step predicts the judging cycles clearly better",
-            Self::SameFamilies => "another form of the same families does as well",
+            Self::Worse => "the best of the step predicts the validation data clearly better",
+            Self::SameFamilies => "another form of the same families predicts as well",
             Self::AtLimit => {
-                "it does as well as the best, but only where it turns into a simpler effect"
+                "it predicts as well as the best, but only at a limit where it becomes a simpler effect"
             }
-            Self::SimplerOnes => "two simpler effects that it may stand for do as well",
+            Self::SimplerOnes => "two simpler effects together predict as well",
             Self::LittleGain => {
-                "the judging cycles are not predicted clearly better than before the step"
+                "it does not predict the validation data clearly better than the law before the step"
             }
-            Self::Needless => "the judging cycles are predicted as well without it",
-            Self::Vanishes => "fitted to all that may be fitted, nothing of it is left",
+            Self::Needless => "the validation data is predicted as well without it",
+            Self::Vanishes => "fitted to all training and validation data, it vanishes",
             Self::LeavesTooMuch => {
-                "they leave more than the noise of the force and of the estimated motion"
+                "their residual exceeds the noise of the force and of the estimated motion"
             }
             Self::AccountsForTooLittle => {
-                "they leave too large a part of what the law alone leaves beyond the noise"
+                "their residual beyond the noise is too large a part of the law's"
             }
             Self::UnknownElsewhere => {
-                "blocks that were left out of the fit are hardly better predicted than by the law alone"
+                "they predict blocks left out of the fit hardly better than the law alone"
             }
-            Self::SaysLess => {
-                "they leave more than the noise of what was held out, which was not fitted"
-            }
+            Self::SaysLess => "their residual on the held-out data exceeds the noise",
             Self::HelpsNotEverywhere => {
-                "it does not help on every condition held out in turn, or shows on too few"
+                "it does not help on every condition held out in turn, or acts on too few of them"
             }
-            Self::GainsNothingElsewhere => "it gains nothing on what was held out",
+            Self::GainsNothingElsewhere => "it does not reduce the error on the held-out data",
             Self::Unsteady => {
-                "its parameters differ from one condition held out to the next by more than they are uncertain"
+                "its parameters differ between the conditions held out by more than their uncertainty"
             }
-            Self::Rivalled => "another effect in its place does as well",
-            Self::TableWorthLittle => "no table fits clearly better than the law does",
+            Self::Rivalled => "another effect in its place predicts as well",
+            Self::TableWorthLittle => "no table fits clearly better than the law",
             Self::TableUnknownElsewhere => {
-                "blocks that were left out of the fit are not clearly better predicted than without it"
+                "it does not predict blocks left out of the fit clearly better"
             }
         }
     }

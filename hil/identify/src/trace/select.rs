@@ -177,7 +177,7 @@ impl<'a> Search<'a> {
         let mut candidates = Vec::new();
         for step in 1..=policy().select.most_terms {
             progress(&format!(
-                "trying {} forms of effects beside {}",
+                "trying {} forms of effects in addition to {}",
                 self.terms.len(),
                 found.named()
             ));

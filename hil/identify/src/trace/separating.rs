@@ -106,14 +106,14 @@ pub(super) fn separating_test(
     let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
     Ok(if apart < policy().separating.enough {
         let said = format!(
-            "{said}, and so they would any other that the rig runs: {apart:.1} times the noise is the most by which the nearest \
-             two differ"
+            "{said}, and no test that the rig can run tells them apart: the two closest differ by at most {apart:.1} times the \
+             noise"
         );
         (said, Vec::new())
     } else {
         let programme: Vec<String> = blocks.iter().map(written).collect();
         let said = format!(
-            "{said}: record --blocks {} and trace that, where the nearest two differ by {apart:.1} times the noise",
+            "{said}: record --blocks {} and trace it; there the two closest differ by {apart:.1} times the noise",
             programme.join(",")
         );
         (said, blocks)
@@ -164,8 +164,8 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
         false => "sines of several frequencies".to_owned(),
     };
     format!(
-        "these recordings leave a parameter of {} without bounds: record {motion} at half and at all of the amplitude, and trace it \
-         together with them",
+        "these recordings do not bound a parameter of {}: record {motion} at half and at full amplitude, and trace all \
+         recordings together",
         names.join(" and of ")
     )
 }

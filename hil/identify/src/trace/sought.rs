@@ -35,7 +35,7 @@ impl Sought {
         if model.correction.is_some() {
             return Err(refused(
                 "correction",
-                "is a residual table, which stands for what is sought",
+                "is a residual table, which stands in for the effects sought",
                 "give a model without it",
             ));
         }
@@ -43,7 +43,7 @@ impl Sought {
             known_terms(effect).ok_or_else(|| {
                 refused(
                     &format!("effects[{index}]"),
-                    "has parameters that no fit has",
+                    "has parameters that a trace does not fit",
                     "give the effect as `hil trace` writes it, or leave it out",
                 )
             })

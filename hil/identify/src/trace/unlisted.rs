@@ -46,7 +46,7 @@ impl Closing<'_> {
         found: Solution,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Laws<'_>, ModelError> {
-        progress("holding out one condition after the other");
+        progress("holding out each condition in turn");
         let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
             left_out.in_turn(&|picked| {
                 let law = self.refit_model(rows, law, picked);
@@ -66,7 +66,7 @@ impl Closing<'_> {
         let (rows, of_alone) = (&self.rows[best], &errors[best]);
         let alone = self.fit_near(rows, &alone);
 
-        progress("correcting without a name what is left");
+        progress("fitting a residual table");
         let mut laws: Vec<(&Rows, &Solution)> =
             self.rows.iter().map(|rows| (rows, &alone)).collect();
         if !found.is_alone() {

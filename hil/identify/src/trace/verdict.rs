@@ -159,7 +159,7 @@ pub(super) fn warnings<'t>(
         warnings.extend(faults.map(|fault| format!("{}: {fault}", trajectory.name)));
         if trajectory.centre != 0.0 {
             warnings.push(format!(
-                "{}: the displacement's zero lies {:.4} mm from the middle of the motion; the law was given the \
+                "{}: the displacement's zero lies {:.4} mm from the middle of the motion; the law uses the \
                  displacement from the middle",
                 trajectory.name, trajectory.centre
             ));
@@ -173,14 +173,14 @@ pub(super) fn warnings<'t>(
             })
         {
             warnings.push(format!(
-                "{}: a block of {:.3} mm lies outside the fitted amplitudes {:.3} … {:.3} mm; the nearest one's coefficients are held",
+                "{}: a block of {:.3} mm lies outside the fitted amplitudes {:.3} … {:.3} mm; the coefficients of the nearest amplitude are used",
                 trajectory.name, block.amplitude, first.amplitude, last.amplitude
             ));
         }
     }
     if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(
-            "on what was held out the law with what was added is no better than the law alone: don't use it there"
+            "on the held-out data, the augmented law is no better than the law alone: do not use it under those conditions"
                 .to_owned(),
         );
     }
@@ -193,17 +193,17 @@ pub(super) fn warnings<'t>(
         && over_noise.says_less()
     {
         warnings.push(format!(
-            "on what was held out the law leaves {held_out:.1} times the noise, and where it was fitted {fitted:.1} times: fit more \
-             amplitudes and frequencies, about those held out"
+            "the residual is {held_out:.1} times the noise on the held-out data, and {fitted:.1} times on the fitted data: fit more \
+             amplitudes and frequencies near those held out"
         ));
     }
     if model.correction.is_some() {
         warnings.push(
-            "no listed effect explains what the law lacks: a table stands in for it, which is held at its edges".to_owned(),
+            "no family of effects explains the residual: a residual table stands in, and beyond its edges it keeps its edge values".to_owned(),
         );
     } else if left > policy().verdict.noise_limited {
         warnings.push(format!(
-            "what is left is {left:.1} times the noise of the force: more is missing from the law than was found"
+            "the residual is {left:.1} times the noise of the force: the law lacks more than was found"
         ));
     } else if errors.1.nrmse_fitted > policy().verdict.hidden_by_motion * noise_floor {
         warnings.push(format!(

@@ -92,7 +92,7 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
         found,
         [
             "A9.csv.gz: spikes in the force: 4 samples, the largest 0.2 times the channel's spread; left out",
-            "friction.csv.gz: missing samples: 179 in 179 gaps; the force there was left out, the motion bridged",
+            "friction.csv.gz: missing samples: 179 in 179 gaps; the force there was left out, the motion interpolated",
         ]
     );
     let conditions = [

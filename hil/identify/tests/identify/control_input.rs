@@ -231,7 +231,7 @@ fn a_current_that_was_never_another_is_said_to_be_another() {
     let result = traced(&[at(0.5, 1)], &[at(1.0, 2)]).result;
     assert!(!families(&result).contains(&"control_input"));
     let mut warnings = result.warnings.iter();
-    let said = warnings.any(|each| each.contains("current_A is not looked at: it is 0.5"));
+    let said = warnings.any(|each| each.contains("current_A is ignored: it is 0.5"));
     assert!(said, "{:?}", result.warnings);
 }
 
@@ -244,6 +244,6 @@ fn a_column_that_a_recording_lacks_is_not_looked_at() {
     let result = traced(&[test(1)], &[without]).result;
     assert!(!families(&result).contains(&"control_input"));
     let mut warnings = result.warnings.iter();
-    let said = warnings.any(|each| each.contains("current_A is not looked at"));
+    let said = warnings.any(|each| each.contains("current_A is ignored"));
     assert!(said, "{:?}", result.warnings);
 }

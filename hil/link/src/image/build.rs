@@ -80,7 +80,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
             "build it by hand, as docs/firmware.md says, to see more".to_owned()
         } else {
             format!(
-                "see that cargo reaches its registry, or remove {} and try again",
+                "check that cargo can reach its registry, or remove {} and try again",
                 root.display()
             )
         };

@@ -51,7 +51,7 @@ pub enum LinkError {
     Silent,
     /// The board at a serial port does not answer.
     #[error(
-        "the board at {0} does not answer: check its supply, the cable, and that nobody else has the port open"
+        "the board at {0} does not answer: check its supply, the cable, and that no other program has the port open"
     )]
     SilentBoard(String),
     /// The serial port is gone, or cannot be read or written.
@@ -68,7 +68,7 @@ pub enum LinkError {
     )]
     OtherVersion(u8),
     /// The board has restarted since the harness joined it.
-    #[error("the board has restarted in the middle: check its supply and its watchdog")]
+    #[error("the board restarted during the command: check its supply and its watchdog")]
     Restarted,
     /// The board has no timer and waits for ticks.
     #[error(
@@ -81,7 +81,7 @@ pub enum LinkError {
     )]
     OwnTimer,
     /// The image gave an answer that does not match the request.
-    #[error("the image answered another question")]
+    #[error("the image's answer does not belong to the request")]
     OtherAnswer,
     /// The image refused the request.
     #[error("the image refused it: {reason}")]
@@ -109,7 +109,7 @@ impl LinkError {
         let (reason, mend) = match refusal {
             Refusal::Field(field) => {
                 return Self::Refused {
-                    reason: format!("{field} cannot be so"),
+                    reason: format!("{field} has a value that the rig does not accept"),
                     mend: "set it within the range that its documentation gives",
                 };
             }
@@ -122,25 +122,22 @@ impl LinkError {
             Refusal::Start(refused) => return Self::Start(*refused),
             Refusal::Clear(refused) => return Self::Clear(*refused),
             Refusal::Restarted => return Self::Restarted,
-            Refusal::Order => ("it does not come in this order", REPORT),
+            Refusal::Order => ("the request came in the wrong order", REPORT),
             Refusal::Converter => (
                 "a converter did not answer its driver",
                 "check the converters' supply, their bus and their chip selects, and try again",
             ),
-            Refusal::PackMagic => ("these bytes are no coefficient pack", EXPORT),
+            Refusal::PackMagic => ("these bytes are not a coefficient pack", EXPORT),
             Refusal::PackVersion => ("the coefficient pack is of another version", EXPORT),
             Refusal::PackLength => (
-                "the coefficient pack has another length than it says, or than fits",
+                "the length of the coefficient pack is not the stated one, or is too large",
                 AGAIN,
             ),
-            Refusal::PackOrder => (
-                "a part of the coefficient pack does not follow the one before",
-                AGAIN,
-            ),
+            Refusal::PackOrder => ("a part of the coefficient pack is missing", AGAIN),
             Refusal::PackChecksum => ("the coefficient pack's checksum does not match", AGAIN),
             Refusal::PackBody => ("the coefficient pack's body cannot be read", EXPORT),
             Refusal::PackTickRate => (
-                "tick_rate: the coefficient pack is for another one than the rig's, or does not say its own",
+                "tick_rate: the coefficient pack is for a rate other than the rig's, or does not state one",
                 "export the model with the rig's --tick-rate",
             ),
             Refusal::PackIdentity => (
@@ -152,8 +149,8 @@ impl LinkError {
                 "export the model with a higher --revision",
             ),
             Refusal::PackActive => (
-                "law: that of the coefficient pack gives more energy than it takes in a cycle, and a passive one is required",
-                "send a law whose damping and whose stiffnesses of friction are not below 0",
+                "law: the law of the coefficient pack delivers energy over a cycle, but the rig requires a passive law",
+                "send a law without negative damping or negative friction stiffness",
             ),
         };
         Self::Refused {
@@ -173,10 +170,10 @@ impl From<LinkError> for InputError {
     fn from(error: LinkError) -> Self {
         let mend = match error {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
-            LinkError::Start(_) | LinkError::Clear(_) => "do that on the rig, then ask again",
+            LinkError::Start(_) | LinkError::Clear(_) => "correct that on the rig, then try again",
             LinkError::Refused { mend, .. } => mend,
             LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::Restarted => {
-                "mend that, then run it again"
+                "correct that, then run it again"
             }
             LinkError::OtherVersion(_) | LinkError::NoTimer | LinkError::OwnTimer => {
                 "flash the board, then run it again"

@@ -46,7 +46,8 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     };
     const EXPORT: &str = "send a pack that `hil export` of this version wrote";
     const AGAIN: &str = "send the pack again";
-    const LENGTH: &str = "the coefficient pack has another length than it says, or than fits";
+    const LENGTH: &str =
+        "the length of the coefficient pack is not the stated one, or is too large";
     const VERSION: &str = "the coefficient pack is of another version";
     const CHECKSUM: &str = "the coefficient pack's checksum does not match";
     let mut logged = Vec::new();
@@ -55,7 +56,11 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
         bad[bit / 8] ^= 1 << (bit % 8);
         // "MDCP", the version, the length of the body, the checksum, the body. Version 6 is read, and its checksum is another one.
         let (why, what_to_do, log) = match bit / 8 {
-            0..4 => ("these bytes are no coefficient pack", EXPORT, "PackMagic"),
+            0..4 => (
+                "these bytes are not a coefficient pack",
+                EXPORT,
+                "PackMagic",
+            ),
             4..6 if bad[4..6] != [6, 0] => (VERSION, EXPORT, "PackVersion"),
             6..8 => (LENGTH, AGAIN, "PackLength"),
             _ => (CHECKSUM, AGAIN, "PackChecksum"),

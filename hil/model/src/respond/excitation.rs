@@ -119,7 +119,7 @@ impl Excitation {
             return wrong(
                 "control",
                 count,
-                "samples are not as many as those of the excitation",
+                "samples do not match the number of samples of the excitation",
                 "give each control input as many",
             );
         }
@@ -129,7 +129,7 @@ impl Excitation {
             .chain(channels)
             .find(|value| !value.is_finite())
         {
-            Some(&value) => wrong("sample", value, "is not finite", "mend the sample"),
+            Some(&value) => wrong("sample", value, "is not finite", "correct the sample"),
             None => Ok(()),
         }
     }

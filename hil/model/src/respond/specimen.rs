@@ -61,11 +61,11 @@ impl Specimen {
                 "inertia" => {
                     new.model_mass += effect.parameters.get("mass").copied().unwrap_or_default();
                     has_gap.then_some(
-                        "its mass is taken in front of the gap: behind it, where it floats is not known",
+                        "its mass is placed in front of the gap, because its position behind a gap would be unknown",
                     )
                 }
-                "delay" => Some("a force channel that is late delays no force"),
-                "periodic" => Some("a tone of the test rig does not come with the damper"),
+                "delay" => Some("a delay of the force channel does not delay the force itself"),
+                "periodic" => Some("a tone of the test rig does not belong to the damper"),
                 "offset" if !offset => Some(
                     "the mass rests at a displacement of 0, where a static load balances the preload",
                 ),
@@ -97,7 +97,7 @@ impl Specimen {
             "and the model has no effect `inertia`: nothing moves".to_owned()
         } else {
             format!(
-                "and the model's effect `inertia` of {} kg leave no mass",
+                "and the model's effect `inertia` of {} kg: together no mass moves",
                 self.model_mass
             )
         };
@@ -125,7 +125,7 @@ impl Specimen {
             field: "effects (compliance).stiffness",
             value: spring,
             problem: format!(
-                "the effects behind the series spring are stiffer, {others} kN/mm, than spring and law together: no step settles"
+                "the effects behind the series spring ({others} kN/mm) are stiffer than spring and law together, so the time steps do not converge"
             ),
             remedy: "trace without the compliance, or give a stiffer spring",
         })

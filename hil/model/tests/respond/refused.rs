@@ -32,7 +32,7 @@ fn a_mass_that_is_none_is_refused() {
         (
             inertia(-5.0),
             3.0,
-            "mass = 3 and the model's effect `inertia` of -5 kg leave no mass",
+            "mass = 3 and the model's effect `inertia` of -5 kg: together no mass moves",
         ),
     ] {
         let error = refusal(&model, &Settings::new(mass));

@@ -38,7 +38,7 @@ impl Choice<'_> {
         let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
         let quantity = channel.name();
         let mend = format!(
-            "use one of {}, or say it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
+            "use one of {}, or give it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
             channel.column_names(),
             units[0],
             units[1],
@@ -81,7 +81,7 @@ impl Choice<'_> {
             options.push(format!("--channel {name}=NAME"));
         }
         let rate = if channel == Channel::Time {
-            ", or give the samples a second with --rate"
+            ", or give the sampling rate in Hz with --rate"
         } else {
             ""
         };
@@ -109,7 +109,7 @@ impl Choice<'_> {
             self.file,
             problem,
             format!(
-                "name one of them {}, or say which it is: {}{rate}",
+                "name one of them {}, or say which one it is: {}{rate}",
                 channel.column_names(),
                 options.join(" or ")
             ),

@@ -140,11 +140,11 @@ fn check_said(reading: &Reading) -> Result<(), InputError> {
         Some((quantity, unit)) => Err(InputError::new(
             format!("--unit {quantity}={unit}"),
             format!(
-                "{} is no channel, and no column of it is given",
+                "{} is not a channel, and --channel gives no column for it",
                 quoted(quantity)
             ),
             format!(
-                "channels are time, displacement, force, velocity and temperature; for a control input give its column too: \
+                "channels are time, displacement, force, velocity and temperature; for a control input, give its column too: \
                  --channel {quantity}=NAME"
             ),
         )),
@@ -237,7 +237,7 @@ fn of_table(
     chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
     if !assumed.is_empty() {
         chosen.assumed = Some(format!(
-            "no unit is said, and assumed is {}; give the unit, or a name with it such as force_kN",
+            "no unit is given, so {} is assumed; give the unit, or put it into the name, such as force_kN",
             assumed.join(", ")
         ));
     }
@@ -295,7 +295,7 @@ impl Choice<'_> {
             [(column, ..)] if rivals.is_empty() => Ok(Some((column, best))),
             [(first, ..), (second, ..), ..] if best == Rank::Own => Err(InputError::new(
                 self.file,
-                format!("{} is a {} too", name(first), channel.name()),
+                format!("{} is also a {}", name(first), channel.name()),
                 format!(
                     "keep one of them, rename the other, or give --channel {}={}",
                     channel.name(),
@@ -310,7 +310,10 @@ impl Choice<'_> {
                 if is_needed {
                     return Err(error);
                 }
-                guesses.push(format!("{}: none is read; {}", error.problem, error.mend));
+                guesses.push(format!(
+                    "{}, so none of them is read; {}",
+                    error.problem, error.mend
+                ));
                 Ok(None)
             }
         }
@@ -376,12 +379,12 @@ impl Choice<'_> {
                         let problem = format!(
                             "its name says {other}, and --unit {quantity}={unit} says {unit}"
                         );
-                        let mend = "leave the unit out, or rename the column";
+                        let mend = "leave out --unit, or rename the column";
                         let place = Place::Column(told.name.clone());
                         return Err(InputError::new(self.file, problem, mend).at(place));
                     }
                     guesses.push(format!(
-                        "column {} is read in {unit}, as was said, and not in {other}, which it says itself",
+                        "column {} is read in {unit}, as --unit says, not in {other}, as the column says",
                         quoted(&told.name)
                     ));
                 }
@@ -445,7 +448,7 @@ impl Choice<'_> {
                         quoted(name),
                         listed(&names)
                     ),
-                    format!("give --channel {quantity}= the name of one of them"),
+                    format!("give one of these names: --channel {quantity}=NAME"),
                 ))
             }
         }

@@ -32,7 +32,7 @@ impl Choice<'_> {
                     self.file,
                     format!("the unit of the control input {quantity} is not known"),
                     format!(
-                        "say it: --unit {quantity}=A; units are {}",
+                        "give it: --unit {quantity}=A; units are {}",
                         UNITS.join(", ")
                     ),
                 )
@@ -73,7 +73,10 @@ impl Choice<'_> {
                 if self.needs.inputs.is_some() {
                     return Err(error);
                 }
-                guesses.push(format!("{}: none is read; {}", error.problem, error.mend));
+                guesses.push(format!(
+                    "{}, so none of them is read; {}",
+                    error.problem, error.mend
+                ));
                 continue;
             };
             if !is_own {
@@ -107,7 +110,7 @@ impl Choice<'_> {
             ),
             _ => (
                 format!(
-                    "{} is not the name of a control input, which ends in a unit; found {names}",
+                    "{} is not the name of a control input, which must end in a unit; found {names}",
                     quoted(name)
                 ),
                 ("current", "A"),
@@ -117,7 +120,7 @@ impl Choice<'_> {
             self.file,
             problem,
             format!(
-                "call its column {quantity}_{unit}, or say which it is: --channel {quantity}=NAME --unit {quantity}={unit}"
+                "call its column {quantity}_{unit}, or say which one it is: --channel {quantity}=NAME --unit {quantity}={unit}"
             ),
         )
     }

@@ -147,7 +147,7 @@ impl std::fmt::Display for ChannelFault {
         let channel = self.channel.name();
         let left = match self.channel {
             Channel::Force => "left out",
-            _ => "replaced by what the samples around them say",
+            _ => "replaced by values interpolated from the samples around them",
         };
         match self.kind {
             ChannelFaultKind::Spikes { samples, largest } => write!(
@@ -174,11 +174,11 @@ impl std::fmt::Display for ChannelFault {
             ),
             ChannelFaultKind::Cut => write!(
                 f,
-                "the last row has no line end, so that its last number may have been cut; the row was left out"
+                "the last row has no line end, so its last number may be cut; the row was left out"
             ),
             ChannelFaultKind::Missing { samples, gaps } => write!(
                 f,
-                "missing samples: {samples} in {}; the force there was left out, the motion bridged",
+                "missing samples: {samples} in {}; the force there was left out, the motion interpolated",
                 stretches_of(gaps, "gap", "gaps")
             ),
             ChannelFaultKind::Jitter {
@@ -187,29 +187,29 @@ impl std::fmt::Display for ChannelFault {
             } => write!(
                 f,
                 "jitter of the times, {rms:.2} of a period RMS: the displacement is smoother over equal steps, so the \
-                 samples were taken to be equally spaced"
+                 samples are treated as equally spaced"
             ),
             ChannelFaultKind::Jitter {
                 rms,
                 stamps_only: false,
             } => write!(
                 f,
-                "jitter of the times, {rms:.2} of a period RMS: the channels were interpolated at equal steps"
+                "jitter of the times, {rms:.2} of a period RMS: the channels were interpolated to equal steps"
             ),
             ChannelFaultKind::Shifted { late } => write!(
                 f,
-                "channels shifted in time: the force is {} by {:.2} ms, which no passive damper can be; it was moved back",
+                "channels shifted in time: the force is {} by {:.2} ms, which is impossible for a passive damper; the shift was corrected",
                 if late < 0.0 { "early" } else { "late" },
                 1e3 * late.abs()
             ),
             ChannelFaultKind::Flipped if self.channel == Channel::Velocity => write!(
                 f,
-                "sign of the velocity flipped: it runs against the displacement; it was turned"
+                "sign of the velocity flipped: it is opposite to the displacement's rate of change; the sign was reversed"
             ),
             ChannelFaultKind::Flipped => write!(
                 f,
-                "sign of the force flipped: as recorded the specimen would give energy and push along with the \
-                 motion; it was turned"
+                "sign of the force flipped: as recorded, the specimen would deliver energy and push in the \
+                 direction of the motion; the sign was reversed"
             ),
             ChannelFaultKind::Unit {
                 factor,
@@ -219,11 +219,11 @@ impl std::fmt::Display for ChannelFault {
                 let what = if mended {
                     format!("{} multiplied by {factor:e}", was(samples))
                 } else {
-                    "nothing was changed: check the unit in the column's name, every size found is off by that".into()
+                    "nothing was changed: check the unit in the column's name; every value found is wrong by this factor".into()
                 };
                 write!(
                     f,
-                    "units of the {channel} off by {:.0}: {what}",
+                    "unit of the {channel} wrong by a factor of {:.0}: {what}",
                     factor.max(1.0 / factor)
                 )
             }
@@ -232,7 +232,7 @@ impl std::fmt::Display for ChannelFault {
                 amplitude,
             } => write!(
                 f,
-                "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was taken off",
+                "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was subtracted",
                 self.channel.unit()
             ),
             ChannelFaultKind::Zero { change, mended } => write!(
@@ -240,30 +240,30 @@ impl std::fmt::Display for ChannelFault {
                 "the zero of the {channel} lies {change:+.4} {} from that of the other recordings; {}",
                 self.channel.unit(),
                 match mended {
-                    true => "it was moved back",
+                    true => "the shift was corrected",
                     false =>
-                        "nothing that was fitted knows of it: tare the channel, or take that off the column",
+                        "the fit does not account for it: tare the channel, or subtract the shift from the column",
                 }
             ),
             ChannelFaultKind::ZeroStep { time, change } => write!(
                 f,
-                "the zero of the {channel} steps by {change:.2e} {} at {time:.3} s; what follows was moved back",
+                "the zero of the {channel} steps by {change:.2e} {} at {time:.3} s; the samples after it were corrected",
                 self.channel.unit()
             ),
             ChannelFaultKind::Pink { times } => write!(
                 f,
-                "its noise grows towards low frequencies as 1/f: there is {times:.1} times as much as quick changes show; it was allowed \
-                 for"
+                "its noise grows towards low frequencies as 1/f, to {times:.1} times the noise of its fast changes; the trace takes this \
+                 into account"
             ),
             ChannelFaultKind::Averaged { time } => write!(
                 f,
                 "displacement and force are moving averages over {time:.3} s: neither has noise at {:.1} Hz and its multiples; \
-                 the law's force is averaged likewise before it is compared",
+                 the law's force is averaged in the same way before the comparison",
                 1.0 / time
             ),
             ChannelFaultKind::NotDerivative => write!(
                 f,
-                "the velocity is not the derivative of the displacement; it was left out and the derivative taken"
+                "the velocity is not the derivative of the displacement; it was left out, and the derivative is used"
             ),
         }
     }

@@ -233,7 +233,7 @@ fn table<S>(
         let mut path = time.array.group.clone();
         path.push(time.array.column.name.clone());
         table.guesses.push(format!(
-            "the times of {} are taken for those of other groups, as they are equally many",
+            "the times of {} are used for other groups without times, which have as many samples",
             path.join("/")
         ));
     }
@@ -243,7 +243,7 @@ fn table<S>(
         && clocks.any(|other| other != first)
     {
         table.guesses.push(format!(
-            "the times of column {} count for all columns beside it, whose own clocks differ",
+            "the times of column {} are used for all columns of its group, although their own clocks differ",
             quoted(&time.array.column.name)
         ));
     }

@@ -167,7 +167,7 @@ impl Beside {
         let is_other = |rate: &&&Rate| (rate.step / first.step - 1.0).abs() > 1e-9;
         if let Some(other) = found.iter().find(is_other) {
             let said = format!(
-                "{} and {} say different rates, and none is taken; give one with --rate",
+                "{} and {} give different rates, so neither is used; give one with --rate",
                 first.taken, other.taken
             );
             return (None, Some(said));
@@ -177,7 +177,7 @@ impl Beside {
             step: first.step,
         };
         let said = format!(
-            "there is no time column, and the times are made of {}",
+            "there is no time column; the times are computed from {}",
             first.taken
         );
         (Some(clock), Some(said))

@@ -39,8 +39,8 @@ pub(super) fn guarded<T>(
 pub(super) fn damaged(format: &str, file: &str, why: impl std::fmt::Display) -> InputError {
     InputError::new(
         file,
-        format!("is no whole {format} file: {why}"),
-        "check that it was written to its end, and copied whole",
+        format!("is not a complete {format} file: {why}"),
+        "check that it was written and copied completely",
     )
 }
 
@@ -52,7 +52,7 @@ mod tests {
     fn a_panic_is_an_error_of_the_file() {
         let error = guarded::<()>("MDF4", "a.mf4", || panic!("index out of range")).unwrap_err();
         assert!(
-            error.to_string().contains("is no whole MDF4 file"),
+            error.to_string().contains("is not a complete MDF4 file"),
             "{error}"
         );
         assert!(!DECODES.get());

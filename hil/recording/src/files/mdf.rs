@@ -297,8 +297,8 @@ fn refused(name: &str, error: &Mf4Error) -> InputError {
     match error {
         Mf4Error::Unsupported { .. } => InputError::new(
             name,
-            format!("MDF4 with what is not read here: {error}"),
-            "write it anew with asammdf: mdf.convert('4.10').save(NAME)",
+            format!("uses a part of MDF4 that hil does not read: {error}"),
+            "write it again with asammdf: mdf.convert('4.10').save(NAME)",
         ),
         error => damaged(NAME, name, error),
     }

@@ -86,7 +86,7 @@ impl Tables for Memory {
                     column: name(),
                 };
                 let problem = format!("\"{}\" is not finite", values[row]);
-                let mend = "remove the row or mend the value";
+                let mend = "remove the row or correct the value";
                 return Err(InputError::new(&self.name, problem, mend).at(place));
             }
             columns.push(Some(values));

@@ -79,15 +79,15 @@ impl Tables for Opened<'_> {
             };
             if values.is_none() && wanted.must_be_numeric {
                 return Err(refused(
-                    "its values are no numbers".into(),
+                    "its values are not numbers".into(),
                     "name another column, or write numbers",
                 ));
             }
             if let (Some(rows), Some(values)) = (self.tables[table].rows, &values)
                 && values.len() as u64 != rows
             {
-                let problem = format!("it has {} values of {rows}", values.len());
-                return Err(refused(problem, "check that the file is whole"));
+                let problem = format!("it has {} values for {rows} rows", values.len());
+                return Err(refused(problem, "check that the file is complete"));
             }
             columns.push(values);
         }

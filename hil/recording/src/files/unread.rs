@@ -61,7 +61,7 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     if begins(b"PARE") {
         return Some((
             "is encrypted Parquet, which is not read",
-            "write it anew without encryption",
+            "write it again without encryption",
         ));
     }
     if begins(b"FEA1") {
@@ -80,7 +80,7 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     if begins(b"TDSh") {
         return Some((
             "is the index of a TDMS file, which holds no values",
-            "name the .tdms file beside it",
+            "name the .tdms file next to it",
         ));
     }
     if begins(b"PK\x03\x04") {
@@ -94,19 +94,19 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     }
     if begins(b"\x89MCAP0\r\n") {
         return Some((
-            "is MCAP, which is written and not read",
+            "is MCAP, which hil writes but does not read",
             "read the recording that it was made from",
         ));
     }
     if begins(b"\x93NUMPY") {
         return Some((
-            "is an array of NumPy, which says nothing of its columns",
+            "is a NumPy array, which does not name its columns",
             "write a table with names, as pandas.DataFrame(...).to_parquet(NAME) does",
         ));
     }
     is_mat_4(head).then_some((
         "is MATLAB of version 4, which is not read",
-        "load it and save it anew: save('NAME.mat', '-v7')",
+        "load it and save it again: save('NAME.mat', '-v7')",
     ))
 }
 

@@ -154,7 +154,7 @@ fn unpacks_within(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<(), Inpu
     if archive.index_for_name("xl/workbook.xml").is_none() {
         return Err(InputError::new(
             name,
-            "is a ZIP archive and no Excel workbook",
+            "is a ZIP archive, not an Excel workbook",
             "unpack it and name a file of it",
         ));
     }
@@ -309,7 +309,7 @@ impl Rows {
         if let Some(decimal) = of_texts {
             let sign = if decimal == ',' { "comma" } else { "point" };
             table.guesses.push(format!(
-                "numbers that are texts are read with a decimal {sign}"
+                "numbers stored as text are read with a decimal {sign}"
             ));
         }
         Ok((table, opened))

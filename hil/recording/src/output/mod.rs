@@ -270,7 +270,7 @@ mod tests {
             refuses(
                 root.path(),
                 Plan::new().writes([path(one), path(other)]),
-                "would take two outputs",
+                "would be written twice",
             );
         }
         refuses(
@@ -296,7 +296,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let left = root.path().join("left.csv");
         fs::write(&left, "all there is").unwrap();
-        refuses(root.path(), Plan::new().keeps(&left), "was broken off");
+        refuses(root.path(), Plan::new().keeps(&left), "an interrupted run");
         fs::remove_file(&left).unwrap();
         Plan::new().keeps(&left).begin().unwrap();
     }
@@ -322,7 +322,7 @@ mod tests {
         refuses(
             root.path(),
             Plan::new().writes([path("dangling/file")]),
-            "is a link that leads to no directory",
+            "is a link that does not lead to a directory",
         );
         refuses(
             root.path(),
@@ -335,7 +335,7 @@ mod tests {
         refuses(
             root.path(),
             Plan::new().writes(&files),
-            "would take two outputs",
+            "would be written twice",
         );
         let device = "/dev/null";
         let mut outputs = Plan::new().writes([device, device]).begin().unwrap();

@@ -81,7 +81,7 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
         .unwrap_or_else(|| Path::new("."));
     if !known.is_dir() {
         let what = if known.is_symlink() {
-            "a link that leads to no directory"
+            "a link that does not lead to a directory"
         } else {
             "a file, not a directory"
         };

@@ -97,7 +97,7 @@ impl Plan {
         match &self.unfinished {
             Some(left) if left.exists() => Err(InputError::new(
                 left.display().to_string(),
-                "left by a run that was broken off",
+                "left by an interrupted run",
                 "move it or remove it, or name another folder",
             )),
             _ => Ok(Outputs::new(planned, folders, self.unfinished)),
@@ -128,7 +128,7 @@ fn refuse_lost(
     if let Some(other) = planned.iter().find(|other| target.is_same_as(other)) {
         return refused(
             format!(
-                "would take two outputs, the other is {}",
+                "would be written twice; the other output is {}",
                 other.name.display()
             ),
             "name another file for one of them",
@@ -136,7 +136,7 @@ fn refuse_lost(
     }
     if target.is_link() {
         return refused(
-            "is a symbolic link, and what it leads to is not replaced".to_owned(),
+            "is a symbolic link; hil does not replace its target".to_owned(),
             "remove the link or name another file",
         );
     }

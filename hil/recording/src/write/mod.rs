@@ -133,9 +133,7 @@ impl FromStr for WriteAs {
         match known {
             Some((format, _)) if format.is_built() => Ok(*format),
             Some(_) => Err(NoFormat(format!("this build of hil does not write {text}"))),
-            None => Err(NoFormat(
-                "csv, csv.gz, parquet, mat or mcap is wanted".into(),
-            )),
+            None => Err(NoFormat("give csv, csv.gz, parquet, mat or mcap".into())),
         }
     }
 }

@@ -140,7 +140,7 @@ proptest! {
             Err(error) => {
                 let is_both = decimal == ',' && separator.starts_with(',');
                 // Names of several words between blanks.
-                let says_how = is_both || error.contains("in quotes where the separator stands in it") || error.contains("--channel") || error.contains("--unit") || error.contains("--decimal");
+                let says_how = is_both || error.contains("in quotes if it contains the separator") || error.contains("--channel") || error.contains("--unit") || error.contains("--decimal");
                 prop_assert!(says_how, "{error}\n{}", &text[..text.len().min(400)]);
                 prop_assert_eq!(error.lines().count(), 1);
             }

@@ -69,12 +69,12 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "UTF-16LE by its zeros",
             utf16(&german, false, false),
-            &["UTF-16LE, though nothing in it says so"],
+            &["UTF-16LE, although the file does not state this"],
         ),
         dialect(
             "UTF-16BE by its zeros",
             utf16(&german, true, false),
-            &["UTF-16BE, though nothing in it says so"],
+            &["UTF-16BE, although the file does not state this"],
         ),
         dialect(
             "UTF-16LE, gzipped",
@@ -84,7 +84,7 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "Windows-1252",
             coded(&german, encoding_rs::WINDOWS_1252),
-            &["windows-1252, though nothing in it says so"],
+            &["windows-1252, although the file does not state this"],
         ),
         dialect(
             "Windows-1251, Russian",

@@ -53,7 +53,7 @@ fn thousands_that_come_late_are_asked_for() {
         let error: String = read(cell, None).unwrap_err();
         assert!(error.contains("line 40002, column Kraft [N]"), "{error}");
         assert!(
-            error.contains("could be the decimal sign or divide thousands"),
+            error.contains("could be the decimal sign or a thousands separator"),
             "{error}"
         );
         assert!(
@@ -109,12 +109,12 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "thousands by a point, decimal comma",
             with_groups(";", ',', ".", ""),
-            &["a comma, and a point divides thousands"],
+            &["a comma, and a point separates thousands"],
         ),
         dialect(
             "thousands by a comma, quoted",
             with_groups(",", '.', ",", "\""),
-            &["a comma divides thousands"],
+            &["a comma separates thousands"],
         ),
         dialect(
             "thousands by a blank",

@@ -79,7 +79,7 @@ pub fn dialects() -> Vec<Dialect> {
             rows(&NEWTONS, "\",\"", '.', "\"\r\n").lines().map(|line| format!("\"{line}\r\n")).collect::<String>()).into_bytes(), NEWTONS, read(&["\"Load\" in N", "line 4"])),
         dialect("LabVIEW LVM, one column of times", lvm('.', "One", y_units, "X_Value\tDisp\tLoad", &rows(&NEWTONS, "\t", '.', "\r\n")), NEWTONS, read(&["\"X_Value\" in s"])),
         dialect("LabVIEW LVM, decimal comma", lvm(',', "One", y_units, "X_Value\tWeg\tKraft", &rows(&NEWTONS, "\t", ',', "\r\n")), NEWTONS, read(&["a comma"])),
-        dialect("LabVIEW LVM, no column of times", lvm('.', "No", y_units, "X_Value\tDisp\tLoad", &empty_first('.')), [S, MM, N], read(&["Delta_X of 0.0125 s"])),
+        dialect("LabVIEW LVM, no column of times", lvm('.', "No", y_units, "X_Value\tDisp\tLoad", &empty_first('.')), [S, MM, N], read(&["Delta_X = 0.0125 s"])),
         dialect("LabVIEW LVM, a column of times for each", lvm('.', "Multi", y_units, "X_Value\tDisp\tX_Value\tLoad", &multi), NEWTONS, read(&["\"X_Value\" in s"])),
         dialect("LabVIEW LVM with a remark", lvm('.', "One", y_units, "X_Value\tDisp\tLoad", &remarked), NEWTONS, read(&["\"X_Value\" in s"])),
         dialect("LabVIEW LVM, untitled", lvm('.', "One", "", "X_Value\tUntitled\tUntitled 1", &rows(&NEWTONS, "\t", '.', "\r\n")), NEWTONS,

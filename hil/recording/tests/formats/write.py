@@ -156,8 +156,8 @@ def mat():
     save("two_runs.mat", two, table="run0")
     save("two_runs_unasked.mat", two, refused=["2 tables hold a recording", "--table"])
     rated = {"displacement_mm": DISPLACEMENT, "force_kN": FORCE}
-    save("rate.mat", {"Fs": 1000.0, **rated}, guesses=["the times are made of the number Fs = 1000 Hz"], error=1e-15)
-    save("step.mat", {"run": {"dt": 1e-3, **rated}, "dt": 5.0}, guesses=["the times are made of the number run.dt = 0.001 s"], error=1e-15)
+    save("rate.mat", {"Fs": 1000.0, **rated}, guesses=["the times are computed from the number Fs = 1000 Hz"], error=1e-15)
+    save("step.mat", {"run": {"dt": 1e-3, **rated}, "dt": 5.0}, guesses=["the times are computed from the number run.dt = 0.001 s"], error=1e-15)
     save("rate_said.mat", {"Fs": 2.0, **rated}, rate=1000.0, skipped=["the number Fs = 2"], error=1e-15)
     save("scale.mat", {**named, "force_scale": 1e-4}, guesses=["the number force_scale = 0.0001 is not applied"])
     save("complex.mat", {**named, "z": FORCE + 1j}, skipped=["z (complex numbers)"])
@@ -251,7 +251,7 @@ def hdf5():
         each["time_s"] = TIME.astype(">f8")
         each["displacement_mm"] = DISPLACEMENT.astype(">f4")
         each["force_kN"] = FORCE.astype(">f8")
-    with file("groups.h5", guesses=["time/t are taken for those of other groups"], comments=["specimen: D1"]) as each:
+    with file("groups.h5", guesses=["the times of time/t are used for other groups"], comments=["specimen: D1"]) as each:
         each.attrs["specimen"] = "D1"
         for path, values, unit in [("time/t", TIME, "s"), ("signals/stroke", DISPLACEMENT, "mm"), ("signals/load", FORCE, "kN")]:
             each[path] = values
@@ -300,7 +300,7 @@ def hdf5():
         each["rig/data"].attrs["columns"] = list(named)
     with file("matrix_unasked.h5", refused=["--channel time='data #1' or --channel time='data #2'", "--rate"]) as each:
         each["data"] = np.column_stack([TIME, DISPLACEMENT, FORCE])
-    with file("rate.h5", guesses=["the times are made of attribute sample_rate of"], error=1e-15) as each:
+    with file("rate.h5", guesses=["the times are computed from attribute sample_rate of"], error=1e-15) as each:
         for name in ["displacement_mm", "force_kN"]:
             each[name] = named[name]
             each[name].attrs["sample_rate"] = 1000.0
@@ -413,13 +413,13 @@ def tdms():
 
     started("start.tdms", [0, 0])
     started("start_apart.tdms", [0, 1000], refused=["displacement is in table", "force is in table", "sampled at different times"])
-    started("start_unsaid.tdms", [0, None], guesses=["Rig/Load says no start (wf_start_time) and is taken to start with the others"])
-    started("start_beside_times.tdms", [0, 1000], TIME, guesses=["the times of column \"Time\" count for all columns beside it"])
+    started("start_unsaid.tdms", [0, None], guesses=["Rig/Load gives no start time (wf_start_time); it is assumed to start with the others"])
+    started("start_beside_times.tdms", [0, 1000], TIME, guesses=["the times of column \"Time\" are used for all columns of its group"])
     late = {"wf_start_time": np.datetime64("2026-03-01T12:00:05")}
     halves = [ChannelObject("Rig", names[key], truth[key][:100], properties={**units[key], **wave, **start})
               for start in [{"wf_start_time": np.datetime64("2026-03-01T12:00:00")}] for key in ["displacement", "force"]]
     rest = [ChannelObject("Rig", names[key], truth[key][100:], properties=late) for key in ["displacement", "force"]]
-    save("start_anew.tdms", halves, rest, error=1e-15, guesses=["the clock of Rig/Load was started anew within the file"])
+    save("start_anew.tdms", halves, rest, error=1e-15, guesses=["the clock of Rig/Load restarted within the file"])
     step = 2e-4
     raw = {"displacement": np.round(DISPLACEMENT / step).astype(np.int16), "force": np.round((FORCE + 1) / step).astype(np.int16)}
 
@@ -538,7 +538,7 @@ def json_files():
     Path(said("nulls.json", "Python's json", missing=[17, 18], units=units)).write_text(json.dumps({"run": {"data": gap}}, indent=1))
     for name, said_rate in [("rate.json", {"fs": 1000}), ("step.json", {"dt_ms": 1.0})]:
         rated = {"units": units, **said_rate, "displacement": columns["displacement"], "force": columns["force"]}
-        words = f"the times are made of the number {next(iter(said_rate))}"
+        words = f"the times are computed from the number {next(iter(said_rate))}"
         Path(said(name, "Python's json", guesses=[words], error=1e-15)).write_text(json.dumps(rated))
     runs = {run: {"units": units, **columns} for run in ["first", "second"]}
     Path(said("two_runs.json", "Python's json", refused=["2 tables hold a recording", "first", "second"])).write_text(json.dumps(runs))
@@ -570,7 +570,7 @@ def xlsx():
         stamp = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(milliseconds=n)
         dated.active.append([stamp, *map(float, row)])
     # A day of Excel has 2^-37 of it to the last bit: 0.6 µs.
-    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds from the first"]))
+    dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds after the first"]))
     def saved(name, rows, *sheets, **more):
         made = openpyxl.Workbook()
         for place, each in enumerate([*sheets, rows]):
@@ -582,16 +582,16 @@ def xlsx():
     numbers = [[float(value) for value in row] for row in zip(TIME, DISPLACEMENT, FORCE)]
     head = ["Time [s]", "Disp [mm]", "Force [kN]"]
     preamble = [["Rig 4"], ["Operator", "X"], ["Limits", 1, 2, 3], [], ["Time", "Disp", "Force"], ["s", "mm", "kN"]]
-    saved("preamble.xlsx", preamble + numbers, guesses=["the names stand in line 5, the units in line 6"], comments=["Operator: X"])
+    saved("preamble.xlsx", preamble + numbers, guesses=["the names are in line 5, the units in line 6"], comments=["Operator: X"])
     summary = [["Cycle", "Max Load [kN]", "Max disp [mm]"]] + [[n, 1.0 + n, 2.0] for n in range(5)]
     below = [["Max", float(max(DISPLACEMENT)), float(max(FORCE))]]
     saved("below.xlsx", [head] + numbers + below, summary, refused=["line 202", "\"Max\" is not a number"])
     for name, sign in [("comma_texts.xlsx", ","), ("point_texts.xlsx", ".")]:
         texts = [[repr(value).replace(".", sign) for value in row] for row in numbers]
         words = {",": "comma", ".": "point"}[sign]
-        saved(name, [head] + texts, guesses=[f"numbers that are texts are read with a decimal {words}"])
+        saved(name, [head] + texts, guesses=[f"numbers stored as text are read with a decimal {words}"])
     mixed = [[time, repr(y).replace(".", ","), force] for time, y, force in numbers]
-    saved("some_texts.xlsx", [head] + mixed, guesses=["numbers that are texts are read with a decimal comma"])
+    saved("some_texts.xlsx", [head] + mixed, guesses=["numbers stored as text are read with a decimal comma"])
     thousands = [[time, y, f"{100 + force:.3f}"] for time, y, force in numbers]
     saved("either_texts.xlsx", [["Time [s]", "Disp [mm]", "Force [N]"]] + thousands, refused=["--decimal point or --decimal comma"])
     away = [[], []] + [[None, None, *row] for row in [head] + numbers]

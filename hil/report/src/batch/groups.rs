@@ -121,7 +121,7 @@ pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     };
     let pictures = pictures::parameters(&groups);
     Some(html! {
-        p { "An effect counts where a trace found it, and not where it cannot be told from another." }
+        p { "An effect counts if a trace found it and can tell it from all others." }
         (table("Traces with each effect, by group", head, body))
         (parameters(&groups))
         @if !pictures.is_empty() {

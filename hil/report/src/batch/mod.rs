@@ -29,7 +29,7 @@ pub fn batch_page(rows: &[BatchRow]) -> String {
     let first = html! {
         div.verdict {
             p.heading { strong { (counted(rows)) } }
-            p { "The traces took " (duration(elapsed)) " in all, one after another." }
+            p { "The traces took " (duration(elapsed)) " in total, one after another." }
         }
     };
     let sections = [
@@ -42,8 +42,8 @@ pub fn batch_page(rows: &[BatchRow]) -> String {
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let last = html! {
         p {
-            "Errors are the RMS of the force's error over the RMS of the measured force, on what was never fitted: before with the law \
-             alone, after with the law of the model. Intervals are of 90 %."
+            "Errors are the RMS of the force error divided by the RMS of the measured force, on data that was never fitted: before for \
+             the law alone, after for the model. Intervals are 90 % intervals."
         }
     };
     page(&title, first, &sections, last, &[SCRIPT])
@@ -106,7 +106,7 @@ fn errors(rows: &[BatchRow]) -> Option<Section> {
             " times the noise."
         }
         (picture::key([&picture], &[]))
-        (figure(html! { "error on what was never fitted, before and after, over the noise of the recording" }, &picture))
+        (figure(html! { "error on data that was never fitted, before and after, over the noise of the recording" }, &picture))
     };
     Some(Section::new("2. Errors and noise", body))
 }
@@ -116,7 +116,7 @@ const NOISE_LIMITED: f64 = 1.5;
 
 fn failures(failed: &[&BatchRow]) -> Markup {
     let head = html! { tr {
-        th scope="col" { "trace" } th.text scope="col" { "group" } th.text scope="col" { "what was wrong" }
+        th scope="col" { "trace" } th.text scope="col" { "group" } th.text scope="col" { "error" }
     } };
     let rows = html! {
         @for row in failed {
@@ -129,7 +129,7 @@ fn failures(failed: &[&BatchRow]) -> Markup {
             }
         }
     };
-    table("Traces that could not be made", head, rows)
+    table("Traces that failed", head, rows)
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub fn section(data: &ReportData) -> Section {
     let body = if blocks.is_empty() {
         html! {
             p {
-                "No two cycles alike follow each other in these recordings, and stiffness and loss factor are of motion that repeats: \
+                "Stiffness and loss factor need motion that repeats, and no two consecutive cycles of these recordings are alike. So \
                  there is no backbone, no K′, K″ or η, and no row of loops."
             }
         }
@@ -53,7 +53,7 @@ fn filled(data: &ReportData, blocks: &[BlockFigures<'_>]) -> Markup {
         h3 { "Stiffness and loss factor over cycles" }
         (picture::key([&over_cycles], &names))
         (figure(html! { "cycle by cycle, blocks one after another" }, &over_cycles))
-        h3 { "Loops, one above another" }
+        h3 { "Loops, stacked" }
         (picture::key([&waterfall.picture], &names))
         (figure(html! { (waterfall.caption) }, &waterfall.picture))
         (results(blocks))
@@ -64,7 +64,7 @@ fn by_condition(pictures: Option<&[Picture]>, over: &str) -> Markup {
     html! {
         @match pictures {
             Some(pictures) => {
-                p { "Marks are measured, lines are of the law after." }
+                p { "Marks are measured; lines are the law after." }
                 (picture::key(pictures, &[]))
                 div.grid { @for picture in pictures { (figure(html! { (picture.panels[0].y.name) }, picture)) } }
             }

@@ -74,7 +74,7 @@ pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
     let height = HEIGHT.1 + HEIGHT.0 * rows.len() as u32;
     Waterfall {
         picture: Picture::of(
-            format!("Loops one above another, {by}"),
+            format!("Loops, stacked, {by}"),
             ((width, height), font),
             panel,
         ),

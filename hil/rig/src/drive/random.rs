@@ -46,7 +46,7 @@ fn quantity(field: &str, text: &str, units: &[(&str, f64)]) -> Result<f64, Input
         Some((_, scale)) => *scale,
         None if unit.is_empty() => 1.0,
         None => {
-            let problem = format!("{} is no unit of it", quoted(unit));
+            let problem = format!("{} is not a unit of it", quoted(unit));
             return Err(refused(
                 field,
                 problem,
@@ -58,7 +58,7 @@ fn quantity(field: &str, text: &str, units: &[(&str, f64)]) -> Result<f64, Input
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value * scale),
         _ => Err(refused(
             field,
-            format!("{} is no number above 0", quoted(digits)),
+            format!("{} is not a number above 0", quoted(digits)),
             FORM,
         )),
     }
@@ -143,7 +143,11 @@ impl RandomMotion {
                 self.from,
                 self.to
             );
-            return Err(refused("to", problem, "widen the band, or take longer"));
+            return Err(refused(
+                "to",
+                problem,
+                "widen the band, or make the duration longer",
+            ));
         }
         let amplitude = self.rms * (2.0 / (last - first + 1) as f64).sqrt();
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);

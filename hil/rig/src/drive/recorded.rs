@@ -61,7 +61,7 @@ pub fn recorded(
     let last = samples.len() - 1;
     let count = (last as f64 * period / grid.step() + 1e-6) as usize;
     if count < 2 {
-        let problem = format!("{:.4} s are no motion", last as f64 * period);
+        let problem = format!("{:.4} s is too short for a motion", last as f64 * period);
         return Err(InputError::new(&recording.name, problem, "record longer"));
     }
     let at = |time: f64| {

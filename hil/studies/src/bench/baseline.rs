@@ -125,7 +125,7 @@ impl Baseline {
     pub fn read_within(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         let bytes = read_json(path, limit)?;
         serde_json::from_slice(&bytes).map_err(|error| {
-            let mend = "write it anew with --bless";
+            let mend = "replace it with --bless";
             InputError::new(path.display().to_string(), error.to_string(), mend)
         })
     }

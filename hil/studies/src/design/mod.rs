@@ -68,7 +68,7 @@ pub enum DesignError {
     #[error(transparent)]
     Rig(#[from] SetupError),
     /// The rig stopped at a limit.
-    #[error("the rig stopped after {time:.2} s: {fault:?}")]
+    #[error("the rig tripped after {time:.2} s: {fault:?}")]
     Stopped {
         /// s since the start.
         time: f64,

@@ -49,7 +49,7 @@ impl AmplitudeFreeCommand {
             return Err(InputError::new(
                 "--frequencies",
                 format!("{frequency} Hz is outside 0.1…100"),
-                "give frequencies within it, such as 1,10",
+                "give frequencies within this range, such as 1,10",
             )
             .into());
         }

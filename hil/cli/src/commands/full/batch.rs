@@ -99,11 +99,11 @@ impl BatchCommand {
         match summary.failed {
             0 => Ok(()),
             failed => Err(Failure::Check(format!(
-                "{failed} of {} could not be traced; the column error of {} says why{}",
+                "{failed} of {} failed; the column `error` of {} gives the reasons{}",
                 counted(summary.traces.len(), "trace"),
                 batch.out.join("outcomes.csv").display(),
                 first_error(&summary)
-                    .map_or_else(String::new, |error| format!(", of the first {error}"))
+                    .map_or_else(String::new, |error| format!("; the first is: {error}"))
             ))),
         }
     }
@@ -147,7 +147,7 @@ fn ignored(files: &[PathBuf]) -> String {
     let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
     let more = if files.len() > NAMED { ", …" } else { "" };
     format!(
-        "{} by name no recording and left out: {}{more}",
+        "{} left out, without the ending of a recording: {}{more}",
         match files.len() {
             1 => "1 file is".to_owned(),
             count => format!("{count} files are"),
@@ -200,7 +200,10 @@ fn print(summary: &Summary, out: &Path) {
         Outcome::Failed(_) => None,
     });
     for (verdict, words) in [
-        (Verdict::None, "the law explains the recordings"),
+        (
+            Verdict::None,
+            "no effect is missing: the law explains the recordings",
+        ),
         (Verdict::Found, "effects are found"),
         (
             Verdict::Ambiguous,
@@ -208,14 +211,14 @@ fn print(summary: &Summary, out: &Path) {
         ),
         (
             Verdict::Unlisted,
-            "something is missing that no effect explains",
+            "unmodelled: no family of effects explains the residual",
         ),
     ] {
         let of_verdict = found.clone().filter(|found| found.verdict == verdict);
         say(&format!("  {:>6}  {words}", of_verdict.count()));
     }
     if summary.failed > 0 {
-        say(&format!("  {:>6}  could not be traced", summary.failed));
+        say(&format!("  {:>6}  failed", summary.failed));
     }
     let mut families: BTreeMap<&str, usize> = BTreeMap::new();
     for effect in found

@@ -114,7 +114,7 @@ fn case_of(verdict: &Verdict) -> Case {
         (Some(failure), ..) => Case::Failed(failure),
         (None, None, _) => Case::Skipped("not measured here".into()),
         (None, Some(_), Some(excuse)) if !verdict.holds() => Case::Skipped(format!(
-            "not reached, {} {} where {} is asked for: {excuse}",
+            "known miss: {} {}, required {}: {excuse}",
             verdict.figure(),
             verdict.unit,
             verdict.asked_for()

@@ -94,7 +94,7 @@ impl BlindCommand {
             junit.case("seed", &name, case_of(outcome), None);
         }
         for seed in &summary.not_shown {
-            let reason = "no test shows the effect that it would hide".to_owned();
+            let reason = "no test shows the effect that this seed hides".to_owned();
             junit.case("seed", &format!("seed {seed}"), Case::Skipped(reason), None);
         }
         junit.add(&mut outputs, self.junit.as_deref())?;
@@ -122,7 +122,7 @@ impl BlindCommand {
     fn show(&self, seed: u64) -> Result<(), Failure> {
         let mut outputs = recordings(self.out.as_deref())?;
         let trial = (self.draw().trial(seed)).ok_or_else(|| {
-            let what = "no test shows the effect that it would hide";
+            let what = "no test shows the effect that this seed hides";
             InputError::new(format!("described seed {seed}"), what, "show another seed")
         })?;
         add_recordings(
@@ -166,7 +166,7 @@ fn case_of(outcome: &Outcome) -> Case {
         )),
         Mark::Right | Mark::Among => Case::Passed,
         Mark::Wrong => Case::Skipped(format!(
-            "missed, which the floors count: called {}",
+            "missed; counted in the rates: called {}",
             outcome.answer()
         )),
     }
@@ -230,18 +230,20 @@ fn print(summary: &Summary) {
         .filter(|outcome| outcome.counts() && outcome.mark() != Mark::Right)
         .collect();
     if !wrong.is_empty() {
-        say("Seeds that count and were not called what they are:");
+        say("Seeds that count and were not named correctly:");
         for outcome in wrong {
             say(&line(outcome));
         }
     }
     if !summary.not_shown.is_empty() {
         say(&format!(
-            "No test shows what these seeds would hide: {:?}",
+            "No test shows the effects of these seeds: {:?}",
             summary.not_shown
         ));
     }
-    say("\nTruth, how many, and what was said (unlisted truths in brackets):");
+    say(
+        "\nHidden effect, number of seeds, and results of the trace (effects of no family in brackets):",
+    );
     for (truth, answers) in &summary.confusion {
         let total: usize = answers.values().sum();
         let mut answers: Vec<(&String, &usize)> = answers.iter().collect();
@@ -255,10 +257,10 @@ fn print(summary: &Summary) {
     say("\nHeld-out error of the embedded law over the noise:  median  9 in 10   worst");
     for (class, ratios) in &summary.ratios {
         let name = match class {
-            Class::None => "nothing hidden",
-            Class::Listed => "one listed effect",
+            Class::None => "no hidden effect",
+            Class::Listed => "one effect of a family",
             Class::Pair => "two",
-            Class::Unlisted => "an unlisted effect",
+            Class::Unlisted => "an effect of no family",
         };
         say(&format!(
             "{name:>50} {:>7.2} {:>8.2} {:>7.2}",
@@ -267,21 +269,21 @@ fn print(summary: &Summary) {
     }
     say("");
     for (what, rate) in [
-        ("one listed effect, named alone", summary.listed),
+        ("one effect of a family, named alone", summary.listed),
         ("the same, or named among several", summary.listed_or_among),
         (
-            "false discoveries where nothing is hidden",
+            "false discoveries without a hidden effect",
             summary.false_discoveries,
         ),
         ("two effects, both named", summary.pairs),
         ("the same, or named among several", summary.pairs_or_among),
-        ("an unlisted effect, called unlisted", summary.unlisted),
+        ("an effect of no family, called unlisted", summary.unlisted),
         (
-            "an unlisted effect, called by another name",
+            "an effect of no family, given the name of a family",
             summary.unlisted_named,
         ),
         (
-            "an unlisted effect, the law mended",
+            "an effect of no family, the law augmented",
             summary.unlisted_mended,
         ),
     ] {

@@ -24,7 +24,7 @@ impl FromStr for Port {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.strip_prefix("serial:") {
             Some(port) if !port.is_empty() => Ok(Self(port.into())),
-            _ => Err("serial:PORT is wanted, such as serial:/dev/ttyACM0".into()),
+            _ => Err("give serial:PORT, such as serial:/dev/ttyACM0".into()),
         }
     }
 }

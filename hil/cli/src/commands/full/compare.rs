@@ -121,7 +121,7 @@ fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
     };
     let first = [at(0, 0.0)].into_iter();
     let force = over_time::Panel {
-        title: "force beside the first model's".into(),
+        title: "force compared with the first model".into(),
         name: "RMS of the difference".into(),
         unit: "%".into(),
         changed: comparison.forces.iter().any(|one| one.changed),
@@ -180,10 +180,10 @@ fn heading(comparison: &Comparison) -> &'static str {
     match (comparison.changed, comparison.undecided.is_empty()) {
         (true, _) => "The specimen changed.",
         (false, false) => {
-            "Not decided: an effect differs that what all models were fitted under does not show."
+            "Undecided: an effect differs, but the conditions shared by all models do not show it."
         }
         (false, true) if nothing_known => {
-            "Not decided: of some models it is not known by how much their force may be off."
+            "Undecided: the uncertainty of the force is unknown for some models."
         }
         (false, true) => "No change beyond the intervals.",
     }
@@ -245,15 +245,19 @@ fn print(comparison: &Comparison) {
         ));
     }
     say(&format!(
-        "Force beside that of model 0, under what all were fitted: {}",
+        "Force compared with model 0, under the conditions shared by all: {}",
         common(&comparison.common_motion)
     ));
     for one in &comparison.forces {
         let expected = match one.expected.zip(one.p) {
             Some((expected, p)) => {
-                format!("by chance {}, {}", text::percent(expected), chance(p))
+                format!(
+                    "expected by chance: {}, {}",
+                    text::percent(expected),
+                    chance(p)
+                )
             }
-            None => "by chance not known".to_owned(),
+            None => "expected by chance: unknown".to_owned(),
         };
         say(&format!(
             "  {}  differs by {} ({expected}){}; most at {} mm and {} mm/s, by {} kN",

@@ -91,7 +91,7 @@ impl CycleRow {
     /// By how much the law followed the specimen.
     pub fn followed_in_words(&self) -> String {
         format!(
-            "The law followed by {:+.1} % of k1, {:+.1} % of k3 and {:+.1} % of c",
+            "The law adapted k1 by {:+.1} %, k3 by {:+.1} % and c by {:+.1} %",
             100.0 * self.followed_k1,
             100.0 * self.followed_k3,
             100.0 * self.followed_c

@@ -141,7 +141,7 @@ impl DesignCommand {
         let stopped = |outcome: &Outcome| matches!(outcome, Outcome::Stopped(_));
         if summary.on_rig.iter().any(stopped) {
             return Err(Failure::Check(
-                "the rig stopped on a limit, so that not every solution is checked".into(),
+                "the rig tripped, so not every solution is checked".into(),
             ));
         }
         Ok(())
@@ -175,7 +175,10 @@ fn range(text: &str) -> Result<(f64, f64), InputError> {
     ends.ok_or_else(|| {
         InputError::new(
             "--amplitude-range",
-            format!("{} is no range", mesh_damper_recording::error::quoted(text)),
+            format!(
+                "{} is not a range",
+                mesh_damper_recording::error::quoted(text)
+            ),
             "give two amplitudes in mm, such as 0.05..0.15",
         )
     })
@@ -192,7 +195,7 @@ fn print(summary: &Summary) {
             "{:^18} {:^20} {:^13} {other:^23} {:^23}",
             "specimen", "has", "amplitudes", "on the rig"
         ));
-        let figures = "K, η off from wanted";
+        let figures = "errors of K and η";
         say(&format!(
             "{:>8} {:>9} {:>10} {:>9} {:^13} {figures:^23} {figures:^23}",
             "g/cm³", "mm", "K, kN/mm", "η", "within, mm"
@@ -244,11 +247,11 @@ fn print(summary: &Summary) {
     ));
     let spanned = |range: &Option<(f64, f64)>| range.map_or_else(|| "none".into(), span);
     say(&format!(
-        "  loss factors with the K that is wanted: {}",
+        "  loss factors at the wanted K: {}",
         spanned(loss_factor_at_stiffness)
     ));
     say(&format!(
-        "  K with the loss factor that is wanted, kN/mm: {}",
+        "  K at the wanted loss factor, kN/mm: {}",
         spanned(stiffness_at_loss_factor)
     ));
     if design.solutions.is_empty() {

@@ -120,13 +120,13 @@ impl DriveOptions {
             return Err(option("--tick-rate", problem, "change it"));
         }
         if self.scale == 0.0 || !self.scale.is_finite() {
-            let problem = format!("{} leaves no motion", self.scale);
+            let problem = format!("{} gives no motion", self.scale);
             return Err(option("--scale", problem, "give a number such as 0.8"));
         }
         let grid = Grid::at(tick_rate);
         let (motion, left_out) = match drive.strip_prefix(RANDOM) {
             Some(_) if self.shift != 0.0 => {
-                let problem = "a random motion is about 0".to_owned();
+                let problem = "a random motion has no shift".to_owned();
                 return Err(option("--shift", problem, "leave it out"));
             }
             Some(text) => {
@@ -228,7 +228,7 @@ impl Followed {
         ));
         if self.left_out_rms_mm > 0.0 {
             say(&format!(
-                "Of the recorded displacement {:.6} mm RMS was taken for noise and not followed",
+                "Noise of {:.6} mm RMS in the recorded displacement was removed and not followed",
                 self.left_out_rms_mm
             ));
         }

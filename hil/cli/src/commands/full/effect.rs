@@ -23,7 +23,7 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
     for parameter in parameters.split(',').filter(|part| !part.trim().is_empty()) {
         let (name, value) = parameter
             .split_once('=')
-            .ok_or_else(|| refused(format!("{} is no name=value", quoted(parameter))))?;
+            .ok_or_else(|| refused(format!("{} is not name=value", quoted(parameter))))?;
         // A number or a truth, else a word.
         let value = value.trim();
         let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
@@ -109,7 +109,7 @@ mod tests {
             ("viscose:c=1", "unknown variant `viscose`"),
             ("viscous", "missing field `c`"),
             ("viscous:c=1,d=2", "unknown field `d`"),
-            ("viscous:c", "is no name=value"),
+            ("viscous:c", "is not name=value"),
             ("viscous:c=much", "invalid type"),
             ("relaxation:stiffness=1,time=0", "no specimen can have that"),
         ] {

@@ -114,7 +114,7 @@ impl EmulateCommand {
         let port = emulated.port.display();
         let range = emulated.force_range_kn;
         say(&format!(
-            "The board is at {port}; its load cell has ±{range} kN"
+            "The board is at {port}; the range of its load cell is ±{range} kN"
         ));
         say(&format!(
             "hil record --from serial:{port} --density {density} --force-range {range} --blocks {} --out recording.csv.gz",

@@ -69,26 +69,26 @@ impl EventRow {
             Statistic::Stiffness => percent("the stiffness"),
             Statistic::Energy => percent("the energy"),
             Statistic::MeanForce => percent("the mean force"),
-            Statistic::Residual => percent("what the law leaves"),
+            Statistic::Residual => percent("the residual"),
             Statistic::ThirdHarmonic => percent("its third harmonic"),
             Statistic::MeanCommand => percent("the mean command"),
             Statistic::Response => percent("the response to the demanded motion"),
             Statistic::Noise => format!(
-                "{:.2} % of the amplitude is no motion of it, limit {:.2} %",
+                "noise is {:.2} % of the amplitude, limit {:.2} %",
                 100.0 * value,
                 100.0 * limit
             ),
             Statistic::Explained => format!(
-                "{:.0} % of the force goes with the motion, limit {:.0} %",
+                "the motion explains {:.0} % of the force, limit {:.0} %",
                 100.0 * value,
                 100.0 * limit
             ),
             Statistic::Sample if cause == HealthCause::TemperatureImplausible => {
-                format!("it showed {value:.1} °C")
+                format!("it measured {value:.1} °C")
             }
             Statistic::Sample => match channel_of(cause) {
-                Some(Channel::Displacement) => format!("it showed {value:.4} mm"),
-                Some(Channel::Force) => format!("it showed {value:.4} kN"),
+                Some(Channel::Displacement) => format!("it measured {value:.4} mm"),
+                Some(Channel::Force) => format!("it measured {value:.4} kN"),
                 None => format!("a sample of {value:.4}"),
             },
         };
@@ -139,7 +139,7 @@ fn named(cause: HealthCause) -> String {
         HealthCause::FrictionWear => "friction wear".into(),
         HealthCause::Loosening => "loosening".into(),
         HealthCause::PreloadShift => "the preload has shifted".into(),
-        HealthCause::Unexplained => "something that no known cause explains".into(),
+        HealthCause::Unexplained => "a change without a known cause".into(),
         HealthCause::RunIn => "the run-in".into(),
         HealthCause::Temperature => "the temperature".into(),
         HealthCause::SensorStuck(_) => sensor("is stuck"),
@@ -152,11 +152,11 @@ fn named(cause: HealthCause) -> String {
         HealthCause::ActuatorDead => "the actuator is dead".into(),
         HealthCause::FrictionRise => "friction rises".into(),
         HealthCause::Stiffening => "the specimen stiffens".into(),
-        HealthCause::SensorGain(_) => sensor("has another gain"),
-        HealthCause::SensorNoisy(_) => sensor("has noise or hum on it"),
+        HealthCause::SensorGain(_) => sensor("has changed its gain"),
+        HealthCause::SensorNoisy(_) => sensor("has too much noise or hum"),
         HealthCause::SpecimenAbsent => "there is no specimen".into(),
         HealthCause::SensorReversed(_) => sensor("is reversed"),
         HealthCause::LawMismatch => "the specimen is far from the law".into(),
-        HealthCause::TemperatureImplausible => "the temperature cannot be".into(),
+        HealthCause::TemperatureImplausible => "the temperature is implausible".into(),
     }
 }

@@ -245,7 +245,7 @@ fn print(summary: &Summary) {
     }
     let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
     say(&format!(
-        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % called what they are, {:.1} % by two causes of which one is; {} alarms before the fault",
+        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % named correctly, {:.1} % by two causes of which one is correct; {} alarms before the fault",
         summary.trials,
         percent(summary.found),
         percent(summary.in_time),
@@ -260,7 +260,7 @@ fn print(summary: &Summary) {
         print_slow(summary);
     }
     say(&format!(
-        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond one for at most {} ticks; {} stops, {} of them in time",
+        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond a limit for at most {} ticks; {} trips, {} of them in time",
         summary.displacement,
         summary.force,
         summary.ticks_beyond,
@@ -298,7 +298,7 @@ fn print_healthy(summary: &Summary) {
 
 fn print_slow(summary: &Summary) {
     say(&format!(
-        "\nSlow changes over {CHANGING} cycles, of which a law follows up to {:.0} %, and then a break:",
+        "\nSlow changes over {CHANGING} cycles, then a break; the adaptation follows up to {:.0} %:",
         100.0 * FOLLOW
     ));
     say("                           error of the law, %               of its energy, %");

@@ -36,7 +36,7 @@ fn print_failures(attacks: &AttackSummary) {
     };
     let judged = outcomes.singles.iter().chain(&outcomes.pairs);
     let missed: Vec<_> = judged.filter(is_missed).collect();
-    list("Not found in time, or called otherwise", &missed);
+    list("Not found in time, or named incorrectly", &missed);
 }
 
 fn list(title: &str, outcomes: &[&AttackOutcome]) {

@@ -33,7 +33,7 @@ fn built(name: &str) -> Result<PathBuf, InputError> {
             name,
             problem,
             format!(
-                "see that cargo reaches its registry; or build it in the repository with `cargo build --release -p mesh-damper-fmu`, \
+                "check that cargo can reach its registry; or build it in the repository with `cargo build --release -p mesh-damper-fmu`, \
                  and give --library target/release/{name}"
             ),
         )

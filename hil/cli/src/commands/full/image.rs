@@ -53,9 +53,10 @@ impl FromStr for Place {
         match text {
             "host" => Ok(Self::Host),
             "image" => Ok(Self::Image),
-            _ => text.parse().map(Self::Serial).map_err(|_| {
-                "host, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into()
-            }),
+            _ => text
+                .parse()
+                .map(Self::Serial)
+                .map_err(|_| "give host, image or serial:PORT, such as serial:/dev/ttyACM0".into()),
         }
     }
 }
@@ -138,7 +139,7 @@ pub const IMAGES: &str = "target/mps2-an386";
 pub fn say_where(sources: &Sources, what: &str, built: &str) {
     if !sources.is_repository() && !sources.root().join(built).exists() {
         eprintln!(
-            "note: {what} is built in {}; the first time this takes a minute, and cargo downloads what it is built of",
+            "note: {what} is built in {}; the first build takes a minute, and cargo downloads its dependencies",
             sources.root().display()
         );
     }

@@ -290,7 +290,7 @@ fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
         let how = match used.rank {
             Rank::Unit => ", by its unit alone",
             Rank::Weak => ", by a short word with its unit",
-            Rank::Said => ", as you say",
+            Rank::Said => ", as you stated",
             Rank::Word | Rank::Own => "",
         };
         return Some(format!(

@@ -39,7 +39,7 @@ pub fn of(file: &Inspected) -> String {
     let how = if file.questions.is_empty() {
         "next"
     } else {
-        "next, with the right ones of the options above"
+        "next, with the options that answer the questions above"
     };
     lines.push(format!("  {how}: {}", file.command));
     lines.join("\n")
@@ -129,7 +129,7 @@ fn of_recording(recording: &InspectedRecording) -> String {
             100.0 * jitter
         ),
         (Some(rate), None) => format!("{} Hz", short(rate)),
-        (None, _) => "at no even rate".into(),
+        (None, _) => "without a constant rate".into(),
     };
     let range =
         |[least, most]: [f64; 2], unit: &str| format!("{} to {} {unit}", short(least), short(most));
@@ -152,8 +152,8 @@ fn of_recording(recording: &InspectedRecording) -> String {
 pub fn why_not(column: &Column) -> String {
     match columns::described(column) {
         Some(what) => format!("could be {what}; not used"),
-        None if !column.is_numeric => "not used: it holds words".into(),
-        None => "not used: its name says no channel".into(),
+        None if !column.is_numeric => "not used: it holds text".into(),
+        None => "not used: its name names no channel".into(),
     }
 }
 
@@ -212,7 +212,7 @@ mod tests {
                 Some("--channel force='Force 1, N'"),
             ),
             (
-                "use one of a, or say it: --unit time=s or --unit time=ms; units are s",
+                "use one of a, or give it: --unit time=s or --unit time=ms; units are s",
                 Some("--unit time=s"),
             ),
             ("give the samples a second with --rate", Some("--rate HZ")),

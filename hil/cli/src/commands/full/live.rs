@@ -107,7 +107,7 @@ impl LiveOptions {
             && let Err(why) = publisher.wait_until_connected(FOR_A_BROKER)
         {
             warn(&format!(
-                "no broker at {broker} yet ({why}); the test goes on, and the connection is tried again"
+                "no broker at {broker} yet ({why}); the test goes on, and hil keeps trying to connect"
             ));
         }
         if let Some(page) = &page {
@@ -253,7 +253,7 @@ impl Live {
         let Some(page) = self.page else { return };
         if !self.hold.is_zero() {
             eprintln!(
-                "The live page stays at {} for {} s; Ctrl-C ends it before",
+                "The live page stays at {} for {} s; Ctrl-C ends it earlier",
                 page.address(),
                 self.hold.as_secs_f64()
             );

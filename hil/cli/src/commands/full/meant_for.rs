@@ -54,13 +54,13 @@ impl FirstError {
     /// What to warn of, where the law of the file `model` is too far off.
     pub fn in_words(&self, model: &Path) -> Option<String> {
         let over = match self.cycles {
-            0 => "what was recorded".to_owned(),
+            0 => "the recording".to_owned(),
             cycles => format!("the first {cycles} steady cycles"),
         };
         (self.nrmse > self.limit).then(|| {
             format!(
-                "{} cannot be meant for this specimen: over {over} its force is off by {:.0} % of the measured force's RMS, and {:.0} % is \
-                 a factor of 2: give the model that was traced from this specimen",
+                "{} does not fit this specimen: over {over} the error of its force is {:.0} % of the measured force's RMS ({:.0} % means a \
+                 factor of 2): give the model that was traced from this specimen",
                 model.display(),
                 100.0 * self.nrmse,
                 100.0 * self.limit

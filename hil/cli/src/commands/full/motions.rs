@@ -63,13 +63,13 @@ fn case_of(outcome: &Outcome) -> Case {
         _ if !outcome.counts() => Case::Skipped("does not count".into()),
         Mark::Right | Mark::Among => Case::Passed,
         Mark::Honest | Mark::False | Mark::Missed | Mark::Refused => {
-            Case::Skipped(format!("missed, which the floors count: {}", line(outcome)))
+            Case::Skipped(format!("missed; counted in the rates: {}", line(outcome)))
         }
     }
 }
 
 fn print(summary: &Summary) {
-    say("Seeds that count and were not called what they are:");
+    say("Seeds that count and were not named correctly:");
     for outcome in summary.outcomes.iter().filter(|o| o.counts()) {
         if outcome.mark != Mark::Right {
             say(&line(outcome));
@@ -97,7 +97,7 @@ fn print(summary: &Summary) {
         say(&row_of(row));
     }
     say(
-        "\nmedian, 9 in 10: held-out error of the embedded law over what the true law leaves. seconds: of the median trace,\n\
+        "\nmedian, 9 in 10: held-out error of the embedded law over that of the true law. seconds: of the median trace,\n\
          with as many at once as there are processors; time: the longest trace over its recordings.\n\
          intervals: of the law's 90 % intervals, the part that holds. velocity: error of the estimated one over that of cubics alone; covered: \n\
          the part of its samples within their 90 % interval.",

@@ -108,7 +108,7 @@ fn print(analysis: &Analysis) {
             figure(effect.p),
         ));
     }
-    say(&format!("  by ranges: {}", analysis.order.join(" > ")));
+    say(&format!("  order by range: {}", analysis.order.join(" > ")));
     for line in verdict(variance) {
         say(&format!("  {line}"));
     }
@@ -122,30 +122,30 @@ fn verdict(variance: &Variance) -> Vec<String> {
             format!("error: the scatter between repeats, {freedom} degrees of freedom")
         }
         ErrorSource::FreeColumns => format!(
-            "error: the columns without a factor, {freedom} degrees of freedom, as far as no interaction falls into them"
+            "error: the columns without a factor, {freedom} degrees of freedom, if no interaction falls into them"
         ),
         ErrorSource::SmallestColumn => {
-            "error: none is left by four factors in nine runs; the smallest column stands for it, and p allows for its \
-             having been chosen"
+            "error: four factors in nine runs leave none; the smallest column is used instead, and p takes this choice into \
+             account"
                 .into()
         }
-        ErrorSource::None => "error: the results do not scatter, so that there is none".into(),
+        ErrorSource::None => "error: none, because the results do not scatter".into(),
     }];
     if let Some(p) = variance.p_largest {
         lines.push(format!(
-            "error alone gives a column as large as the largest with p = {}",
+            "probability that error alone gives a column as large as the largest: p = {}",
             text::number(p)
         ));
     }
     let level = text::nominal(SIGNIFICANCE);
     lines.push(if variance.told.is_empty() {
-        format!("told from error at {level}: nothing, and the order is no finding")
+        format!("significant at {level}: none, so the order says nothing")
     } else {
-        format!("told from error at {level}: {}", variance.told.join(", "))
+        format!("significant at {level}: {}", variance.told.join(", "))
     });
     if variance.told.iter().any(|name| name == FREE_COLUMNS) {
         lines.push(
-            "free columns stand out: factors interact, and nine runs mix that into the factors' own effects"
+            "the free columns are significant: the factors interact, and nine runs cannot separate this from the factors' own effects"
                 .into(),
         );
     }
@@ -160,7 +160,7 @@ fn print_against(printed: &AgainstPrint) {
         ));
     }
     say(&format!(
-        "  by the ranges printed: {}",
+        "  by the printed ranges: {}",
         printed.order_of_printed_ranges.join(" > ")
     ));
     say(&format!(

@@ -85,7 +85,7 @@ impl FromStr for On {
             "f32" => Ok(Self::F32),
             "image" => Ok(Self::Image),
             _ => text.parse().map(Self::Serial).map_err(|_| {
-                "f64, f32, image or serial:PORT is wanted, such as serial:/dev/ttyACM0".into()
+                "give f64, f32, image or serial:PORT, such as serial:/dev/ttyACM0".into()
             }),
         }
     }
@@ -282,7 +282,7 @@ impl Predict {
         let is_free = |other: &Option<PathBuf>| other.as_deref() != Some(dash);
         if self.out != dash && is_free(&self.json) && is_free(&self.motion) {
             say(&format!(
-                "{}: error {:.2} % of the measured force's RMS over {} samples; {:.2} % or less may be of the estimated motion",
+                "{}: error {:.2} % of the measured force's RMS over {} samples; displacement noise may cause up to {:.2} %",
                 self.out.display(),
                 100.0 * summary.nrmse,
                 summary.samples,

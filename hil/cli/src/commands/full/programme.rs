@@ -63,7 +63,7 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
         let fields: Vec<&str> = block.split(':').map(str::trim).collect();
         let [amplitude, frequency, cycles] = fields[..] else {
             return Err(refused(format!(
-                "{} has not three fields",
+                "{} does not have three fields",
                 quoted(block.trim())
             )));
         };
@@ -139,7 +139,7 @@ fn build(
     tick_rate: f64,
 ) -> Result<Programme<MOST_BLOCKS>, InputError> {
     let refused =
-        |error: ConfigError| InputError::new(source, error.to_string(), "mend the programme");
+        |error: ConfigError| InputError::new(source, error.to_string(), "correct the programme");
     if blocks.is_empty() {
         return Err(InputError::new(source, "there are no blocks", BLOCK_FORM));
     }
@@ -181,8 +181,14 @@ mod tests {
     #[test]
     fn refuses_naming_the_block() {
         for (text, said) in [
-            ("", "--blocks: field block 1: \"\" has not three fields"),
-            ("0.1:1", "field block 1: \"0.1:1\" has not three fields"),
+            (
+                "",
+                "--blocks: field block 1: \"\" does not have three fields",
+            ),
+            (
+                "0.1:1",
+                "field block 1: \"0.1:1\" does not have three fields",
+            ),
             ("0.1:1:6,x:1:6", "field block 2: \"x\" is not a number"),
             ("0.1:1:2.5", "\"2.5\" is not a number of cycles"),
             ("0.1:1:0", "field block 1: cycles = 0 is outside"),

@@ -375,7 +375,7 @@ impl RecordCommand {
         let named = read.controls.iter().map(|control| &control.name);
         if !named.eq(&self.control) {
             return Err(refused(format!(
-                "{} would not be read as a control input",
+                "{} does not read as a control input",
                 self.control.join(", ")
             )));
         }
@@ -388,13 +388,13 @@ impl RecordCommand {
             return Ok(about.tick_rate.into());
         }
         let problem = match about.state {
-            State::Faulted(fault) => format!("the board's rig has stopped: {}", in_words(fault)),
-            _ => "the board has no rig that runs".into(),
+            State::Faulted(fault) => format!("the board's rig has tripped: {}", in_words(fault)),
+            _ => "no rig is running on the board".into(),
         };
         Err(InputError::new(
             self.from.to_string(),
             problem,
-            "leave --join out, so that it is set up and started",
+            "leave out --join, so that hil sets it up and starts it",
         ))
     }
 
@@ -408,9 +408,9 @@ impl RecordCommand {
         if about.state == State::Running {
             return Err(InputError::new(
                 self.from.to_string(),
-                "a rig runs on the board, which would restart",
+                "a rig is running on the board, and recording would restart the board",
                 format!(
-                    "stop it by `hil stop --at {}`, or record it by --join",
+                    "stop it with `hil stop --at {}`, or record it with --join",
                     self.from
                 ),
             ));

@@ -200,7 +200,7 @@ impl RespondCommand {
         warn_of_input(&input, drive);
         if input.temperature.is_none() && model.depends_on_temperature() {
             warn(&format!(
-                "{} depends on temperature, and {} has none: that of a room is assumed",
+                "{} depends on temperature, and {} has none: room temperature is assumed",
                 self.model.display(),
                 input.name
             ));
@@ -208,7 +208,7 @@ impl RespondCommand {
         warn_of_left_out(&self.model, &response.left_out);
         if !response.settled {
             warn(&format!(
-                "displacements still change by {:.2} % when the step of {:.1e} s is halved: the motion may depend on the step",
+                "displacements still change by {:.2} % if the time step of {:.1e} s is halved: the motion may depend on the time step",
                 100.0 * response.change,
                 2.0 * response.step
             ));
@@ -310,7 +310,7 @@ fn warn_of_input(input: &InputSignal, drive: Drive) {
     let noise = input.noise_of_rate();
     if matches!(drive, Drive::Base) && noise > NOISY {
         warn(&format!(
-            "{}: {:.0} % of the base's velocity looks like noise, which the damper's friction follows: smooth the displacement first",
+            "{}: {:.0} % of the base's velocity looks like noise, and the friction of the damper responds to it: smooth the displacement first",
             input.name,
             100.0 * noise.min(1.0)
         ));

@@ -179,7 +179,7 @@ impl Stop {
 
     pub(super) fn failure(&self) -> Failure {
         Failure::Check(format!(
-            "the rig stopped {:.3} s after its start: {}",
+            "the rig tripped {:.3} s after its start: {}",
             self.time, self.fault
         ))
     }
@@ -450,11 +450,11 @@ impl RunCommand {
             return Err(InputError::new(
                 path.display().to_string(),
                 format!(
-                    "its force depends on {}, which this specimen is not under",
+                    "its force depends on {}, but this specimen has no such control input",
                     control.name
                 ),
                 format!(
-                    "test a specimen under {CURRENT}, by --effect control_input, or give another model"
+                    "test a specimen with {CURRENT}, by --effect control_input, or give another model"
                 ),
             ));
         }
@@ -548,7 +548,7 @@ pub(super) fn refused(error: SetupError) -> InputError {
     match error {
         SetupError::Link(error) | SetupError::Watch(error) | SetupError::Drive(error) => error,
         error => {
-            let mend = "change the blocks, the tick rate, the model or how far it may follow";
+            let mend = "change the blocks, the tick rate, the model or --follow";
             InputError::new("the rig", error.to_string(), mend)
         }
     }
@@ -562,7 +562,7 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
 pub(super) fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
     if journal.has_begun() && journal.path().exists() {
         let path = journal.path().display();
-        error.mend = format!("{}; what was recorded before is {path}", error.mend);
+        error.mend = format!("{}; the samples recorded before are in {path}", error.mend);
     }
     error
 }
@@ -585,11 +585,11 @@ pub(super) fn in_words(fault: TripCause) -> &'static str {
         TripCause::ForceLost => "the force sensor is lost",
         TripCause::LinkLost => "the link was silent for too long",
         TripCause::TickOverrun => "a tick came late",
-        TripCause::DemandLimit => "the streamed motion asked for more than the rig drives",
-        TripCause::External => "an input from outside said stop",
+        TripCause::DemandLimit => "the streamed motion exceeded the limits of the rig",
+        TripCause::External => "an external input requested the stop",
         TripCause::CorrectionLimit => {
-            "amplitude's correction asked for more command than is allowed"
+            "the amplitude correction asked for more command than allowed"
         }
-        _ => "a fault without a name",
+        _ => "an unknown trip cause",
     }
 }

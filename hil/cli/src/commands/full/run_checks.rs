@@ -37,7 +37,7 @@ impl Summary {
                         stop.time
                     ))
                 }
-                None => Case::Skipped("the rig had stopped before it".into()),
+                None => Case::Skipped("the rig tripped before it".into()),
             };
             junit.case("block", &name_of(index, block), case, None);
         }

@@ -52,8 +52,8 @@ impl SpecimenOptions {
             if specimen.control().is_some() && effect.control_at(0.0).is_some() {
                 return Err(InputError::new(
                     "--effect",
-                    "gives a second control input",
-                    "give one: a simulated specimen is under one current",
+                    "gives the specimen a second control input",
+                    "give one: a simulated specimen has one control input",
                 ));
             }
             specimen = specimen.with(effect);

@@ -31,7 +31,7 @@ impl StopCommand {
         let state = board.about().map_err(InputError::from)?.state;
         say(&match state {
             State::Running => {
-                let mend = "take the actuator's power away, then report this";
+                let mend = "switch off the actuator's power, then report this";
                 return Err(
                     InputError::new(self.at.to_string(), "the rig does not stop", mend).into(),
                 );

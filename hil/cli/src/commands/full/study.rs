@@ -87,8 +87,11 @@ impl NumbersCommand {
         if tuned.is_empty() {
             return Err(InputError::new(
                 "--only",
-                format!("no tuned number's path begins with `{}`", self.only),
-                "take one of docs/numbers.md",
+                format!(
+                    "no tuned number has a path that begins with `{}`",
+                    self.only
+                ),
+                "give a path of docs/numbers.md",
             )
             .into());
         }

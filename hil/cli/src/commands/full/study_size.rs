@@ -90,7 +90,7 @@ impl SizeCommand {
         let beyond = all.iter().filter(|one| !one.is_within_limits()).count();
         if self.check && beyond > 0 {
             return Err(Failure::Check(format!(
-                "{beyond} of {} traces took more than they may",
+                "{beyond} of {} traces exceeded the limits of time or memory",
                 all.len()
             )));
         }

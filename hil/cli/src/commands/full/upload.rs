@@ -77,7 +77,7 @@ impl UploadCommand {
             return Err(InputError::new(
                 self.to.to_string(),
                 "there is no rig on the board yet",
-                "set it up by `hil record --from`, or give that the pack: --pack",
+                "set it up with `hil record --from`, which also takes the pack: --pack",
             )
             .into());
         }
@@ -89,7 +89,7 @@ impl UploadCommand {
             if about.tick_rate == 0.0 {
                 return Err(InputError::new(
                     self.to.to_string(),
-                    "the board has restarted in the middle",
+                    "the board restarted during the command",
                     "check its supply and its watchdog, then set it up again",
                 )
                 .into());
@@ -100,8 +100,8 @@ impl UploadCommand {
             if sent.elapsed() > wait {
                 return Err(InputError::new(
                     self.to.to_string(),
-                    format!("the cycle under way has not ended within {} s", self.wait),
-                    "give a longer --wait; the law takes over at its end all the same",
+                    format!("the current cycle has not ended within {} s", self.wait),
+                    "give a longer --wait; the board still changes to the law at the end of the cycle",
                 )
                 .into());
             }
@@ -112,8 +112,8 @@ impl UploadCommand {
         if !is_it {
             return Err(InputError::new(
                 self.to.to_string(),
-                format!("the board has the law {} now", after.identity),
-                "see who else uploads to it, then upload this again",
+                format!("the board has the law {} instead", after.identity),
+                "check for another program that uploads to it, then upload this again",
             )
             .into());
         }
@@ -151,7 +151,7 @@ impl Uploaded {
                 self.seconds
             )
         } else {
-            format!("The law of {file} takes over when the rig starts, which does not run; {late}")
+            format!("The rig is not running; it will use the law of {file} when it starts; {late}")
         }
     }
 }

@@ -26,7 +26,7 @@ fn a_law_that_errs_outside_its_range_has_a_warning() {
         let warned = result
             .warnings
             .iter()
-            .any(|w| w.contains("times the noise, and where it was fitted"));
+            .any(|w| w.contains("times the noise on the held-out data"));
         assert_eq!(warned, said, "{:?}", result.warnings);
     }
 }

@@ -53,7 +53,7 @@ fn a_turned_sign_is_turned_back_with_a_warning() {
     let copy = with_force(&one, "copy", |f| -f);
     let error = trace(&[one], &[copy], &|_| ()).unwrap_err().to_string();
     assert!(
-        error.contains("copy") && error.contains("nothing that is not fitted"),
+        error.contains("copy") && error.contains("only repeats fitted recordings"),
         "{error}"
     );
 }
@@ -68,7 +68,8 @@ fn recordings_that_tell_nothing_are_refused() {
     };
     assert!(refused(&with_force(&one, "dead", |_| 0.3), &[]).contains("never changes"));
     assert!(
-        refused(&one, &[with_force(&one, "copy", |f| f)]).contains("nothing that is not fitted")
+        refused(&one, &[with_force(&one, "copy", |f| f)])
+            .contains("only repeats fitted recordings")
     );
     let still = Recording::new(
         "still",

@@ -93,7 +93,7 @@ impl Reader {
         &mut self,
         read: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<T, Refused> {
-        let too_deep = Refused::Broken(Broken("structures lie too deep in each other"));
+        let too_deep = Refused::Broken(Broken("structures are nested too deeply"));
         self.depth = self.depth.checked_sub(1).ok_or(too_deep)?;
         let done = read(self);
         self.depth += 1;

@@ -137,8 +137,8 @@ fn refused(name: &str, limit: ReadLimit, error: &hdf5_reader::error::Error) -> I
         Error::ResourceLimit(_) => limit.exceeded(name),
         Error::UnsupportedFilter(_) => InputError::new(
             name,
-            format!("is HDF5 with what is not read here: {error}"),
-            "write it anew with compression=\"gzip\" or none",
+            format!("uses a part of HDF5 that hil does not read: {error}"),
+            "write it again with compression=\"gzip\" or without compression",
         ),
         _ => damaged(NAME, name, error as &dyn Display),
     }

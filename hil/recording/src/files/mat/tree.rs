@@ -215,7 +215,7 @@ impl Tree {
                     unit: Some("s".into()),
                     is_time: true,
                 };
-                let said = "X of the structure is taken for its times in s, as dSPACE writes it";
+                let said = "X of the structure is read as its times in s, as dSPACE writes it";
                 if !self.guesses.iter().any(|each| each == said) {
                     self.guesses.push(said.into());
                 }
@@ -351,7 +351,7 @@ fn path(group: &[String], name: &str) -> String {
 /// A matrix's name and contents; `depth` is the remaining nesting, and `left` the remaining number of values.
 fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Value), Broken> {
     let deeper = depth.checked_sub(1);
-    let deeper = deeper.ok_or(Broken("structures lie too deep in each other"))?;
+    let deeper = deeper.ok_or(Broken("structures are nested too deeply"))?;
     *left = (left.checked_sub(1)).ok_or(Broken("it has more variables than any test"))?;
     if bytes.slice().is_empty() {
         return Ok((String::new(), Value::Other("empty".into())));
@@ -411,7 +411,9 @@ fn head(bytes: &mut Bytes) -> Result<Head, Broken> {
 fn matrix(bytes: &mut Bytes) -> Result<Option<Bytes>, Broken> {
     match bytes.next()? {
         Some(Element::Matrix(matrix)) => Ok(Some(matrix)),
-        Some(_) => Err(Broken("a structure or cell holds what is no variable")),
+        Some(_) => Err(Broken(
+            "a structure or cell holds something that is not a variable",
+        )),
         None => Ok(None),
     }
 }

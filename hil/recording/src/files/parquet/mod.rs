@@ -57,7 +57,7 @@ fn open<'a>(
     let refused = |error: &ParquetError| refused(name, error);
     if depth::depth(&bytes).is_some_and(|depth| depth > depth::DEEPEST) {
         let why = format!(
-            "its fields lie more than {} deep in each other",
+            "its fields are nested more than {} levels deep",
             depth::DEEPEST
         );
         return Err(damaged(NAME, name, why));
@@ -125,8 +125,8 @@ fn refused(name: &str, error: &ParquetError) -> InputError {
     if matches!(error, ParquetError::NYI(_)) || what.contains("Disabled feature") {
         return InputError::new(
             name,
-            format!("is Parquet with what is not read here: {what}"),
-            "write it anew with compression=\"zstd\" and without encryption",
+            format!("uses a part of Parquet that hil does not read: {what}"),
+            "write it again with compression=\"zstd\" and without encryption",
         );
     }
     damaged(NAME, name, what)

@@ -196,7 +196,7 @@ impl Channels {
             let clock = starts.clock(object);
             if clock.is_some() && object.is_restarted {
                 channels.guesses.push(format!(
-                    "the clock of {label} was started anew within the file (wf_start_time); its samples are taken as one stretch"
+                    "the clock of {label} restarted within the file (wf_start_time); its samples are read as one continuous stretch"
                 ));
             }
             channels.arrays.push(Array {
@@ -241,7 +241,7 @@ impl Starts {
         let mut silent = clocked().filter(|object| object.start.is_none());
         let said = match (first, silent.next()) {
             (Some(_), Some(object)) if is_one => Some(format!(
-                "{} says no start (wf_start_time) and is taken to start with the others",
+                "{} gives no start time (wf_start_time); it is assumed to start with the others",
                 object.path.join("/")
             )),
             _ => None,

@@ -100,7 +100,7 @@ impl Scales {
                 let inputs = [Some(input), scale.other_input()].into_iter().flatten();
                 for input in inputs {
                     if input != RAW && input as usize >= index {
-                        return Err("scales that go round in a circle".into());
+                        return Err("scales that refer to each other in a circle".into());
                     }
                 }
                 let has_raw = |number: u32| raw.iter().any(|(scale, _)| *scale == number);

@@ -205,14 +205,14 @@ impl<'b> Blocks<'b> {
         if let Some((line, rows)) = self.apart.filter(|&(_, rows)| rows < FEW) {
             let rows = if rows == 1 { "row" } else { "rows" };
             notes.push(format!(
-                "the last {rows} of numbers, from line {line} on, behind a blank line, are read as samples: are they sums or the like, delete them"
+                "the last {rows} of numbers, from line {line} on, after a blank line, are read as samples; if they are sums or statistics, delete them"
             ));
         }
         if let Some(between) = &self.between {
             let rows = if between.rows == 1 { "row" } else { "rows" };
             let of_numbers = match between.of_numbers {
                 0 => String::new(),
-                count => format!(", {count} of numbers in another form among them"),
+                count => format!(", including {count} of numbers in another form"),
             };
             notes.push(format!(
                 "{} {rows} of words at the end, from line {} on, are left out{of_numbers}",

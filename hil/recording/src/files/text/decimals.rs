@@ -18,7 +18,7 @@ impl Asked {
         let cell = quoted(&self.cell);
         let problem = match self.other {
             Some((line, other)) => format!(
-                "{cell} and {} in line {line} have different signs, of which one is the decimal sign",
+                "{cell} and {} in line {line} use different signs, and one of the two is the decimal sign",
                 quoted(&other)
             ),
             None => could_be_either(&self.cell),
@@ -34,7 +34,7 @@ pub(super) const MEND: &str =
 /// Message that the sign of a cell is ambiguous.
 pub(super) fn could_be_either(cell: &str) -> String {
     let cell = quoted(cell);
-    format!("the sign in {cell} could be the decimal sign or divide thousands")
+    format!("the sign in {cell} could be the decimal sign or a thousands separator")
 }
 
 /// A cell that is evidence, with its line.

@@ -89,7 +89,7 @@ impl Tables for ForeignTable<'_> {
         let mut notes = blocks.notes();
         if let Some(line) = lines.text().guessed_from() {
             notes.push(format!(
-                "from line {line} on it is no UTF-8 and is read as windows-1252"
+                "from line {line} on the text is not UTF-8 and is read as windows-1252"
             ));
         }
         for (wanted, since) in wanted.iter().zip(&taken.stamps) {
@@ -101,7 +101,7 @@ impl Tables for ForeignTable<'_> {
                     "midnights are"
                 };
                 notes.push(format!(
-                    "no date of column {} says how many days pass: {guessed} {midnights} counted, where an hour of 23 is followed by one of 0",
+                    "column {} has times of day without dates: {guessed} {midnights} assumed, where an hour of 23 is followed by one of 0",
                     quoted(&reader.column(wanted.column))
                 ));
             }
@@ -249,7 +249,7 @@ impl<'r> Reader<'r> {
         InputError::new(
             self.name,
             format!(
-                "{} cells where the rows above have {}, divided by {}",
+                "{} cells where the rows above have {}, separated by {}",
                 cells.len(),
                 self.layout.cells,
                 self.layout.separator.name()
@@ -265,7 +265,7 @@ impl<'r> Reader<'r> {
                 return Err(InputError::new(
                     self.name,
                     format!(
-                        "column {} has another time than column {}, so that no row has one",
+                        "columns {} and {} hold different times, so the row has no single time",
                         quoted(&self.column(column)),
                         quoted(&self.column(first))
                     ),
@@ -315,12 +315,12 @@ impl<'r> Reader<'r> {
         cell: &str,
         since: &mut Option<Since>,
     ) -> Result<f64, (String, &'static str)> {
-        const MEND: &str = "remove the row or mend the value";
+        const MEND: &str = "remove the row or correct the value";
         if self.layout.kinds.get(column) == Some(&Kind::Stamps) {
             if cell.is_empty() {
                 return Ok(f64::NAN);
             }
-            let is_no_time = || (format!("{} is no time of day", quoted(cell)), MEND);
+            let is_no_time = || (format!("{} is not a time of day", quoted(cell)), MEND);
             let stamp = Stamp::of(cell).ok_or_else(is_no_time)?;
             let since = since.get_or_insert_with(|| Since::of(&stamp));
             return since.seconds(&stamp).map_err(|problem| {
@@ -345,16 +345,16 @@ impl<'r> Reader<'r> {
                 let (sign, mend) = match self.layout.numbers.decimal {
                     ',' => (
                         "comma",
-                        "mend it, or say --decimal point, with which a comma divides thousands",
+                        "correct it, or give --decimal point, which makes the comma a thousands separator",
                     ),
                     _ => (
                         "point",
-                        "mend it, or say --decimal comma, with which a point divides thousands",
+                        "correct it, or give --decimal comma, which makes the point a thousands separator",
                     ),
                 };
                 Err((
                     format!(
-                        "{} is no number with a decimal {sign}, as those above are read",
+                        "{} is not a number with a decimal {sign}, which the rows above use",
                         quoted(cell)
                     ),
                     mend,

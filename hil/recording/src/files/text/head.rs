@@ -52,7 +52,7 @@ pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputErro
     text.decode(found.encoding);
     let encoding = found.encoding.map(|encoding| {
         let how = if found.is_guess {
-            ", though nothing in it says so"
+            ", although the file does not state this"
         } else {
             ""
         };

@@ -147,8 +147,8 @@ pub(super) fn find_as(
 
 fn no_table(name: &str, declared: &Declared) -> InputError {
     let divided = match declared.separator {
-        Some(separator) => format!("divided by {}, as it says", separator.name()),
-        None => "divided by commas, semicolons, tabs, bars or blanks".into(),
+        Some(separator) => format!("separated by {}, as it states", separator.name()),
+        None => "separated by commas, semicolons, tabs, bars or blanks".into(),
     };
     InputError::new(
         name,
@@ -477,7 +477,7 @@ impl Found<'_> {
             && rest.iter().all(|(_, row)| !numbers_of(row).contains(&true));
         is_alone.then(|| {
             format!(
-                "the first row of numbers, line {line}, is read as a sample, though it alone has no decimals: are they offsets or factors, delete it"
+                "the first row of numbers, line {line}, is read as a sample, although only it has no decimals; if it holds offsets or factors, delete it"
             )
         })
     }
@@ -502,10 +502,10 @@ impl Found<'_> {
         Err(InputError::new(
             self.name,
             format!(
-                "the header has {names} cells where the rows from line {} on have {cells}, divided by {separator}",
+                "the header has {names} cells where the rows from line {} on have {cells}, separated by {separator}",
                 self.data_line()
             ),
-            "give every column one name, in quotes where the separator stands in it",
+            "give every column one name, in quotes if it contains the separator",
         )
         .at(Place::Line(line)))
     }
@@ -532,7 +532,7 @@ impl Found<'_> {
     fn comma_both(&self, line: u64) -> InputError {
         InputError::new(
             self.name,
-            "the comma divides the cells and is the decimal sign too, so that no number is sure",
+            "the comma separates the cells and is also the decimal sign, so every number is ambiguous",
             "export it again with a semicolon or a tab between the cells, or with a decimal point",
         )
         .at(Place::Line(line))
@@ -560,7 +560,7 @@ impl Found<'_> {
                 .cloned();
             if kind == Kind::Stamps {
                 guesses.push(format!(
-                    "column {} holds dates or times of day, which are read as seconds from the first",
+                    "column {} holds dates or times of day; they are read as seconds after the first",
                     quoted(&name)
                 ));
                 unit = Some("s".into());
@@ -593,16 +593,16 @@ impl Found<'_> {
             } else {
                 "a comma"
             };
-            format!(", and {other} divides thousands")
+            format!(", and {other} separates thousands")
         } else {
             String::new()
         };
         let by = self.separator.name();
         if !self.declared.is_sheet {
             said.push(if is_shown {
-                format!("cells are divided by {by}, the decimal sign is a {sign}{thousands}")
+                format!("cells are separated by {by}, the decimal sign is a {sign}{thousands}")
             } else {
-                format!("cells are divided by {by}")
+                format!("cells are separated by {by}")
             });
         }
         if let Some(line) = header.line {
@@ -616,7 +616,7 @@ impl Found<'_> {
                 ""
             };
             if line > 1 || header.units_line.is_some() || header.is_comment {
-                said.push(format!("the names stand in line {line}{how}{below}"));
+                said.push(format!("the names are in line {line}{how}{below}"));
             }
         }
         if !header.passed.is_empty() {

@@ -113,7 +113,7 @@ impl Segment {
         let (start, step) = (one(&self.starts).unwrap_or(0.0), one(&self.steps)?);
         let is_clock = self.is_over_time && !self.has_x && step > 0.0;
         let said = format!(
-            "no column has the times: they are by the header's X0 of {start} s and Delta_X of {step} s"
+            "no column has the times; they are computed from the header: X0 = {start} s, Delta_X = {step} s"
         );
         is_clock.then_some((Clock { start, step }, said))
     }

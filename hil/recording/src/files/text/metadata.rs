@@ -177,7 +177,7 @@ pub(super) fn clock(
                 other.line
             ),
             format!(
-                "say which one is of the samples: {} or {}",
+                "say which one is the sampling rate: {} or {}",
                 rate(step),
                 rate(*second)
             ),
@@ -185,7 +185,7 @@ pub(super) fn clock(
         .at(Place::Line(comment.line)));
     }
     let said = format!(
-        "no column has the times: a step of {step} s is by line {}, {}",
+        "no column has the times; the step of {step} s is from line {}, {}",
         comment.line,
         quoted(&comment.text)
     );

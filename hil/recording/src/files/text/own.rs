@@ -251,7 +251,8 @@ impl Tables for OwnTable<'_> {
         if guessed_from.is_some() || !is_utf8 {
             cells = None;
         }
-        let note = |line| format!("from line {line} on it is no UTF-8 and is read as windows-1252");
+        let note =
+            |line| format!("from line {line} on the text is not UTF-8 and is read as windows-1252");
         Ok(Values {
             columns,
             notes: guessed_from

@@ -73,7 +73,7 @@ impl Since {
     }
 }
 
-const UNCLEAR: &str = "the date changes, and day and month cannot be told apart in it";
+const UNCLEAR: &str = "the date changes, but its day and month cannot be distinguished";
 const TOO_FAR: &str = "the dates are too far apart";
 
 impl<'c> Stamp<'c> {
