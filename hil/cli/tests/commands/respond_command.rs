@@ -190,13 +190,6 @@ fn a_sweep_has_the_resonance_in_table_json_and_picture() {
 }
 
 #[test]
-fn help_has_an_example() {
-    let root = tempfile::tempdir().unwrap();
-    let (out, _) = done(root.path(), &["respond", "--help"]);
-    assert!(out.contains("hil respond --model trace-out/model.json --mass 120 --force"));
-}
-
-#[test]
 fn what_gives_no_motion_is_refused_in_one_line() {
     let root = tempfile::tempdir().unwrap();
     files(root.path());
