@@ -393,7 +393,7 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (None, {}, "there is no recording"),
     (3.5, {}, "float is no recording"),
     (sine_block(), {"units": "cgs"}, "no system is called 'cgs'"),
-    ({**sine_block(), "force_N": [1.0] * 2000}, {}, "column force_N: force_kN is a force too"),
+    ({**sine_block(), "force_N": [1.0] * 2000}, {}, "column force_N: force_kN is also a force"),
     ({**sine_block(), "load [stone]": [1.0] * 2000}, {"force": "load [stone]"}, 'column load [stone]: unknown unit "stone"'),
     ({**sine_block(), "force_kN": ["a"] * 2000}, {}, "column force_kN: holds something else than numbers"),
     ({**sine_block(), "force_kN": [1.0] * 3}, {}, "3 rows, and time_s has 2000"),

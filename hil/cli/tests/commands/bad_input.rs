@@ -119,7 +119,7 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         (
             "two-forces.csv",
             recording(|lines| lines[0] = "time_s,force_N,force_kN".into()),
-            &["column force_kN", "force_N is a force too"],
+            &["column force_kN", "force_N is also a force"],
         ),
         (
             "nan.csv",

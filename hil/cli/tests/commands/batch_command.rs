@@ -54,13 +54,13 @@ fn a_batch_says_what_failed_and_its_models_are_compared() {
     let [said, warned] = [done.stdout, done.stderr].map(|text| String::from_utf8(text).unwrap());
     assert_eq!(done.status.code(), Some(1), "{said}{warned}");
     assert!(
-        said.contains("3 traces, in ") && said.contains("1  could not be traced"),
+        said.contains("3 traces, in ") && said.contains("1  failed"),
         "{said}"
     );
     assert!(said.contains("Effects: offset 2"), "{said}");
-    assert!(warned.contains("left out: photo.jpg"), "{warned}");
+    assert!(warned.contains("not that of a recording: photo.jpg"), "{warned}");
     assert!(
-        warned.contains("error: 1 of 3 traces could not be traced"),
+        warned.contains("error: 1 of 3 traces failed"),
         "{warned}"
     );
     let page = fs::read_to_string(root.path().join("batch-out/index.html")).unwrap();

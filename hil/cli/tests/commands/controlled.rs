@@ -198,7 +198,7 @@ fn a_response_takes_the_column_of_its_excitation() {
     let more = ["--control", "current_A=3", "--control", "pressure_bar=2"];
     let (_, said) = response(&respond("none.csv", &more));
     assert!(
-        said.contains("current_A goes from 3 to 3, and 0 to 1 was fitted"),
+        said.contains("current_A ranges from 3 to 3, but the model was fitted from 0 to 1"),
         "{said}"
     );
     fs::remove_file(root.path().join("r.csv")).unwrap();

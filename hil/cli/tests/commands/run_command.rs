@@ -305,7 +305,7 @@ fn a_motion_that_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         (&["--drive", "large.csv"], "--scale 0.1"),
         (
             &["--drive", "large.csv", "--scale", "0"],
-            "field --scale: 0 leaves no motion",
+            "field --scale: 0 gives no motion",
         ),
         (&["--drive", "large.csv", "--scale", "nan"], "field --scale"),
         (&["--drive", "missing.csv"], "missing.csv"),

@@ -147,7 +147,7 @@ fn ignored(files: &[PathBuf]) -> String {
     let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
     let more = if files.len() > NAMED { ", …" } else { "" };
     format!(
-        "{} left out, without the ending of a recording: {}{more}",
+        "{} left out, because the ending is not that of a recording: {}{more}",
         match files.len() {
             1 => "1 file is".to_owned(),
             count => format!("{count} files are"),
