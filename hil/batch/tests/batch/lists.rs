@@ -120,12 +120,12 @@ fn a_table_gives_a_trace_a_group() {
         assert_eq!(list.tasks[1].specimen.as_deref(), Some("S8"));
     }
     for (text, said) in [
-        ("path,role\na.csv,judge\n", "line 2: \"judge\" is not a role"),
-        ("path,group\n,1\n", "line 2: has no path"),
         (
-            "path,path\na.csv,b.csv\n",
-            "column path: appears twice",
+            "path,role\na.csv,judge\n",
+            "line 2: \"judge\" is not a role",
         ),
+        ("path,group\n,1\n", "line 2: has no path"),
+        ("path,path\na.csv,b.csv\n", "column path: appears twice"),
         (
             "path,role,held_out\na.csv,fit,no\n",
             "column role: repeats the column held_out",
