@@ -324,7 +324,7 @@ REFUSED: list[tuple[dict[str, float], dict[str, Any], str]] = [
     ({"time_s": 1.0, "displacement_mm": 1.0, "force_stone": 1.0}, {}, 'column force_stone: unknown unit "stone"; use one of force_kN'),
     ({"time_s": 1.0, "displacement_mm": 1.0, "Strain": 1.0}, {}, "there is no force column; found"),
     ({"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0}, {"force": "Kraft"}, 'there is no column "Kraft"; found "time_s"'),
-    ({"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0}, {"units": {"kraft": "N"}}, '--unit kraft=N: "kraft" is no channel'),
+    ({"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0}, {"units": {"kraft": "N"}}, '--unit kraft=N: "kraft" is not a channel'),
     (
         {"time_s": 1.0, "displacement_mm": 1.0, "force_kN": 1.0},
         {"units": {"force": "N"}},

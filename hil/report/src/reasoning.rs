@@ -137,7 +137,7 @@ pub fn tried(result: &TraceResult) -> Section {
             @for step in steps { (bars(step, result)) }
         }
     };
-    Section::new("3. What was tried", body)
+    Section::new("3. Effects tried", body)
 }
 
 /// One step.

@@ -208,11 +208,11 @@ fn is_one_small_file_with_everything_in_it() {
     assert_eq!(page.matches("role=\"img\"").count(), 9 + 6 + 2 + 3 + 3 + 2);
     // In the order of an argument.
     let steps = [
-        "1-what-was-given",
-        "2-what-the",
-        "3-what-was-tried",
-        "4-what-was-found",
-        "5-what-is-left",
+        "1-the-recordings",
+        "2-residual-of-the",
+        "3-effects-tried",
+        "4-effects-found",
+        "5-residual-that-remains",
         "6-error",
     ];
     let places = steps.map(|step| heading(&page, step));
@@ -229,7 +229,7 @@ fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
     data.result.candidates.push(again);
     data.result.candidates[2].nrmse_judged = 10.0;
     let page = render(&data);
-    let steps = heading(&page, "3-what-was-tried")..heading(&page, "4-what-was-found");
+    let steps = heading(&page, "3-effects-tried")..heading(&page, "4-effects-found");
     assert_eq!(page[steps.clone()].matches(">relaxation</div>").count(), 1);
     // Of the three shown, relaxation has the median, and twice that is the end of the track.
     assert!(page[steps.clone()].contains("class=\"bar\" style=\"width:50.00%\""));
@@ -407,7 +407,7 @@ fn the_law_is_called_what_it_is() {
     result.verdict = Verdict::None;
     let (_, sentence) = text::verdict(&result);
     assert!(
-        sentence.starts_with("Beside the linear law with stick-slip and offset nothing is needed"),
+        sentence.starts_with("The linear law with stick-slip and offset needs no further effect"),
         "{sentence}"
     );
 }
@@ -434,7 +434,7 @@ fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     let section = |data: &ReportData| {
         let page = render(data);
         let start = heading(&page, "cycles-backbone");
-        page[start..heading(&page, "the-force-left-over-time")].to_owned()
+        page[start..heading(&page, "residual-over-time")].to_owned()
     };
     let all = section(&data);
     assert_eq!(all.matches("<figure").count(), 2 + 3 + 3 + 2);

@@ -336,8 +336,7 @@ mod tests {
                 &words(&["stick-slip", "offset"]),
                 &words(&["displacement", "velocity"])
             ),
-            "A correction that has no name, a table, was fitted to it beside stick-slip and offset; it depends on \
-             displacement and velocity."
+            "A residual table was fitted to it in addition to stick-slip and offset; it depends on displacement and velocity."
         );
         assert_eq!(correction(&[], &[]), "A residual table was fitted to it.");
     }

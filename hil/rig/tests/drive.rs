@@ -128,7 +128,7 @@ fn a_random_motion_that_cannot_be_is_refused_by_its_field() {
         ("rms=0.1mm,from=1,to=10", "field duration: it is missing"),
         (
             "rms=0.1kg,from=1,to=10,duration=4",
-            "field rms: \"kg\" is no unit of it",
+            "field rms: \"kg\" is not a unit of it",
         ),
         (
             "rms=-1,from=1,to=10,duration=4",

@@ -58,11 +58,11 @@ fn a_batch_says_what_failed_and_its_models_are_compared() {
         "{said}"
     );
     assert!(said.contains("Effects: offset 2"), "{said}");
-    assert!(warned.contains("not that of a recording: photo.jpg"), "{warned}");
     assert!(
-        warned.contains("error: 1 of 3 traces failed"),
+        warned.contains("not that of a recording: photo.jpg"),
         "{warned}"
     );
+    assert!(warned.contains("error: 1 of 3 traces failed"), "{warned}");
     let page = fs::read_to_string(root.path().join("batch-out/index.html")).unwrap();
     assert!(page.contains("broken.csv"));
 

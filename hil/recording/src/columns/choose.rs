@@ -565,7 +565,7 @@ mod tests {
         };
         let error = chosen(&names, &wrong).unwrap_err();
         assert!(
-            error.contains("--unit froce=N") && error.contains("no channel"),
+            error.contains("--unit froce=N") && error.contains("is not a channel"),
             "{error}"
         );
         let wrong = Reading {

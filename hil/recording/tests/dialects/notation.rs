@@ -104,7 +104,7 @@ pub fn dialects() -> Vec<Dialect> {
                 let rows: String = (0..super::corpus::SAMPLES).map(row).collect();
                 format!("Time(s) Disp(um) Load(N)\n{rows}")
             },
-            &["divided by blanks"],
+            &["separated by blanks"],
         ),
         dialect(
             "thousands by a point, decimal comma",

@@ -164,12 +164,12 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "a rate in the preamble",
             without("Abtastrate: 80 Hz\n\n"),
-            read(&["a step of 0.0125 s is by line 1"]),
+            read(&["the step of 0.0125 s is from line 1"]),
         ),
         dialect(
             "a step in the preamble",
             without("Sample interval;12,5 ms\n\n"),
-            read(&["a step of 0.0125 s is by line 1"]),
+            read(&["the step of 0.0125 s is from line 1"]),
         ),
         dialect(
             "two rates in the preamble",
@@ -184,7 +184,7 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "a rate and its step",
             without("Sample rate: 80 Hz\nTime step: 12,5 ms\n\n"),
-            read(&["a step of 0.0125 s is by line 1"]),
+            read(&["the step of 0.0125 s is from line 1"]),
         ),
         Dialect {
             columns: [STAMPED, MM.of(1e-3, 0), KN.of(1e-3, 0)],
