@@ -27,7 +27,7 @@ pub struct OnRig {
     pub amplitude: f64,
     /// K of the specimen, measured with the sensors' noise, kN/mm.
     pub stiffness: f64,
-    /// η of the specimen, measured in the same way.
+    /// Loss factor η of the specimen, a ratio measured in the same way.
     pub loss_factor: f64,
     /// K of the crate's law that ran in parallel on the measured motion, kN/mm.
     pub model_stiffness: f64,
