@@ -349,3 +349,55 @@ fn a_failure_names_page_line_and_what_the_command_said() {
         "{failure}"
     );
 }
+
+/// Lines of prose that hold more than one sentence: a change of a sentence then shows as a change of a line.
+fn double_sentences(page: &str) -> Vec<usize> {
+    let (mut is_code, mut is_html) = (false, false);
+    let mut found = Vec::new();
+    for (line, number) in page.lines().zip(1..) {
+        let text = line.trim();
+        if text.starts_with("```") {
+            is_code = !is_code;
+        }
+        is_html |= text.starts_with("<!--");
+        if !is_code && !is_html && !text.starts_with(['|', '#']) {
+            let ends = text.match_indices(". ").any(|(at, _)| {
+                let (before, after) = (&text[..at], &text[at + 2..]);
+                // Not within a code span, and neither a number of a list nor an abbreviation.
+                before.matches('`').count() % 2 == 0
+                    && before.len() > 2
+                    && after.starts_with(char::is_uppercase)
+                    && !["e.g", "i.e", "vs", "approx"]
+                        .iter()
+                        .any(|short| before.ends_with(short))
+            });
+            if ends {
+                found.push(number);
+            }
+        }
+        if text.ends_with("-->") {
+            is_html = false;
+        }
+    }
+    found
+}
+
+#[test]
+fn a_line_holds_one_sentence() {
+    let found: Vec<String> = pages()
+        .into_iter()
+        .flat_map(|(name, text)| {
+            let lines = double_sentences(&text);
+            lines.into_iter().map(move |line| format!("{name}:{line}"))
+        })
+        .collect();
+    assert!(
+        found.is_empty(),
+        "more than one sentence: {}",
+        found.join(", ")
+    );
+    assert_eq!(
+        double_sentences("One. Two.\n| a. B |\n```\nA. B\n```\n`a. B` c.\n"),
+        [1]
+    );
+}
