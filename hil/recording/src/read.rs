@@ -31,7 +31,15 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_as(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
-        Self::whole(path.as_ref(), reading, Kept::Cells)
+        Self::whole(path.as_ref(), reading, Kept::Cells, &Needs::default())
+    }
+
+    /// [`Recording::read_as`] for a file whose motion alone is needed: without a force column the force is 0.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_motion_as(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
+        Self::whole(path.as_ref(), reading, Kept::Cells, &Needs::motion())
     }
 
     /// [`Recording::read_as`] for callers that do not write the recording again: other columns, and the cells as text, are not
@@ -40,7 +48,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_channels(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
-        Self::whole(path.as_ref(), reading, Kept::Channels)
+        Self::whole(path.as_ref(), reading, Kept::Channels, &Needs::default())
     }
 
     /// [`Recording::read_channels`] for a file whose motion alone is needed: without a force column the force is 0.
@@ -61,9 +69,7 @@ impl Recording {
         reading: &Reading,
         needs: &Needs,
     ) -> Result<Self, InputError> {
-        let path = path.as_ref();
-        let (_, file) = files::open(path, reading)?;
-        Self::of(path, file, reading, Kept::Channels, needs)?.checked()
+        Self::whole(path.as_ref(), reading, Kept::Channels, needs)
     }
 
     /// A recording that was read, with a force.
@@ -103,9 +109,14 @@ impl Recording {
         self.assumed.as_deref()
     }
 
-    fn whole(path: &Path, reading: &Reading, kept: Kept) -> Result<Self, InputError> {
+    fn whole(
+        path: &Path,
+        reading: &Reading,
+        kept: Kept,
+        needs: &Needs,
+    ) -> Result<Self, InputError> {
         let (_, file) = files::open(path, reading)?;
-        Self::of(path, file, reading, kept, &Needs::default())?.checked()
+        Self::of(path, file, reading, kept, needs)?.checked()
     }
 
     /// The channels of an opened file. Channels that are not needed may be missing, and are empty then. They are not checked yet.

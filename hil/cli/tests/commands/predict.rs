@@ -314,3 +314,68 @@ fn a_prediction_goes_where_its_name_ends() {
         &["pred.xlsx", "of no format", ".parquet"],
     );
 }
+
+#[test]
+fn a_motion_without_a_force_is_enough() {
+    let root = tempfile::tempdir().unwrap();
+    let whole: String = (0..1000)
+        .map(|i| f64::from(i) * 0.002)
+        .map(|time| {
+            format!(
+                "{time},{:.9},{:.9}\n",
+                displacement(time),
+                2.0 * displacement(time)
+            )
+        })
+        .collect();
+    let motion: String = whole
+        .lines()
+        .map(|row| row.rsplit_once(',').unwrap().0.to_owned() + "\n")
+        .collect();
+    fs::write(
+        root.path().join("whole.csv"),
+        format!("time_s,displacement_mm,force_kN\n{whole}"),
+    )
+    .unwrap();
+    fs::write(
+        root.path().join("motion.csv"),
+        format!("time_s,displacement_mm\n{motion}"),
+    )
+    .unwrap();
+    predict(root.path(), "whole.csv", "whole_out.csv", "f64");
+    predict(root.path(), "motion.csv", "motion_out.csv", "f64");
+    let forces = |name: &str| -> Vec<String> {
+        let text = fs::read_to_string(root.path().join(name)).unwrap();
+        assert!(text.starts_with("time_s,"), "{text}");
+        let last = |row: &str| row.rsplit_once(',').unwrap().1.to_owned();
+        text.lines().map(last).collect()
+    };
+    assert_eq!(forces("whole_out.csv"), forces("motion_out.csv"));
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args([
+            "predict",
+            "--model",
+            "model.json",
+            "motion.csv",
+            "--out",
+            "again.csv",
+            "--json",
+            "said.json",
+        ])
+        .current_dir(root.path())
+        .output()
+        .unwrap();
+    let [out, error] =
+        [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+    assert!(out.contains("no force was measured"), "{out}");
+    assert!(
+        error.contains("from the motion alone") && error.contains("force"),
+        "{error}"
+    );
+    let said: serde_json::Value =
+        serde_json::from_slice(&fs::read(root.path().join("said.json")).unwrap()).unwrap();
+    assert!(
+        said["nrmse"].is_null() && said["band"].as_f64().unwrap().is_finite(),
+        "{said}"
+    );
+}

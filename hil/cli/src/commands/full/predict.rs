@@ -11,6 +11,7 @@ use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, WriteAs};
@@ -29,6 +30,7 @@ use crate::commands::{Failure, say, warn};
 ///
 /// Writes the rows of the recording and two more columns, in the recording's unit: predicted_force_UNIT and predicted_band_UNIT. The band
 /// is half the width of the 90 % interval of the force due to displacement noise. It does not include the error of the model.
+/// The recording may lack a force: then no error is computed.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil demo --seed 4\n  \
     hil predict --model demo-out/model.json demo-out/recording.csv.gz \\\n      \
@@ -129,9 +131,9 @@ pub(in crate::commands) struct Summary<'a> {
     on: On,
     /// Samples of the recording.
     samples: usize,
-    /// RMS of the error over the RMS of the measured force.
-    nrmse: f64,
-    /// RMS of the band's half width over that of the measured force.
+    /// RMS of the error over the RMS of the measured force; null if no force was measured.
+    nrmse: Option<f64>,
+    /// RMS of the band's half width over that of the measured force, or of the predicted one if no force was measured.
     band: f64,
     /// By how much the motion exceeds the operating range, as a part of it.
     beyond_fitted_range: f64,
@@ -197,6 +199,24 @@ impl<'a> Seen<'a> {
 }
 
 impl Predict {
+    /// The recording. If its force cannot be read, its motion can do without, and a warning gives the reason.
+    fn read(&self) -> Result<Recording, InputError> {
+        let said = self.files.said();
+        Recording::read_as(&self.recording, &said).or_else(|error| {
+            let without = Recording::read_motion_as(&self.recording, &said);
+            let without = without.map_err(|_| error.clone())?;
+            if without.force.iter().any(|f| *f != 0.0) {
+                return Err(error);
+            }
+            warn(&format!(
+                "{}: predicted from the motion alone: {}",
+                self.recording.display(),
+                error.problem
+            ));
+            Ok(without)
+        })
+    }
+
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
@@ -206,7 +226,7 @@ impl Predict {
             .begin()?;
         WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
-        let recording = Recording::read_as(&self.recording, &self.files.said())?;
+        let recording = self.read()?;
         say_guesses(recording.named_guesses());
         // As a trace has it: the same faults are mended, and the same samples count.
         let mut mended = recording.mended();
@@ -237,8 +257,12 @@ impl Predict {
         })?;
         let band = band(&model, &trajectory)
             .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
-        let error = nrmse(&force, &trajectory.force, |sample| {
-            trajectory.measured[sample]
+        // A channel that never changes is no measured force.
+        let is_measured = recording.force.iter().any(|f| *f != recording.force[0]);
+        let error = is_measured.then(|| {
+            nrmse(&force, &trajectory.force, |sample| {
+                trajectory.measured[sample]
+            })
         });
         if let Some(path) = &self.motion {
             outputs.add_document(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
@@ -266,7 +290,12 @@ impl Predict {
             on: self.on.clone(),
             samples: recording.len(),
             nrmse: error,
-            band: rms(&band) / rms(&mended.force),
+            band: rms(&band)
+                / rms(if error.is_some() {
+                    &mended.force
+                } else {
+                    &force
+                }),
             beyond_fitted_range: outside.most(),
             outside_operating_range: outside,
         };
@@ -281,10 +310,13 @@ impl Predict {
         let dash = Path::new("-");
         let is_free = |other: &Option<PathBuf>| other.as_deref() != Some(dash);
         if self.out != dash && is_free(&self.json) && is_free(&self.motion) {
+            let error = match summary.nrmse {
+                Some(error) => format!("error {:.2} % of the measured force's RMS", 100.0 * error),
+                None => "no error, because no force was measured,".into(),
+            };
             say(&format!(
-                "{}: error {:.2} % of the measured force's RMS over {} samples; displacement noise may cause up to {:.2} %",
+                "{}: {error} over {} samples; displacement noise may cause up to {:.2} %",
                 self.out.display(),
-                100.0 * summary.nrmse,
                 summary.samples,
                 100.0 * summary.band
             ));
