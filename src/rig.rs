@@ -139,8 +139,9 @@ pub struct RigSettings {
     /// a link.
     pub link_ticks: u32,
     /// Rate of the counter whose reading each tick takes, Hz: 0, or from the tick rate to 4e9 and to 2e9 times the tick rate. With
-    /// 0 the counter counts the timer's ticks, one each. A clock that is independent of the timer, such as the processor's cycle
-    /// counter, also detects a timer at a wrong rate; it needs at least 10 counts per tick. See [`Controller::tick`].
+    /// 0 the counter counts the timer's ticks, one each. A clock that is independent of the timer, such as a second timer, also
+    /// detects a timer at a wrong rate; it needs at least 10 counts per tick. It must not be the cycle counter (DWT) of a processor
+    /// that sleeps in `wfi`, because that counter stands still in sleep. See [`Controller::tick`].
     pub clock_rate: f64,
     /// Bandwidth of the observer, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,

@@ -238,7 +238,11 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
 fn every_bad_recording_is_refused_by_predict() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("model.json"), MODEL).unwrap();
-    for (name, bytes, said) in bad_recordings() {
+    // `predict` needs the motion alone.
+    let bad = bad_recordings()
+        .into_iter()
+        .filter(|(name, ..)| *name != "no-force.csv");
+    for (name, bytes, said) in bad {
         fs::write(root.path().join(name), bytes).unwrap();
         let arguments = [
             "predict",

@@ -95,7 +95,7 @@ const RELATIVE: &str = "relative";
 const RATIO: &str = "ratio";
 
 /// Limits that are missed, with the reason. A limit that is met has to leave this list.
-const NOT_REACHED: [(&str, &str); 32] = [
+const NOT_REACHED: &[(&str, &str)] = &[
     (
         "longest steady tick over the mean",
         "a tick in 64 ends a sector of the cycle and does a step of its results in 95 to 131; the first of a block takes 179",

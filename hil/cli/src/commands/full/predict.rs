@@ -199,13 +199,11 @@ impl<'a> Seen<'a> {
 }
 
 impl Predict {
-    /// The recording. If its force cannot be read, its motion can do without, and a warning gives the reason.
+    /// The recording. Its motion alone is enough if it has no force column, and a warning says so.
     fn read(&self) -> Result<Recording, InputError> {
         let said = self.files.said();
         Recording::read_as(&self.recording, &said).or_else(|error| {
-            let without = Recording::read_motion_as(&self.recording, &said);
-            let without = without.map_err(|_| error.clone())?;
-            if without.force.iter().any(|f| *f != 0.0) {
+            if !error.problem.starts_with("there is no force column") {
                 return Err(error);
             }
             warn(&format!(
@@ -213,7 +211,7 @@ impl Predict {
                 self.recording.display(),
                 error.problem
             ));
-            Ok(without)
+            Recording::read_motion_as(&self.recording, &said)
         })
     }
 
