@@ -164,7 +164,7 @@ fn a_random_motion_that_cannot_be_is_refused_by_its_field() {
             "rms=0.1,from=0.1,to=2,duration=4",
             "field duration: 4 s is outside 10 to 3600 s",
         ),
-        ("rms=0.1,from=1,to=2,duration=2h", "no unit"),
+        ("rms=0.1,from=1,to=2,duration=2h", "not a unit"),
         (
             "rms=0.1,from=1.1,to=1.2,duration=1",
             "field to: no multiple of 1.0000 Hz",

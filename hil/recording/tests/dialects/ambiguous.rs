@@ -131,7 +131,7 @@ pub fn dialects() -> Vec<Dialect> {
             &["--decimal comma"],
         ),
         Dialect {
-            outcome: Outcome::Refused(vec!["have different signs", "--decimal point"]),
+            outcome: Outcome::Refused(vec!["use different signs", "--decimal point"]),
             ..dialect(
                 "a point in one column, a comma in another",
                 {

@@ -75,7 +75,7 @@ pub fn dialects() -> Vec<Dialect> {
         dialect(
             "a decimal point among commas",
             table("0,9;1.5;2,5\n"),
-            &["line 26: \"1.5\"", "have different signs"],
+            &["line 26: \"1.5\"", "use different signs"],
         ),
         dialect(
             "more names than cells",

@@ -139,7 +139,7 @@ pub fn dialects() -> Vec<Dialect> {
             OWN,
             &[
                 "2 columns could be the control input pressure_bar",
-                "none is read",
+                "none of them is read",
             ],
         ),
         unit(
