@@ -131,7 +131,7 @@ def test_a_time_may_be_a_step_an_index_or_dates() -> None:
         mesh_damper.trace(polars.DataFrame({**block, "time_s": block["time_s"]})),
     ):
         assert given.to_dict()["law"][0]["k1"]["value"] == pytest.approx(one[0]["k1"]["value"], rel=1e-6)
-    with pytest.warns(mesh_damper.UnitWarning, match="assumed is s for time="):
+    with pytest.warns(mesh_damper.UnitWarning, match="for time=, so s is assumed"):
         mesh_damper.trace(frame, time=1 / 500.0)
     # A column of seconds is surer than an index of dates, and dates in a column are a guess.
     both = dates.assign(time_s=block["time_s"])
