@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::channel::Channel;
+
 /// Input that was rejected: the file, the place in it, the problem and its correction.
 ///
 /// Its text is always a single line, whatever the file's name or its cells contain.
@@ -17,6 +19,8 @@ pub struct InputError {
     pub problem: String,
     /// Its correction.
     pub mend: String,
+    /// The channel that the file lacks, if that is the problem.
+    pub missing: Option<Channel>,
 }
 
 /// A place in a file.
@@ -51,6 +55,7 @@ impl InputError {
             place: Place::Whole,
             problem: problem.into(),
             mend: mend.into(),
+            missing: None,
         }
     }
 

@@ -34,12 +34,23 @@ impl Recording {
         Self::whole(path.as_ref(), reading, Kept::Cells, &Needs::default())
     }
 
-    /// [`Recording::read_as`] for a file whose motion alone is needed: without a force column the force is 0.
+    /// [`Recording::read_as`] for uses to which a motion alone is enough: without a force column the force is 0, and the error that
+    /// names what was found in its place comes with it.
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_motion_as(path: impl AsRef<Path>, reading: &Reading) -> Result<Self, InputError> {
-        Self::whole(path.as_ref(), reading, Kept::Cells, &Needs::motion())
+    pub fn read_even_without_force(
+        path: impl AsRef<Path>,
+        reading: &Reading,
+    ) -> Result<(Self, Option<InputError>), InputError> {
+        let path = path.as_ref();
+        match Self::read_as(path, reading) {
+            Err(error) if error.missing == Some(Channel::Force) => {
+                let motion = Self::whole(path, reading, Kept::Cells, &Needs::motion())?;
+                Ok((motion, Some(error)))
+            }
+            read => Ok((read?, None)),
+        }
     }
 
     /// [`Recording::read_as`] for callers that do not write the recording again: other columns, and the cells as text, are not

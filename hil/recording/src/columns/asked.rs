@@ -105,7 +105,7 @@ impl Choice<'_> {
             let words = words.unwrap_or_default();
             format!("there is no {name} column; found {}{words}", listed(&names))
         };
-        let error = InputError::new(
+        let mut error = InputError::new(
             self.file,
             problem,
             format!(
@@ -114,6 +114,7 @@ impl Choice<'_> {
                 options.join(" or ")
             ),
         );
+        error.missing = Some(channel);
         match self.table.header_line {
             Some(line) => error.at(Place::Line(line)),
             None => error,

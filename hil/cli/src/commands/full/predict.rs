@@ -11,7 +11,6 @@ use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
-use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, WriteAs};
@@ -199,22 +198,6 @@ impl<'a> Seen<'a> {
 }
 
 impl Predict {
-    /// The recording. Its motion alone is enough if it has no force column, and a warning says so.
-    fn read(&self) -> Result<Recording, InputError> {
-        let said = self.files.said();
-        Recording::read_as(&self.recording, &said).or_else(|error| {
-            if !error.problem.starts_with("there is no force column") {
-                return Err(error);
-            }
-            warn(&format!(
-                "{}: predicted from the motion alone: {}",
-                self.recording.display(),
-                error.problem
-            ));
-            Recording::read_motion_as(&self.recording, &said)
-        })
-    }
-
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new()
             .reads([&self.model, &self.recording])
@@ -224,7 +207,14 @@ impl Predict {
             .begin()?;
         WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
-        let recording = self.read()?;
+        let (recording, no_force) =
+            Recording::read_even_without_force(&self.recording, &self.files.said())?;
+        if let Some(error) = no_force {
+            warn(&format!(
+                "{}: predicted from the motion alone: {}",
+                recording.name, error.problem
+            ));
+        }
         say_guesses(recording.named_guesses());
         // As a trace has it: the same faults are mended, and the same samples count.
         let mut mended = recording.mended();
