@@ -150,7 +150,7 @@ impl Book {
             .args(["-e", "-c", text])
             .current_dir(folder)
             .env("PATH", &self.path)
-            // What a page writes there is no matter of the user's.
+            // A page must not write into the user's home.
             .env("HOME", folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -218,7 +218,7 @@ impl Book {
 }
 
 /// README and the pages of `docs/`, by their paths from the repository's root.
-fn pages() -> Vec<(String, String)> {
+pub fn pages() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut folders = vec![root.join("docs")];
     let mut paths = vec![root.join("README.md")];

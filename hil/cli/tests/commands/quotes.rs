@@ -73,25 +73,18 @@ fn renewed(page: &str) -> Result<(String, usize), String> {
 #[test]
 fn quotes_are_the_examples_own() {
     let mut quotes = 0;
-    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "md") {
-            continue;
-        }
-        let page = std::fs::read_to_string(&path).unwrap();
-        let (expected, count) =
-            renewed(&page).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    for (name, page) in crate::book::pages() {
+        let (expected, count) = renewed(&page).unwrap_or_else(|error| panic!("{name}: {error}"));
         quotes += count;
         if std::env::var_os("BLESS").is_some() {
             if expected != page {
-                std::fs::write(&path, expected).unwrap();
+                std::fs::write(root().join(&name), expected).unwrap();
             }
             continue;
         }
         assert!(
             expected == page,
-            "{}: a quote is not as its file: run with BLESS=1",
-            path.display()
+            "{name}: a quote is not as its file: run with BLESS=1"
         );
     }
     assert!(quotes > 0, "no page quotes anything");

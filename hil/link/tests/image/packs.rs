@@ -11,10 +11,10 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::{Emulator, Image, ImageBench, LinkError, LogLevel, LogLine};
 use mesh_damper_recording::error::InputError;
-use mesh_damper_rig::{Bench, Controlled};
+use mesh_damper_rig::{Bench, Controlled as _};
 
 use crate::support::{
-    EFFECTS, boards_with_rig, every_effect, image_on, law, logged_image, pack, setup,
+    EFFECTS, boards_with_rig, every_effect, image_on, law, logged_image, pack, setup, started,
 };
 
 #[test]
@@ -161,10 +161,7 @@ fn a_pack_is_checked_between_ticks() {
         let Some(mut image) = image_on(board) else {
             return;
         };
-        let mut host = Bench::new(setup.clone()).unwrap();
-        let mut bench = ImageBench::new(setup.clone(), &mut image).unwrap();
-        Controlled::start(&mut host).unwrap();
-        bench.start().unwrap();
+        let (mut host, mut bench) = started(setup.clone(), &mut image);
         let mut forces = Vec::new();
         let mut tick = |host: &mut Bench<_, 4, EFFECTS>,
                         bench: &mut ImageBench<'_, _, _, EFFECTS>| {

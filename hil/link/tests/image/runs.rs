@@ -3,15 +3,15 @@
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::rig::{StartRefused, State, TripCause};
 use mesh_damper_link::image::Board;
-use mesh_damper_link::lockstep::{ImageBench, LinkError, LogLevel, LogLine, run_rig_on};
+use mesh_damper_link::lockstep::{LinkError, LogLevel, LogLine, run_rig_on};
 use mesh_damper_rig::specimen::Specimen;
-use mesh_damper_rig::{Bench, Controlled, Plant, run_rig};
+use mesh_damper_rig::{Controlled as _, Plant, run_rig};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::support::{
     EFFECTS, TICK, bits, boards_with_rig, every_effect, image_on, law, logged_image, motions, pack,
-    setup,
+    setup, started,
 };
 
 #[test]
@@ -76,10 +76,7 @@ fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host(
         let Some(mut image) = image_on(board) else {
             return;
         };
-        let mut host = Bench::new(setup()).unwrap();
-        let mut bench = ImageBench::new(setup(), &mut image).unwrap();
-        Controlled::start(&mut host).unwrap();
-        bench.start().unwrap();
+        let (mut host, mut bench) = started(setup(), &mut image);
         for tick in 0..TICKS {
             host.plant.controls = at(tick);
             bench.plant_mut().controls = at(tick);
@@ -104,10 +101,7 @@ fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
         let Some(mut image) = image_on(board) else {
             return;
         };
-        let mut host = Bench::new(setup()).unwrap();
-        let mut bench = ImageBench::new(setup(), &mut image).unwrap();
-        Controlled::start(&mut host).unwrap();
-        bench.start().unwrap();
+        let (mut host, mut bench) = started(setup(), &mut image);
         for tick in 0..3000 {
             if tick == 1000 {
                 disturb(&mut host.plant);

@@ -9,9 +9,9 @@ use mesh_damper::law::Law;
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{Board, FIRMWARE};
-use mesh_damper_link::lockstep::{Emulator, Image, LogLine};
-use mesh_damper_rig::RigSetup;
+use mesh_damper_link::lockstep::{Emulator, Image, ImageBench, LogLine};
 use mesh_damper_rig::specimen::{HiddenEffect, SlipShape, Specimen};
+use mesh_damper_rig::{Bench, Controlled as _, RigSetup};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
@@ -110,6 +110,21 @@ pub fn motions(count: usize, random: &mut ChaCha8Rng) -> Vec<Motion<f32>> {
 /// The payload of a NaN differs between processors; no force is NaN.
 pub fn bits(forces: &[f32]) -> Vec<u32> {
     forces.iter().map(|force| force.to_bits()).collect()
+}
+
+/// The rig on the host and on `image`, both started.
+pub fn started(
+    setup: RigSetup<Specimen, 4, EFFECTS>,
+    image: &mut Image<Emulator>,
+) -> (
+    Bench<Specimen, 4, EFFECTS>,
+    ImageBench<'_, Specimen, Emulator, EFFECTS>,
+) {
+    let mut host = Bench::new(setup.clone()).unwrap();
+    let mut bench = ImageBench::new(setup, image).unwrap();
+    host.start().unwrap();
+    bench.start().unwrap();
+    (host, bench)
 }
 
 pub fn setup() -> RigSetup<Specimen, 4, EFFECTS> {
