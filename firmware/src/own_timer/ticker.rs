@@ -24,7 +24,7 @@ pub struct Ticker<B: OwnTimer> {
     slices: u32,
 }
 
-/// Slices of a pack's check, one per tick, after which the harness is told that there are more. The harness gives up a board that
+/// Slices of a pack's check, one per tick, after which the answer says that there are more. The harness gives up a board that
 /// is silent for two seconds, and a rig ticks at least 100 times a second.
 const SLICES: u32 = 100;
 

@@ -176,7 +176,7 @@ impl View {
         Self(title.to_owned(), over_time, others)
     }
 
-    /// With at most so many points to a curve, which look as `names` in their order do.
+    /// With at most `points` points per curve; each curve looks as the place of its name in `names` says.
     fn panel(&self, points: usize, names: &[&str]) -> Panel {
         let Self(title, over_time, curves) = self;
         let layers = curves.iter().map(|curve| {
