@@ -105,7 +105,7 @@ fn predicted(
 ) -> Result<(Vec<f64>, Vec<String>), InputError> {
     let model = file.model();
     // As a trace has it: the same faults are mended.
-    let mut mended = recording.mended();
+    let mut mended = recording.repaired();
     let known = (recording.name.as_str(), mended.controls.as_slice());
     let held = model.held_controls(known, controls, mended.len())?;
     let mut warnings: Vec<String> = (held.iter().zip(&model.controls))
@@ -146,8 +146,8 @@ fn predicted(
 /// As the commands write it.
 pub fn json(value: &impl Serialize) -> PyResult<String> {
     let text = serde_json::to_string_pretty(value).map_err(|error| {
-        let mend = "report this";
-        refused(&InputError::new("JSON", error.to_string(), mend))
+        let remedy = "report this";
+        refused(&InputError::new("JSON", error.to_string(), remedy))
     })?;
     Ok(text + "\n")
 }

@@ -43,8 +43,8 @@ impl Reading {
                 Some("mm-kN-s") => Unmarked::Said(Units::default()),
                 Some(other) => {
                     let problem = format!("no system is called '{other}'");
-                    let mend = "give \"SI\", \"mm-kN-s\" or a unit for each channel";
-                    return Err(refused(&InputError::new("units", problem, mend)));
+                    let remedy = "give \"SI\", \"mm-kN-s\" or a unit for each channel";
+                    return Err(refused(&InputError::new("units", problem, remedy)));
                 }
                 None => Unmarked::Refused,
             },
@@ -64,8 +64,8 @@ impl Reading {
             let seconds = step * reading.scale("time")?.unwrap_or(1.0);
             if !(seconds.is_finite() && seconds > 0.0) {
                 let problem = format!("{step} is no time between samples");
-                let mend = "give one above 0, or the samples' times";
-                return Err(refused(&InputError::new("time", problem, mend)));
+                let remedy = "give one above 0, or the samples' times";
+                return Err(refused(&InputError::new("time", problem, remedy)));
             }
             reading.said.rate = Some(1.0 / seconds);
         }
@@ -87,8 +87,8 @@ impl Reading {
                 let unit = channel.unit_written(written).ok_or_else(|| {
                     let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
                     let problem = format!("unknown unit {written:?} of {}", channel.name());
-                    let mend = format!("give one of {}", units.join(", "));
-                    refused(&InputError::new("units", problem, mend))
+                    let remedy = format!("give one of {}", units.join(", "));
+                    refused(&InputError::new("units", problem, remedy))
                 })?;
                 Ok(Some(unit.scale))
             }

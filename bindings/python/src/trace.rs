@@ -128,9 +128,9 @@ pub fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     let family = |name: &String| {
         Family::named(name).ok_or_else(|| {
             let all: Vec<&str> = Family::all().map(Family::name).collect();
-            let mend = format!("give one of {}", all.join(", "));
+            let remedy = format!("give one of {}", all.join(", "));
             let problem = format!("no effect is called {name:?}");
-            refused(&InputError::new(option, problem, mend))
+            refused(&InputError::new(option, problem, remedy))
         })
     };
     names.iter().map(family).collect()
@@ -141,8 +141,8 @@ pub fn base_law(word: &str) -> PyResult<BaseLaw> {
     all.find(|law| law.word() == word).ok_or_else(|| {
         let words = BaseLaw::ALL.map(BaseLaw::word).join(", ");
         let problem = format!("no law is called {word:?}");
-        let mend = format!("give one of {words}");
-        refused(&InputError::new("baseline", problem, mend))
+        let remedy = format!("give one of {words}");
+        refused(&InputError::new("baseline", problem, remedy))
     })
 }
 

@@ -94,8 +94,8 @@ impl Batch {
         self.refuse_own_folder()?;
         if self.jobs.get() > MOST_JOBS {
             let problem = format!("{} is above {MOST_JOBS}", self.jobs);
-            let mend = "give as many as the machine has cores";
-            return Err(InputError::new("--jobs", problem, mend));
+            let remedy = "give as many as the machine has cores";
+            return Err(InputError::new("--jobs", problem, remedy));
         }
         let names = [OUTCOMES, OUTCOMES_CSV, EFFECTS, PAGE, JOURNAL];
         let mut outputs = Plan::new()

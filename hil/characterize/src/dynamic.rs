@@ -99,8 +99,8 @@ pub struct DynamicTest {
 /// The recording is mostly gaps or noise, or it has no whole cycle or too few samples per cycle.
 pub fn dynamic_test(recording: &Recording) -> Result<DynamicTest, InputError> {
     let trajectory = Trajectory::as_recorded(recording)?;
-    let refused = |problem: String, mend: &str| {
-        InputError::new(&recording.name, problem, mend).at(Place::Column("displacement".into()))
+    let refused = |problem: String, remedy: &str| {
+        InputError::new(&recording.name, problem, remedy).at(Place::Column("displacement".into()))
     };
     let lengths = trajectory.blocks.iter().flat_map(|block| &block.cycles);
     let Some(shortest) = lengths.map(ExactSizeIterator::len).min() else {

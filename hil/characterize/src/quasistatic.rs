@@ -79,8 +79,8 @@ pub fn static_test(recording: &Recording) -> Result<StaticTest, InputError> {
         .iter()
         .filter_map(|cycle| StaticCycle::of(&curve, cycle, &recording.time))
         .collect();
-    let refused = |problem: &str, mend: &str| {
-        InputError::new(&recording.name, problem, mend).at(Place::Column("displacement".into()))
+    let refused = |problem: &str, remedy: &str| {
+        InputError::new(&recording.name, problem, remedy).at(Place::Column("displacement".into()))
     };
     if found.is_empty() {
         return Err(refused(

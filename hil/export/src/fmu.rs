@@ -132,8 +132,8 @@ pub fn beside_this_program() -> Vec<PathBuf> {
 }
 
 fn library(path: &Path) -> Result<Library, InputError> {
-    let refused = |problem: String, mend: &str| {
-        Err(InputError::new(path.display().to_string(), problem, mend))
+    let refused = |problem: String, remedy: &str| {
+        Err(InputError::new(path.display().to_string(), problem, remedy))
     };
     let bytes = fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
     let Some(platform) = Platform::of(&bytes) else {

@@ -27,7 +27,7 @@ impl Request {
                 "leave --amplitude out",
             ),
             ExportError::Model(error @ ModelError::Refused { .. }) => InputError {
-                mend: format!(
+                remedy: format!(
                     "give a --tick-rate other than {}, correct the field, or trace the recordings again",
                     self.tick_rate
                 ),

@@ -20,6 +20,7 @@ pub use crate::trace::TracePolicy;
 pub use crate::trace::adopt::AdoptPolicy;
 pub use crate::trace::aligned::AlignedPolicy;
 pub use crate::trace::confirm::ConfirmPolicy;
+pub use crate::trace::held_range::HeldRangePolicy;
 pub use crate::trace::left_out::LeftOutPolicy;
 pub use crate::trace::mend::MendPolicy;
 pub use crate::trace::remainder::RemainderPolicy;
@@ -49,6 +50,8 @@ mesh_damper_recording::policy! {
     gram: GramPolicy,
     /// Which trends a residual table follows.
     growth: GrowthPolicy,
+    /// Held-out recordings outside the fitted conditions.
+    held_range: HeldRangePolicy,
     /// Blocks that are left out of a fit.
     left_out: LeftOutPolicy,
     /// What a residual table may remember.

@@ -335,7 +335,7 @@ fn the_watchdog_restarts_a_board_whose_ticks_stay_away() {
         image.start_rig(),
         Err(LinkError::Refused {
             reason: "the request came in the wrong order".into(),
-            mend: "run it again; if it stays, run it on the host and report this",
+            remedy: "run it again; if it stays, run it on the host and report this",
         })
     );
 }

@@ -211,8 +211,8 @@ impl ModelFile {
             )
             .at(Place::Line(error.line() as u64))
         })?;
-        let refused = |field: &str, problem: String, mend: &str| {
-            InputError::new(name, problem, mend).at(Place::Field(field.into()))
+        let refused = |field: &str, problem: String, remedy: &str| {
+            InputError::new(name, problem, remedy).at(Place::Field(field.into()))
         };
         match value.get("format").and_then(serde_json::Value::as_str) {
             Some(FORMAT) => {}

@@ -179,7 +179,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
         return Ok(());
     }
     let factor = scale_between(pairs.iter().map(|pair| pair.force));
-    let (how, mend) = match factor {
+    let (how, remedy) = match factor {
         Some(factor) if (factor + 1.0).abs() < policy().consistency.opposite => (
             "its force has the opposite sign".to_owned(),
             "reverse the sign of one force channel, or drop one of the two",
@@ -196,7 +196,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     Err(InputError::new(
         &later.name,
         format!("contradicts {}: under the same motion {how}", earlier.name),
-        mend,
+        remedy,
     ))
 }
 

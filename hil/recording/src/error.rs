@@ -18,9 +18,11 @@ pub struct InputError {
     /// The problem.
     pub problem: String,
     /// Its correction.
-    pub mend: String,
+    pub remedy: String,
     /// The channel that the file lacks, if that is the problem.
     pub missing: Option<Channel>,
+    /// The options that answer it, if options do: `--unit force=UNIT`. A word in capitals stands for what only the user knows.
+    pub answer: Option<String>,
 }
 
 /// A place in a file.
@@ -39,6 +41,13 @@ pub enum Place {
         /// The column's name.
         column: String,
     },
+    /// A sample of a file without lines, or of a recording in memory.
+    Sample {
+        /// The sample, counted from 1.
+        sample: u64,
+        /// The column's name, if it is one value.
+        column: Option<String>,
+    },
     /// A field of a structured file, as a path such as `effects[0].parameters.force`.
     Field(String),
 }
@@ -48,15 +57,23 @@ impl InputError {
     pub fn new(
         source_name: impl Into<String>,
         problem: impl Into<String>,
-        mend: impl Into<String>,
+        remedy: impl Into<String>,
     ) -> Self {
         Self {
             source_name: source_name.into(),
             place: Place::Whole,
             problem: problem.into(),
-            mend: mend.into(),
+            remedy: remedy.into(),
             missing: None,
+            answer: None,
         }
+    }
+
+    /// The same error with the options that answer it.
+    #[must_use]
+    pub fn answered_by(mut self, options: impl Into<String>) -> Self {
+        self.answer = Some(options.into());
+        self
     }
 
     /// The same error at a place in the file.
@@ -69,7 +86,7 @@ impl InputError {
     /// An operation of the file system that failed.
     pub fn io(path: &Path, doing: &str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
-        let (problem, mend) = match error.kind() {
+        let (problem, remedy) = match error.kind() {
             ErrorKind::NotFound => ("does not exist", "check the path"),
             ErrorKind::PermissionDenied => (
                 "permission denied",
@@ -97,7 +114,7 @@ impl InputError {
         Self::new(
             path.display().to_string(),
             format!("cannot {doing} it: {problem}"),
-            mend,
+            remedy,
         )
     }
 
@@ -111,13 +128,21 @@ impl InputError {
             Place::Cell { line, column } => {
                 write!(text, ": line {line}, column {}", single_line(column))
             }
+            Place::Sample {
+                sample,
+                column: None,
+            } => write!(text, ": sample {sample}"),
+            Place::Sample {
+                sample,
+                column: Some(column),
+            } => write!(text, ": sample {sample}, column {}", single_line(column)),
             Place::Field(field) => write!(text, ": field {}", single_line(field)),
         };
         let _ = write!(
             text,
             ": {}; {}",
             single_line(&self.problem),
-            single_line(&self.mend)
+            single_line(&self.remedy)
         );
         text
     }

@@ -260,7 +260,7 @@ impl Recording {
         ))
     }
 
-    /// The line of sample `index` in the file, or `index` + 1 without a file.
+    /// The line of sample `index` in a text, its number in another file, or `index` + 1 without a file.
     fn line(&self, index: usize) -> u64 {
         self.lines.line(index).unwrap_or(index as u64 + 1)
     }
@@ -302,10 +302,7 @@ impl Recording {
                     "the value is not finite",
                     "remove the row or correct the value",
                 )
-                .at(Place::Cell {
-                    line: self.line(index),
-                    column: name.into(),
-                }));
+                .at(self.lines.place(index, Some(name))));
             }
         }
         self.check_time()?;
@@ -326,7 +323,7 @@ impl Recording {
             return Ok(());
         };
         let (before, after) = (self.time[index], self.time[index + 1]);
-        let (how, mend) = if after == before {
+        let (how, remedy) = if after == before {
             (
                 "stands still",
                 "remove the repeated row, or write time with more decimals",
@@ -340,9 +337,9 @@ impl Recording {
         Err(InputError::new(
             &self.name,
             format!("time {how}: {after} s after {before} s"),
-            mend,
+            remedy,
         )
-        .at(Place::Line(self.line(index + 1))))
+        .at(self.lines.place(index + 1, None)))
     }
 }
 

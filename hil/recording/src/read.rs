@@ -162,8 +162,8 @@ impl Recording {
         for input in needs.inputs.iter().flatten() {
             if !recording.controls.iter().any(|each| each.name == *input) {
                 let problem = format!("the control input {input} holds no number");
-                let mend = "give its values, or leave it out";
-                return Err(InputError::new(recording.name, problem, mend));
+                let remedy = "give its values, or leave it out";
+                return Err(InputError::new(recording.name, problem, remedy));
             }
         }
         Ok(recording)
@@ -306,13 +306,11 @@ impl Samples {
 
     /// A required cell without a number.
     fn blank(&self, row: usize, index: usize) -> InputError {
-        let (problem, place) = (
-            "the cell is empty or \"NaN\"",
-            Place::Cell {
-                line: self.values.lines.line(row).unwrap_or(row as u64 + 1),
-                column: self.column_names[index].clone(),
-            },
-        );
+        let place = self
+            .values
+            .lines
+            .place(row, Some(&self.column_names[index]));
+        let problem = "the cell is empty or \"NaN\"";
         InputError::new(&self.name, problem, "remove the row or correct the value").at(place)
     }
 

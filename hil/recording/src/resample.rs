@@ -178,7 +178,7 @@ impl Recording {
             ),
             "split the recording there into two files, or check the time column's unit",
         )
-        .at(Place::Line(self.line(longest)))
+        .at(self.lines.place(longest, None))
     }
 }
 
@@ -314,10 +314,14 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_of_time_is_refused_at_its_line() {
+    fn a_jump_of_time_is_refused_at_its_sample() {
         let mut times: Vec<f64> = (0..100).map(|i| f64::from(i) / 100.0).collect();
         times.push(1e9);
         let error = sine(&times).uniform().unwrap_err();
-        assert_eq!(error.place, Place::Line(101));
+        let place = Place::Sample {
+            sample: 101,
+            column: None,
+        };
+        assert_eq!(error.place, place);
     }
 }

@@ -1,5 +1,7 @@
 //! The rows of a recording as in the file.
 
+use crate::error::Place;
+
 /// End of a cell: a byte that no UTF-8 text contains.
 const END: u8 = 0xff;
 
@@ -36,10 +38,12 @@ impl TextRows {
     }
 }
 
-/// The line of the file in which each row begins.
+/// The line of the file in which each row begins, or the number of its sample in a file without lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowLines {
     rows: usize,
+    /// Whether it holds lines of a text.
+    are_lines: bool,
     /// Rows that are not one line below the row before, each with its line.
     jumps: Vec<(usize, u64)>,
 }
@@ -57,8 +61,18 @@ impl RowLines {
         self.rows > 0
     }
 
-    /// Adds one row.
+    /// The numbers of `rows` samples.
+    pub(super) fn of_samples(rows: usize) -> Self {
+        Self {
+            rows,
+            are_lines: false,
+            jumps: vec![(0, 1)],
+        }
+    }
+
+    /// Adds one row of a text.
     pub(super) fn push(&mut self, line: u64) {
+        self.are_lines = true;
         if self.line_of(self.rows) != Some(line) {
             self.jumps.push((self.rows, line));
         }
@@ -72,10 +86,28 @@ impl RowLines {
         lines
             .filter_map(|row| self.line(row))
             .for_each(|line| kept.push(line));
+        kept.are_lines = self.are_lines;
         *self = kept;
     }
 
-    /// The line of the file in which row `index` begins.
+    /// The place of row `index`, in `column` if there is one.
+    pub(super) fn place(&self, index: usize, column: Option<&str>) -> Place {
+        let number = self.line(index).unwrap_or(index as u64 + 1);
+        let column = column.map(str::to_owned);
+        match (self.are_lines, column) {
+            (true, None) => Place::Line(number),
+            (true, Some(column)) => Place::Cell {
+                line: number,
+                column,
+            },
+            (false, column) => Place::Sample {
+                sample: number,
+                column,
+            },
+        }
+    }
+
+    /// The line of the file in which row `index` begins, or the number of its sample.
     pub(super) fn line(&self, index: usize) -> Option<u64> {
         (index < self.rows).then(|| self.line_of(index)).flatten()
     }

@@ -158,7 +158,7 @@ impl Trajectory {
         known_off: Option<bool>,
     ) -> Result<(Self, Option<MovingAverage>), InputError> {
         recording.require_samples(policy().trajectory.fewest_samples)?;
-        let recording = &recording.mended();
+        let recording = &recording.repaired();
         let mut uniform = recording.uniform()?;
         let mut found = recording.faults().to_vec();
         found.extend(uniform.faults());

@@ -83,10 +83,10 @@ fn scattered(left: &[LeftOfOne]) -> f64 {
 }
 
 /// The message about a force whose zero lies `change` kN from that of the other recordings.
-pub fn fault(change: f64, mended: bool) -> ChannelFault {
+pub fn fault(change: f64, repaired: bool) -> ChannelFault {
     ChannelFault {
         channel: Channel::Force,
-        kind: ChannelFaultKind::Zero { change, mended },
+        kind: ChannelFaultKind::Zero { change, repaired },
     }
 }
 

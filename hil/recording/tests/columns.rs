@@ -93,12 +93,12 @@ fn what_is_wrong_is_said_with_its_row_and_column() {
     };
     let endless = refused(|columns| columns[2].1[8] = f64::INFINITY);
     assert!(
-        endless.starts_with("a test: line 9, column force_N: \"inf\" is not finite"),
+        endless.starts_with("a test: sample 9, column force_N: \"inf\" is not finite"),
         "{endless}"
     );
     let lost = refused(|columns| columns[0].1[4] = f64::NAN);
     assert!(
-        lost.starts_with("a test: line 5, column time_s: the cell is empty or \"NaN\""),
+        lost.starts_with("a test: sample 5, column time_s: the cell is empty or \"NaN\""),
         "{lost}"
     );
     let short = refused(|columns| columns[1].1.truncate(3));

@@ -108,8 +108,8 @@ fn whiteness(found: &Autocorrelation) -> Markup {
     html! {
         "Whiteness over " (found.tested) " lags: the Ljung–Box sum is " (text::number(found.ljung_box)) "; for white noise it is "
         (found.tested) " ± " (text::number((2.0 * found.tested as f64).sqrt())) " — "
-        @if found.is_white() { strong { "white" } ": the residual holds no further structure." }
-        @else { strong { "not white" } ": the residual is autocorrelated." }
+        @if found.is_white() { "white: the residual holds no further structure." }
+        @else { "not white: the residual is autocorrelated." }
     }
 }
 
@@ -143,13 +143,16 @@ pub fn tried(result: &TraceResult) -> Section {
 /// One step.
 fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     let number = step[0].step;
-    // The law before the step, judged in the same way; for the first step it is the law alone.
+    // The law before the step, judged in the same way; before the first step it is the law alone.
     let before: Vec<&Candidate> = result
         .candidates
         .iter()
         .filter(|c| c.added && c.step < number)
         .collect();
-    let reference = before.last().map(|candidate| candidate.nrmse_judged);
+    let reference = match before.last() {
+        Some(candidate) => Some(candidate.nrmse_judged),
+        None => result.baseline.nrmse_judged,
+    };
     let shown = best_of_families(step);
     let largest = longest_bar(&shown, reference);
     let width = |error: f64| format!("width:{:.2}%", 100.0 * (error / largest).clamp(0.0, 1.0));
@@ -205,14 +208,19 @@ fn rejected(shown: &[&Candidate]) -> BTreeMap<Rule, Vec<String>> {
     rejected
 }
 
-/// The first of each family in the ranking of the search, and those that were added.
+/// Of each family the form that was added, or else the first in the ranking of the search.
 fn best_of_families(step: &[Candidate]) -> Vec<&Candidate> {
-    let first = |place: usize| {
-        let mut earlier = step[..place].iter();
-        earlier.all(|other| other.family != step[place].family)
+    let is_shown = |place: usize| {
+        let mut family = step
+            .iter()
+            .filter(|other| other.family == step[place].family);
+        let added = family.clone().find(|other| other.added);
+        added
+            .or_else(|| family.next())
+            .is_some_and(|shown| std::ptr::eq(shown, &raw const step[place]))
     };
     (0..step.len())
-        .filter(|&place| first(place) || step[place].added)
+        .filter(|&place| is_shown(place))
         .map(|place| &step[place])
         .collect()
 }

@@ -88,6 +88,7 @@ fn data() -> ReportData {
                 known: Vec::new(),
                 nrmse_fitted: 0.0712,
                 nrmse_held_out: 0.0834,
+                nrmse_judged: Some(0.0812),
                 staged: Some(Errors {
                     nrmse_fitted: 0.1112,
                     nrmse_held_out: 0.1234,
@@ -219,6 +220,11 @@ fn is_one_small_file_with_everything_in_it() {
     assert!(places.is_sorted());
     assert!(page.contains("not white"));
     assert_eq!(page.matches("bar won").count(), 1);
+    // The first step too begins with what was there before it.
+    assert_eq!(
+        page.matches("bar stood").count(),
+        page.matches("<h3>Step ").count()
+    );
 }
 
 #[test]

@@ -50,7 +50,7 @@ pub fn unpacked(
     }
     write(cache, files, &folder).map_err(|error| {
         let mut refused = InputError::io(&folder, "write", &error);
-        refused.mend += ", or set XDG_CACHE_HOME to another folder";
+        refused.remedy += ", or set XDG_CACHE_HOME to another folder";
         refused
     })?;
     Ok(folder)

@@ -77,7 +77,7 @@ pub fn can(on: On) -> bool {
     ]
     .into_iter()
     .find(|(program, _)| !starts(program))
-    .map(|(program, mend)| format!("{program} is not installed: {mend}"))
+    .map(|(program, remedy)| format!("{program} is not installed: {remedy}"))
     .or_else(|| match on {
         On::Host => None,
         On::Emulator => BOARD.check().err().map(|error| error.to_string()),

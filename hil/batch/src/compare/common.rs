@@ -67,8 +67,8 @@ impl CommonMotion {
     }
 }
 
-pub(super) fn cannot(why: String, mend: impl Into<String>) -> InputError {
-    InputError::new("the models", format!("cannot be compared: {why}"), mend)
+pub(super) fn cannot(why: String, remedy: impl Into<String>) -> InputError {
+    InputError::new("the models", format!("cannot be compared: {why}"), remedy)
 }
 
 /// The common part of ranges.
@@ -90,14 +90,14 @@ fn nothing_shared(
     ranges: &[(&Moment, [f64; 2])],
     what: &str,
     unit: &str,
-    mend: &str,
+    remedy: &str,
 ) -> InputError {
     let said = |(moment, [low, high]): (&Moment, [f64; 2])| {
         format!("{} has {low:.4} to {high:.4} {unit}", moment.name)
     };
     let pair =
         apart(ranges).map_or_else(String::new, |[a, b]| format!(" ({}, {})", said(a), said(b)));
-    cannot(format!("they share no {what}{pair}"), mend)
+    cannot(format!("they share no {what}{pair}"), remedy)
 }
 
 fn displacement(moments: &[Moment]) -> Result<[f64; 2], InputError> {

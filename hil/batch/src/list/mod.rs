@@ -137,6 +137,6 @@ fn resolved(list: &Path, path: &str) -> PathBuf {
     }
 }
 
-fn refused(list: &Path, problem: impl Into<String>, mend: impl Into<String>) -> InputError {
-    InputError::new(list.display().to_string(), problem, mend)
+fn refused(list: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> InputError {
+    InputError::new(list.display().to_string(), problem, remedy)
 }

@@ -164,7 +164,7 @@ fn tasks(list: &Path, rows: Vec<(Place, Cells)>) -> Result<Vec<Task>, InputError
     let mut groups: HashMap<String, usize> = HashMap::new();
     for (place, [path, group, specimen, role, held_out]) in rows {
         let refused =
-            |problem: String, mend: &str| Err(refused(list, problem, mend).at(place.clone()));
+            |problem: String, remedy: &str| Err(refused(list, problem, remedy).at(place.clone()));
         if path.is_empty() {
             return refused("has no path".into(), "write the path of a recording");
         }

@@ -72,11 +72,11 @@ impl DemoCommand {
             .begin()?;
         let progress = Progress::steps();
         let done = demo(self.seed, &|what| progress.step(what)).map_err(|error| {
-            let mend = "give another --seed";
+            let remedy = "give another --seed";
             InputError::new(
                 format!("demo of seed {}", self.seed),
                 error.to_string(),
-                mend,
+                remedy,
             )
         })?;
         progress.step("writing the report");

@@ -33,8 +33,8 @@ pub fn command(path: &Path) -> String {
 /// Blocks that the crate's generator does not run.
 pub fn motion(path: &Path, result: &TraceResult) -> Result<String, InputError> {
     let refused = |error: ConfigError| {
-        let mend = "report this: the trace asks for a test that the rig does not run";
-        InputError::new(FILE, error.to_string(), mend)
+        let remedy = "report this: the trace asks for a test that the rig does not run";
+        InputError::new(FILE, error.to_string(), remedy)
     };
     let mut programme = Programme::<BLOCKS>::new(RATE, RAMP_CYCLES).map_err(refused)?;
     for block in &result.separating_blocks {

@@ -4,19 +4,12 @@
 //! run so has the line `<!-- not run: REASON -->` before it.
 
 use std::collections::HashMap;
-use std::fs::{self, File};
+use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
-use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// A command that takes longer is stopped, and fails. Convention: a dozen times what a block may take on an idle machine.
-const PATIENCE: Duration = Duration::from_secs(120);
-/// A page whose command takes longer says so, and is not run.
-const LONG: Duration = Duration::from_secs(10);
 
 /// A command of a page, of one or more lines.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,41 +137,20 @@ impl Book {
 
     /// Runs `text` in `folder`; the error is what it said.
     fn run(&self, text: &str, folder: &Path) -> Result<(), String> {
-        let said = folder.with_extension("said");
-        let to = || File::create(&said).unwrap();
-        let mut child = Command::new("sh")
+        let output = Command::new("sh")
             .args(["-e", "-c", text])
             .current_dir(folder)
             .env("PATH", &self.path)
             // A page must not write into the user's home.
             .env("HOME", folder)
             .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(to())
-            .process_group(0)
-            .spawn()
+            .output()
             .unwrap();
-        let begin = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait().unwrap() {
-                break status;
-            }
-            if begin.elapsed() > PATIENCE {
-                let group = format!("-{}", child.id());
-                let _ = Command::new("kill").args(["-KILL", "--", &group]).status();
-                let _ = child.wait();
-                return Err(format!("is not done after {} s", PATIENCE.as_secs()));
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        };
-        if begin.elapsed() > LONG {
-            eprintln!("{text}: took {:.0} s", begin.elapsed().as_secs_f64());
-        }
-        if status.success() {
+        if output.status.success() {
             return Ok(());
         }
-        let error = fs::read_to_string(&said).unwrap_or_default();
-        Err(format!("{status}: {}", error.trim()))
+        let error = String::from_utf8_lossy(&output.stderr);
+        Err(format!("{}: {}", output.status, error.trim()))
     }
 
     /// The results of a demo, made once.

@@ -89,9 +89,23 @@ fn the_command_to_run_takes_no_column_twice() {
     fs::write(root.path().join("rig.txt"), text).unwrap();
     let (code, out, err) = said(root.path(), &["inspect", "rig.txt"]);
     assert_eq!(code, Some(0), "{err}");
-    let command =
-        "hil trace rig.txt --channel time=NAME --channel displacement=NAME --channel force=NAME";
+    // Names and units are asked for at once.
+    let command = "hil trace rig.txt --channel time=NAME --unit time=UNIT \
+        --channel displacement=NAME --unit displacement=UNIT --channel force=NAME --unit force=UNIT";
     assert!(out.contains(command), "{out}");
+    // Only one column rises, as times do.
+    assert!(
+        out.contains("or say which one it is: --channel time=A, with its unit"),
+        "{out}"
+    );
+    // A column that the user named is not called unused while others are asked for.
+    let (code, out, err) = said(
+        root.path(),
+        &["inspect", "rig.txt", "--channel", "displacement=B"],
+    );
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("displacement, as you stated"), "{out}");
+    assert!(!out.contains("not used"), "{out}");
 }
 
 /// What is asked is printed with the option, the command has it, and with it nothing is asked any more.
@@ -109,7 +123,8 @@ fn a_question_is_no_error_and_its_command_answers_it() {
         out.contains("question: column Kraft: the name carries no unit"),
         "{out}"
     );
-    let command = "hil trace a.txt --unit time=s --unit force=kN";
+    // Which unit it is nobody but the user knows, so none is proposed.
+    let command = "hil trace a.txt --unit time=UNIT --unit force=UNIT";
     assert!(out.contains(command), "{out}");
     let (code, out, err) = said(
         root.path(),

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::confirm::Confirmed;
 use super::estimates::law_estimates;
 use super::left_out::{LeftOut, Picked};
-use super::mend::clearly_best;
 use super::operating;
+use super::mend::clearly_best;
 use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
 use super::select::{self, Selection};
@@ -256,6 +256,7 @@ impl<'a> Closing<'a> {
                 known: self.known(),
                 nrmse_fitted: without.nrmse_fitted,
                 nrmse_held_out: without.nrmse_held_out,
+                nrmse_judged: Some(selection.baseline.score.nrmse()),
                 staged: self.staged()?,
             },
             law: law_estimates(&model, &uncertainty),

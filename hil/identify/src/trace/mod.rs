@@ -13,6 +13,7 @@ mod controlled;
 mod errors;
 mod estimates;
 mod fitted;
+pub(crate) mod held_range;
 mod left_in_cycles;
 pub(crate) mod left_out;
 pub(crate) mod mend;
@@ -101,6 +102,13 @@ pub struct Trace {
 impl Trace {
     /// The contents of `model.json`: the model with the range of motion that it was fitted on.
     pub fn model_file(&self) -> ModelFile {
+        let conditions = self.result.operating_conditions;
+        ModelFile::new(self.model.clone(), self.fitted_range())
+            .with_displacement_zero(conditions.map_or([0.0; 2], |one| one.displacement_zero))
+    }
+
+    /// The motion of all samples that are not held out.
+    fn fitted_range(&self) -> FittedRange {
         let fitted = |channel: fn(&MotionEstimate) -> &Vec<f64>| {
             self.recordings.iter().flat_map(move |traced| {
                 let values = channel(&traced.trajectory.motion);
@@ -115,13 +123,11 @@ impl Trace {
             displacement: [0.0; 2],
             velocity: [0.0; 2],
         };
-        let range = FittedRange::of(
+        FittedRange::of(
             fitted(|motion| &motion.displacement),
             fitted(|motion| &motion.velocity),
-        );
-        let conditions = self.result.operating_conditions;
-        ModelFile::new(self.model.clone(), range.unwrap_or(still))
-            .with_displacement_zero(conditions.map_or([0.0; 2], |one| one.displacement_zero))
+        )
+        .unwrap_or(still)
     }
 }
 
@@ -148,9 +154,9 @@ pub fn trace_for(
     held_out: &[Recording],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Trace, TraceError> {
-    let mended = |recordings| <[Recording]>::iter(recordings).map(Recording::mended);
+    let repaired = |recordings| <[Recording]>::iter(recordings).map(Recording::repaired);
     let (recordings, held_out): (Vec<_>, Vec<_>) =
-        (mended(recordings).collect(), mended(held_out).collect());
+        (repaired(recordings).collect(), repaired(held_out).collect());
     // Including all control inputs: one motion under two currents has two forces.
     let all: Vec<&Recording> = recordings
         .iter()
@@ -161,12 +167,12 @@ pub fn trace_for(
     let guesses = (all.iter()).flat_map(|each| each.named_guesses());
     let guesses = guesses.collect();
     let controlled = Controlled::of(&recordings, &held_out, &sought.controls)?;
-    let [fitted, held] = [recordings, held_out].map(|mended| {
-        let arranged = mended.into_iter().map(|each| controlled.arranged(each));
+    let [fitted, held] = [recordings, held_out].map(|repaired| {
+        let arranged = repaired.into_iter().map(|each| controlled.arranged(each));
         arranged.collect::<Vec<_>>()
     });
-    let [recordings, held_out] = [&fitted, &held].map(|mended| {
-        mended
+    let [recordings, held_out] = [&fitted, &held].map(|repaired| {
+        repaired
             .iter()
             .map(AsRef::as_ref)
             .collect::<Vec<&Recording>>()
@@ -218,7 +224,7 @@ pub fn trace_for(
     closed.result.guesses = guesses;
     controlled.name_in(&mut closed.model, &mut closed.result, &held);
     let trajectories = aligned.trajectories.into_iter().flatten();
-    Ok(Trace {
+    let mut trace = Trace {
         result: closed.result,
         baseline: closed.baseline,
         model: closed.model,
@@ -231,7 +237,10 @@ pub fn trace_for(
                 after: forces.after,
             })
             .collect(),
-    })
+    };
+    let outside = held_range::warnings(&trace);
+    trace.result.warnings.extend(outside);
+    Ok(trace)
 }
 
 /// Whether the error of the law with its effects is above the noise.

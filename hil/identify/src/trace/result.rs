@@ -138,6 +138,9 @@ pub struct Baseline {
     pub nrmse_fitted: f64,
     /// On the held-out samples.
     pub nrmse_held_out: f64,
+    /// On the validation data, as for the candidates; null in an older result.
+    #[serde(default)]
+    pub nrmse_judged: Option<f64>,
     /// The error of the same law with its coefficients identified in two stages as in the paper (eqs 14, 15) and not jointly; null
     /// if that fails.
     pub staged: Option<Errors>,
@@ -330,7 +333,7 @@ mod tests {
         let text = r#"{
             "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
             "baseline": {"law": "mixed_damping", "known": [], "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
-                "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
+                "nrmse_judged": 0.19, "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
             "law": [{"amplitude": 0.0,
                 "k1": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "kN/mm"},
                 "k3": {"value": 10.0, "low": 9.0, "high": 11.0, "unit": "kN/mm^3"},

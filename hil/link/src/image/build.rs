@@ -76,7 +76,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .stdin(Stdio::null())
         .output();
     let failed = |problem: String| {
-        let mend = if sources.is_repository() {
+        let remedy = if sources.is_repository() {
             "build it by hand, as docs/firmware.md says, to see more".to_owned()
         } else {
             format!(
@@ -84,7 +84,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
                 root.display()
             )
         };
-        InputError::new(format!("the image {}", image.binary), problem, mend)
+        InputError::new(format!("the image {}", image.binary), problem, remedy)
     };
     let output = output.map_err(|error| failed(format!("cargo does not start: {error}")))?;
     if !output.status.success() {

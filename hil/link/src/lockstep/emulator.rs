@@ -71,8 +71,8 @@ impl Emulator {
     /// The emulator is missing, or does not start.
     pub fn start(elf: &Path, board: Board, log: LogDecoder) -> Result<Self, InputError> {
         let failed = |error: std::io::Error| {
-            let mend = "check that qemu-system-arm runs by itself";
-            InputError::new("the emulator", format!("does not start: {error}"), mend)
+            let remedy = "check that qemu-system-arm runs by itself";
+            InputError::new("the emulator", format!("does not start: {error}"), remedy)
         };
         let pin = Pin::of_emulator();
         let memory = match board.shares_memory() && pin.is_apart() {

@@ -89,7 +89,7 @@ pub enum LinkError {
         /// The reason.
         reason: String,
         /// Advice.
-        mend: &'static str,
+        remedy: &'static str,
     },
     /// The rig on the image does not start.
     #[error("the image's rig does not start: {0}")]
@@ -106,17 +106,17 @@ impl LinkError {
     fn refused(refusal: &Refusal<'_>) -> Self {
         const AGAIN: &str = "send the pack again";
         const EXPORT: &str = "send a pack that `hil export` of this version wrote";
-        let (reason, mend) = match refusal {
+        let (reason, remedy) = match refusal {
             Refusal::Field(field) => {
                 return Self::Refused {
                     reason: format!("{field} has a value that the rig does not accept"),
-                    mend: "set it within the range that its documentation gives",
+                    remedy: "set it within the range that its documentation gives",
                 };
             }
             Refusal::Removed(what) => {
                 return Self::Refused {
                     reason: format!("there is no {what} any more"),
-                    mend: EXPORT,
+                    remedy: EXPORT,
                 };
             }
             Refusal::Start(refused) => return Self::Start(*refused),
@@ -155,7 +155,7 @@ impl LinkError {
         };
         Self::Refused {
             reason: reason.into(),
-            mend,
+            remedy,
         }
     }
 }
@@ -168,10 +168,10 @@ impl From<LinkError> for SetupError {
 
 impl From<LinkError> for InputError {
     fn from(error: LinkError) -> Self {
-        let mend = match error {
+        let remedy = match error {
             LinkError::TooManyBlocks(_) => "split the programme, or run it on the host",
             LinkError::Start(_) | LinkError::Clear(_) => "correct that on the rig, then try again",
-            LinkError::Refused { mend, .. } => mend,
+            LinkError::Refused { remedy, .. } => remedy,
             LinkError::SilentBoard(_) | LinkError::PortGone { .. } | LinkError::Restarted => {
                 "correct that, then run it again"
             }
@@ -180,7 +180,7 @@ impl From<LinkError> for InputError {
             }
             LinkError::Ended { .. } | LinkError::Silent | LinkError::OtherAnswer => REPORT,
         };
-        Self::new("the image", error.to_string(), mend)
+        Self::new("the image", error.to_string(), remedy)
     }
 }
 

@@ -37,8 +37,8 @@ impl Serial {
     pub fn open(path: &Path) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let failed = |problem: String| {
-            let mend = "name the device that the board shows as, such as /dev/ttyACM0, and see that you may open it";
-            InputError::new(name.clone(), problem, mend)
+            let remedy = "name the device that the board shows as, such as /dev/ttyACM0, and see that you may open it";
+            InputError::new(name.clone(), problem, remedy)
         };
         let port = OpenOptions::new()
             .read(true)

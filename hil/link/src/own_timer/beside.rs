@@ -66,8 +66,8 @@ impl EmulatedBoard {
         arguments: &[&str],
     ) -> Result<Self, InputError> {
         let failed = |problem: String| {
-            let mend = "check that qemu-system-arm runs by itself";
-            InputError::new("the emulator", problem, mend)
+            let remedy = "check that qemu-system-arm runs by itself";
+            InputError::new("the emulator", problem, remedy)
         };
         let mut process = Board::Mps2An386
             .emulator_with("pty", elf)?

@@ -41,7 +41,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     let mut refused = |bad: &[u8], why: &str, what_to_do: &str| {
         let error = image.send_pack(bad).unwrap_err();
         assert_eq!(error.to_string(), format!("the image refused it: {why}"));
-        assert_eq!(InputError::from(error).mend, what_to_do);
+        assert_eq!(InputError::from(error).remedy, what_to_do);
         assert_eq!(force(&mut image).to_bits(), expected.to_bits());
     };
     const EXPORT: &str = "send a pack that `hil export` of this version wrote";
@@ -103,8 +103,8 @@ fn a_pack_for_another_rate_is_refused() {
         const SAID: &str = "the image refused it: tick_rate: ";
         let said = error.to_string();
         assert!(said.starts_with(SAID), "{said}");
-        let mend = InputError::from(error).mend;
-        assert_eq!(mend, "export the model with the rig's --tick-rate");
+        let remedy = InputError::from(error).remedy;
+        assert_eq!(remedy, "export the model with the rig's --tick-rate");
     };
     let programme = Programme::<1>::new(10_000.0, 1)
         .and_then(|programme| programme.with(Block::sine(0.1, 5.0, 3)?))

@@ -121,6 +121,15 @@ impl Broker {
         &self.rig
     }
 
+    /// The same with `password`, if its URL has a user without one.
+    #[must_use]
+    pub fn with_password(mut self, password: Option<String>) -> Self {
+        if self.user.is_some() && self.password.is_none() {
+            self.password = password;
+        }
+        self
+    }
+
     /// A connection with `will` as its last will at `topic`.
     pub(super) fn options(&self, topic: &str, will: &str) -> MqttOptions {
         let id = format!("mesh-damper-{}-{}", self.rig, std::process::id());
@@ -174,6 +183,14 @@ mod tests {
         assert_eq!(broker.rig(), "rig 1");
         let options = broker.options("t", "w");
         assert_eq!(options.credentials().unwrap().password, "p@s/s");
+        // A password from elsewhere is for a user without one.
+        let password = |url: &str| {
+            let broker: Broker = url.parse().unwrap();
+            broker.with_password(Some("other".into())).password
+        };
+        assert_eq!(password("mqtt://lab@host").as_deref(), Some("other"));
+        assert_eq!(password("mqtt://lab:own@host").as_deref(), Some("own"));
+        assert_eq!(password("mqtt://host"), None);
         let plain: Broker = "mqtt://[::1]".parse().unwrap();
         assert_eq!(plain.to_string(), "mqtt://[::1]:1883/rig");
         assert_eq!(plain.user, None);

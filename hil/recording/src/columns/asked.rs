@@ -30,6 +30,7 @@ impl Choice<'_> {
             ),
             format!("say which: {}", options.join(" or ")),
         )
+        .answered_by(format!("--channel {channel}=NAME"))
     }
 
     /// The unit of a channel's column is not known.
@@ -37,14 +38,16 @@ impl Choice<'_> {
         let name = self.table.columns[column].name.as_str();
         let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
         let quantity = channel.name();
-        let mend = format!(
+        let remedy = format!(
             "use one of {}, or give it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
             channel.column_names(),
             units[0],
             units[1],
             units.join(", ")
         );
-        InputError::new(self.file, problem, mend).at(Place::Column(name.into()))
+        InputError::new(self.file, problem, remedy)
+            .at(Place::Column(name.into()))
+            .answered_by(unit_option(channel))
     }
 
     /// No column matches a channel.
@@ -64,6 +67,7 @@ impl Choice<'_> {
                     };
                     column.is_numeric
                         && !column.is_stamp
+                        && (channel != Channel::Time || rises(&column.first))
                         && is_measured(column)
                         && !candidates.iter().any(is_other)
                         && is_it(&unit_found::unit_for(column, channel))
@@ -71,16 +75,31 @@ impl Choice<'_> {
             each.map(|(column, _)| option("channel", name, &column.name))
                 .collect()
         };
+        let is_time = channel == Channel::Time;
         let mut options =
             could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(_)));
+        let mut answer = match &options[..] {
+            [only] => only.clone(),
+            _ => format!("--channel {name}=NAME"),
+        };
+        let mut unit = String::new();
         if options.is_empty() {
             options = could_be(&|unit| matches!(unit, UnitFound::None));
+            if is_time && options.is_empty() {
+                answer = "--rate HZ".into();
+            } else if self.reading.units.iter().all(|(of, _)| of != name) {
+                unit = format!(
+                    ", with its unit unless its name carries one: {}",
+                    unit_option(channel)
+                );
+                answer = format!("{answer} {}", unit_option(channel));
+            }
         }
         options.truncate(OPTIONS);
         if options.is_empty() {
             options.push(format!("--channel {name}=NAME"));
         }
-        let rate = if channel == Channel::Time {
+        let rate = if is_time {
             ", or give the sampling rate in Hz with --rate"
         } else {
             ""
@@ -109,17 +128,33 @@ impl Choice<'_> {
             self.file,
             problem,
             format!(
-                "name one of them {}, or say which one it is: {}{rate}",
+                "name one of them {}, or say which one it is: {}{unit}{rate}",
                 channel.column_names(),
                 options.join(" or ")
             ),
-        );
+        )
+        .answered_by(answer);
         error.missing = Some(channel);
         match self.table.header_line {
             Some(line) => error.at(Place::Line(line)),
             None => error,
         }
     }
+}
+
+/// The option for the unit of a channel, which only the user knows.
+fn unit_option(channel: Channel) -> String {
+    format!("--unit {}=UNIT", channel.name())
+}
+
+/// Whether the first values of a column can be times: they rise, and none is below the one before.
+fn rises(first: &[f64]) -> bool {
+    let mut known = first.iter().filter(|value| value.is_finite());
+    let Some(begin) = known.next() else {
+        return true;
+    };
+    let end = known.try_fold(begin, |before, value| (value >= before).then_some(value));
+    end.is_some_and(|end| end > begin || first.len() == 1)
 }
 
 pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {

@@ -85,12 +85,11 @@ pub fn choose(
         .map(|&(index, _)| index)
         .collect();
     if whole.len() > 1 {
-        let names = names(&mut whole.iter().map(|&index| &tables[index]));
-        return Err(InputError::new(
-            file,
-            format!("{} tables hold a recording: {names}", whole.len()),
-            "give the name of one with --table",
-        ));
+        let names: Vec<&str> = whole
+            .iter()
+            .map(|&index| tables[index].name.as_str())
+            .collect();
+        return Err(which_table(file, &names));
     }
     let several = tables.len() > 1;
     let mut failed = Vec::new();
@@ -124,8 +123,30 @@ pub fn choose(
     Err(error)
 }
 
-/// Rejects the unit of a quantity that is not a channel and has no column, because it would have no effect.
+/// Question for the table, of those with these names.
+pub fn which_table(file: &str, names: &[&str]) -> InputError {
+    InputError::new(
+        file,
+        format!("{} tables hold a recording: {}", names.len(), listed(names)),
+        "give the name of one with --table",
+    )
+    .answered_by("--table NAME")
+}
+
+/// Rejects a channel in other words, which would be read as a control input, and the unit of a quantity that is not a channel and
+/// has no column, because it would have no effect.
 fn check_said(reading: &Reading) -> Result<(), InputError> {
+    for (quantity, column) in &reading.channels {
+        let Some(channel) = taken::other_name_of(quantity) else {
+            continue;
+        };
+        let channel = channel.name();
+        return Err(InputError::new(
+            format!("--channel {quantity}={column}"),
+            format!("{} is another word for {channel}", quoted(quantity)),
+            format!("give {}", super::asked::option("channel", channel, column)),
+        ));
+    }
     let is_known = |quantity: &str| {
         Channel::ALL
             .into_iter()
@@ -312,7 +333,7 @@ impl Choice<'_> {
                 }
                 guesses.push(format!(
                     "{}, so none of them is read; {}",
-                    error.problem, error.mend
+                    error.problem, error.remedy
                 ));
                 Ok(None)
             }
@@ -363,6 +384,14 @@ impl Choice<'_> {
         if let Some(written) = said(&self.reading.units, channel.name()) {
             let unit = super::spelling::unit_of(channel, written)
                 .ok_or_else(|| fail(format!("unknown unit {}", quoted(written))))?;
+            if !super::spelling::is_as_spelt(channel, unit, written) {
+                guesses.push(format!(
+                    "unit {} of {} is read as {}",
+                    quoted(written),
+                    channel.name(),
+                    unit.symbol
+                ));
+            }
             match found {
                 UnitFound::Known(other) if told.is_stamp && !other.is_same(unit) => {
                     let problem = format!(
@@ -379,9 +408,9 @@ impl Choice<'_> {
                         let problem = format!(
                             "its name says {other}, and --unit {quantity}={unit} says {unit}"
                         );
-                        let mend = "leave out --unit, or rename the column";
+                        let remedy = "leave out --unit, or rename the column";
                         let place = Place::Column(told.name.clone());
-                        return Err(InputError::new(self.file, problem, mend).at(place));
+                        return Err(InputError::new(self.file, problem, remedy).at(place));
                     }
                     guesses.push(format!(
                         "column {} is read in {unit}, as --unit says, not in {other}, as the column says",
@@ -574,5 +603,35 @@ mod tests {
         };
         let error = chosen(&names, &wrong).unwrap_err();
         assert!(error.contains("there is no column \"Kraft\""), "{error}");
+        // The word would be a control input, which the force depends on.
+        for (word, remedy) in [
+            ("Kraft", "--channel force='Force 1 [kN]'"),
+            ("load", "--channel force='Force 1 [kN]'"),
+            ("weg", "--channel displacement='Force 1 [kN]'"),
+        ] {
+            let wrong = Reading {
+                channels: vec![pair(word, "Force 1 [kN]")],
+                ..Reading::default()
+            };
+            let error = chosen(&names, &wrong).unwrap_err();
+            assert!(error.contains(remedy), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_unit_in_other_letters_is_said() {
+        let names = ["Time [s]", "Disp", "Force [kN]"];
+        let guesses = |unit: &str| {
+            let said = Reading {
+                units: vec![pair("displacement", unit)],
+                ..Reading::default()
+            };
+            chosen(&names, &said).unwrap().guesses.join("\n")
+        };
+        let note = "unit \"M\" of displacement is read as m";
+        assert!(guesses("M").contains(note), "{}", guesses("M"));
+        for unit in ["m", "metre", "µm"] {
+            assert!(!guesses(unit).contains("is read as"), "{}", guesses(unit));
+        }
     }
 }

@@ -37,6 +37,7 @@ impl Choice<'_> {
                     ),
                 )
                 .at(Place::Column(name.clone()))
+                .answered_by(format!("--unit {quantity}=UNIT"))
             })?;
             controls.push(ChosenControl {
                 column,
@@ -75,7 +76,7 @@ impl Choice<'_> {
                 }
                 guesses.push(format!(
                     "{}, so none of them is read; {}",
-                    error.problem, error.mend
+                    error.problem, error.remedy
                 ));
                 continue;
             };
@@ -145,5 +146,6 @@ impl Choice<'_> {
             ),
             format!("say which: {}", options.join(" or ")),
         )
+        .answered_by(format!("--channel {quantity}=NAME"))
     }
 }

@@ -16,7 +16,8 @@ mod unit_found;
 mod words;
 
 pub use asked::shell;
-pub use choose::{Chosen, ChosenControl, Used, choose};
+pub use choose::{Chosen, ChosenControl, Used, choose, which_table};
+pub use spelling::bare;
 pub use taken::Rank;
 
 use crate::channel::Channel;

@@ -148,6 +148,15 @@ pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
     }
 }
 
+/// Whether a unit of a channel is written in one of its spellings, letter by letter.
+pub(super) fn is_as_spelt(channel: Channel, unit: Unit, written: &str) -> bool {
+    let written = written.trim();
+    let is_spelling = |(of, symbol, list): &(Channel, &str, &[&str])| {
+        *of == channel && *symbol == unit.symbol && list.contains(&written)
+    };
+    unit.symbol == written || SPELLINGS.iter().any(is_spelling)
+}
+
 /// The unit of a control input with this spelling, among the `known` ones.
 pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Option<&'static str> {
     let written = written.trim();
@@ -170,7 +179,7 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
 }
 
 /// A unit without the brackets that a row of units puts around it.
-pub(super) fn bare(unit: &str) -> &str {
+pub fn bare(unit: &str) -> &str {
     unit.trim().trim_matches(|c| "[](){}<>".contains(c)).trim()
 }
 

@@ -142,6 +142,19 @@ pub(super) fn is_time(column: &Column) -> bool {
     column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
 }
 
+/// The channel that a quantity's name is another word for: displacement for `weg`.
+pub(super) fn other_name_of(quantity: &str) -> Option<Channel> {
+    let words = Name::of(quantity).words;
+    let is_of = |channel: &Channel| {
+        quantity != channel.name() && words::of_channel(&words, *channel) == Some(Certainty::Strong)
+    };
+    // A second word makes it another quantity, such as the position of a valve.
+    Channel::ALL
+        .into_iter()
+        .find(is_of)
+        .filter(|_| words.len() == 1)
+}
+
 /// Whether a name contains a word for some quantity, and none for another column.
 pub(super) fn is_named(text: &str) -> bool {
     if own_name(text).is_some() {

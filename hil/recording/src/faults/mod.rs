@@ -95,7 +95,7 @@ pub enum ChannelFaultKind {
         /// Number of samples concerned.
         samples: usize,
         /// Whether it was repaired.
-        mended: bool,
+        repaired: bool,
     },
     /// A velocity that is not the derivative of the displacement.
     NotDerivative,
@@ -123,7 +123,7 @@ pub enum ChannelFaultKind {
         /// Difference, in the code's unit of the channel.
         change: f64,
         /// Whether it was moved back.
-        mended: bool,
+        repaired: bool,
     },
     /// Noise that grows towards low frequencies as 1/f.
     Pink {
@@ -214,17 +214,26 @@ impl std::fmt::Display for ChannelFault {
             ChannelFaultKind::Unit {
                 factor,
                 samples,
-                mended,
+                repaired,
             } => {
-                let what = if mended {
-                    format!("{} multiplied by {factor:e}", was(samples))
+                let factor_above_one = factor.max(1.0 / factor);
+                if repaired {
+                    return write!(
+                        f,
+                        "unit of the {channel} wrong by a factor of {factor_above_one:.0}: {} multiplied by {factor:e}",
+                        was(samples)
+                    );
+                }
+                // Only the force over the displacement is implausible.
+                let either = if self.channel == Channel::Force {
+                    " or of the displacement"
                 } else {
-                    "nothing was changed: check the unit in the column's name; every value found is wrong by this factor".into()
+                    ""
                 };
                 write!(
                     f,
-                    "unit of the {channel} wrong by a factor of {:.0}: {what}",
-                    factor.max(1.0 / factor)
+                    "unit of the {channel}{either} wrong by a factor of {factor_above_one:.0}: nothing was changed; check the units in \
+                     the columns' names or the --unit options; every value found is wrong by this factor"
                 )
             }
             ChannelFaultKind::Hum {
@@ -235,11 +244,11 @@ impl std::fmt::Display for ChannelFault {
                 "hum on the {channel}: {amplitude:.1e} {} at {frequency:.2} Hz; it was subtracted",
                 self.channel.unit()
             ),
-            ChannelFaultKind::Zero { change, mended } => write!(
+            ChannelFaultKind::Zero { change, repaired } => write!(
                 f,
                 "the zero of the {channel} lies {change:+.4} {} from that of the other recordings; {}",
                 self.channel.unit(),
-                match mended {
+                match repaired {
                     true => "the shift was corrected",
                     false =>
                         "the fit does not account for it: tare the channel, or subtract the shift from the column",
@@ -288,10 +297,10 @@ impl Recording {
     /// The recording with channels repaired that are wrong as a whole or from some time on: a sign, a unit. [`Recording::faults`]
     /// lists the repairs; repairing twice changes nothing more. Without a repair the copy is dropped at once.
     #[must_use]
-    pub fn mended(&self) -> Cow<'_, Self> {
+    pub fn repaired(&self) -> Cow<'_, Self> {
         let mut recording = self.clone();
-        scale::mend(&mut recording);
-        sign::mend(&mut recording);
+        scale::repair(&mut recording);
+        sign::repair(&mut recording);
         // Every repair is reported.
         if recording.faults.len() == self.faults.len() {
             Cow::Borrowed(self)

@@ -50,9 +50,9 @@ crate::numbers! {
 const THOUSAND: f64 = 1000.0;
 
 /// Repairs units that change within a recording, and those of a declared mesh damper; reports cases that cannot be decided.
-pub(super) fn mend(recording: &mut Recording) {
+pub(super) fn repair(recording: &mut Recording) {
     for channel in [Channel::Force, Channel::Displacement] {
-        mend_changes(recording, channel);
+        repair_changes(recording, channel);
     }
     let stiffness = stiffness(recording);
     let travel = spread(&recording.displacement);
@@ -119,37 +119,37 @@ fn multiply(recording: &mut Recording, channel: Channel, samples: Range<usize>, 
     say(recording, channel, factor, count, true);
 }
 
-fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize, mended: bool) {
+fn say(recording: &mut Recording, channel: Channel, factor: f64, samples: usize, repaired: bool) {
     let kind = ChannelFaultKind::Unit {
         factor,
         samples,
-        mended,
+        repaired,
     };
     recording.faults.push(ChannelFault { channel, kind });
 }
 
 /// Finds where the size of one channel, and not that of the other, jumps by a unit, and repairs the smaller part.
-fn mend_changes(recording: &mut Recording, channel: Channel) {
+fn repair_changes(recording: &mut Recording, channel: Channel) {
     let other = match channel {
         Channel::Force => Channel::Displacement,
         _ => Channel::Force,
     };
     let mut levels: Vec<(usize, i32)> = vec![(0, 0)];
-    let mut mended = values(recording, channel).to_vec();
+    let mut repaired = values(recording, channel).to_vec();
     for _ in 0..policy().scale.most_changes {
-        let Some((at, up)) = change(&mended, values(recording, other)) else {
+        let Some((at, up)) = change(&repaired, values(recording, other)) else {
             break;
         };
         let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
-        mended[at..].iter_mut().for_each(|value| *value *= factor);
+        repaired[at..].iter_mut().for_each(|value| *value *= factor);
         levels.push((at, if up { 1 } else { -1 }));
     }
-    if levels.len() == 1 || change(&mended, values(recording, other)).is_some() {
+    if levels.len() == 1 || change(&repaired, values(recording, other)).is_some() {
         return;
     }
     // Powers of a thousand of each sample relative to the first one's unit.
     levels.sort_by_key(|&(at, _)| at);
-    let count = mended.len();
+    let count = repaired.len();
     let mut above = vec![0; count];
     for &(at, step) in &levels {
         above[at..].iter_mut().for_each(|above| *above += step);
@@ -219,8 +219,8 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         ..(at + policy().scale.near).min(values.len() - 2);
     let roughness = |change: usize| -> f64 {
         let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
-        let mended = |index: usize| values[index] * if index < change { 1.0 } else { factor };
-        let bend = |index: usize| mended(index + 1) - 2.0 * mended(index) + mended(index - 1);
+        let repaired = |index: usize| values[index] * if index < change { 1.0 } else { factor };
+        let bend = |index: usize| repaired(index + 1) - 2.0 * repaired(index) + repaired(index - 1);
         let size = if up { 1.0 } else { THOUSAND };
         near.clone().map(|index| (bend(index) / size).powi(2)).sum()
     };

@@ -28,7 +28,7 @@ crate::numbers! {
 /// A force late by more than the loss angle supplies energy too, but keeps a positive stiffness. A mass makes the stiffness
 /// negative, but absorbs energy. A damper without a spring has no stiffness as a criterion, but supplies nearly the largest
 /// possible energy.
-pub(super) fn mend(recording: &mut Recording) {
+pub(super) fn repair(recording: &mut Recording) {
     if !is_flipped(&recording.displacement, &recording.force) {
         return;
     }

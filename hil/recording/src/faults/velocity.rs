@@ -84,7 +84,7 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     say(ChannelFaultKind::Unit {
         factor: 1.0 / unit,
         samples: velocity.len(),
-        mended: true,
+        repaired: true,
     });
 }
 

@@ -61,8 +61,7 @@ impl Tables for Memory {
         wanted: &[Wanted],
         _: Kept,
     ) -> Result<Values, InputError> {
-        let mut lines = RowLines::default();
-        (1..=self.rows as u64).for_each(|row| lines.push(row));
+        let lines = RowLines::of_samples(self.rows);
         let mut columns = Vec::with_capacity(wanted.len());
         for (place, one) in wanted.iter().enumerate() {
             let name = || self.tables[0].columns[one.column].name.clone();
@@ -81,13 +80,10 @@ impl Tables for Memory {
                 }
             };
             if let Some(row) = values.iter().position(|value| value.is_infinite()) {
-                let place = Place::Cell {
-                    line: row as u64 + 1,
-                    column: name(),
-                };
+                let place = lines.place(row, Some(&name()));
                 let problem = format!("\"{}\" is not finite", values[row]);
-                let mend = "remove the row or correct the value";
-                return Err(InputError::new(&self.name, problem, mend).at(place));
+                let remedy = "remove the row or correct the value";
+                return Err(InputError::new(&self.name, problem, remedy).at(place));
             }
             columns.push(Some(values));
         }
@@ -161,9 +157,9 @@ impl Recording {
         let (first, rows) = lengths.next().unwrap_or_default();
         if let Some((other, length)) = lengths.find(|(_, length)| *length != rows) {
             let problem = format!("{length} rows, and {first} has {rows}");
-            let mend = "give every column the same number of rows";
+            let remedy = "give every column the same number of rows";
             let place = Place::Column(other.into());
-            return Err(InputError::new(name, problem, mend).at(place));
+            return Err(InputError::new(name, problem, remedy).at(place));
         }
         let (columns, values) = given.into_iter().map(GivenColumn::looked_at).unzip();
         let table = Table {

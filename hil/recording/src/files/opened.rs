@@ -73,9 +73,9 @@ impl Tables for Opened<'_> {
             } else {
                 None
             };
-            let refused = |problem: String, mend: &str| {
+            let refused = |problem: String, remedy: &str| {
                 let place = Place::Column(column.name.clone());
-                InputError::new(&self.name, problem, mend).at(place)
+                InputError::new(&self.name, problem, remedy).at(place)
             };
             if values.is_none() && wanted.must_be_numeric {
                 return Err(refused(

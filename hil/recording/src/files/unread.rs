@@ -24,8 +24,9 @@ impl Format for Unread {
         source: Source<'a>,
         _: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (problem, mend) = known(source.head()).unwrap_or(("is not read", "name another file"));
-        Err(InputError::new(source.name(), problem, mend))
+        let (problem, remedy) =
+            known(source.head()).unwrap_or(("is not read", "name another file"));
+        Err(InputError::new(source.name(), problem, remedy))
     }
 }
 

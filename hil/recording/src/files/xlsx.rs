@@ -98,7 +98,10 @@ fn open<'a>(
                 sheets.opened.push(opened);
             }
             Err(error) => {
-                skipped.push(format!("sheet {sheet} ({}; {})", error.problem, error.mend));
+                skipped.push(format!(
+                    "sheet {sheet} ({}; {})",
+                    error.problem, error.remedy
+                ));
                 let is_named = |table: &String| table.eq_ignore_ascii_case(&sheet);
                 if reading.table.as_ref().is_some_and(is_named) {
                     return Err(error);

@@ -64,8 +64,8 @@ fn place_of(name: &Path) -> Result<Place, InputError> {
     if STANDARD_OUTPUT.iter().any(|known| name == Path::new(known)) {
         return Ok(Place::StandardOutput);
     }
-    let refused = |problem: String, mend: &str| {
-        Err(InputError::new(name.display().to_string(), problem, mend))
+    let refused = |problem: String, remedy: &str| {
+        Err(InputError::new(name.display().to_string(), problem, remedy))
     };
     let is_directory = || refused("is a directory".into(), "name a file in it");
     if name.is_dir() {

@@ -111,12 +111,12 @@ fn refuse_lost(
     inputs: &[(FileIdentity, &PathBuf)],
     planned: &[Target],
 ) -> Result<(), InputError> {
-    let refused = |problem: String, mend: &str| {
+    let refused = |problem: String, remedy: &str| {
         let name = match target.place {
             Place::StandardOutput => "standard output".to_owned(),
             _ => target.name.display().to_string(),
         };
-        Err(InputError::new(name, problem, mend))
+        Err(InputError::new(name, problem, remedy))
     };
     let is_input = |(file, _): &&(FileIdentity, &PathBuf)| target.file.as_ref() == Some(file);
     if let Some((_, input)) = inputs.iter().find(is_input) {

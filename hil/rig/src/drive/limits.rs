@@ -43,11 +43,11 @@ pub fn checked<S: DamperForce + Clone, const B: usize, const N: usize>(
     scale: f64,
 ) -> Result<Demands, SetupError> {
     let Some(motion) = &setup.drive else {
-        let mend = "give the setup a motion";
+        let remedy = "give the setup a motion";
         return Err(SetupError::Drive(InputError::new(
             "the rig",
             "no motion",
-            mend,
+            remedy,
         )));
     };
     let demands = demands(setup, motion)?;
@@ -109,11 +109,11 @@ fn beyond(field: &str, scale: f64, value: f64, limit: f64, unit: &str) -> InputE
     let scale = (scale / digit).trunc() * digit;
     let problem = format!("{value:.4} {unit} is beyond the {limit:.4} {unit} that the rig drives");
     // Without the residue of a binary fraction after those digits.
-    let mend = format!(
+    let remedy = format!(
         "run it smaller, with --scale {}",
         format!("{scale:.9}").trim_end_matches('0')
     );
-    InputError::new("the motion", problem, mend).at(Where::Field(field.into()))
+    InputError::new("the motion", problem, remedy).at(Where::Field(field.into()))
 }
 
 fn demands<S: DamperForce + Clone, const B: usize, const N: usize>(

@@ -33,8 +33,8 @@ pub struct RandomMotion {
     pub seed: u64,
 }
 
-fn refused(field: &str, problem: String, mend: impl Into<String>) -> InputError {
-    InputError::new("random motion", problem, mend).at(Place::Field(field.into()))
+fn refused(field: &str, problem: String, remedy: impl Into<String>) -> InputError {
+    InputError::new("random motion", problem, remedy).at(Place::Field(field.into()))
 }
 
 /// A number with one of `units`, or without a unit, in which case the first of them applies.

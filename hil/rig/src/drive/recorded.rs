@@ -41,8 +41,8 @@ pub fn recorded(
     let uniform = recording.uniform()?;
     if let Some(gap) = uniform.measured.iter().position(|measured| !measured) {
         let problem = format!("there is a gap at {:.3} s", uniform.time(gap));
-        let mend = "record it again, or cut the file there and run the parts";
-        return Err(InputError::new(&recording.name, problem, mend));
+        let remedy = "record it again, or cut the file there and run the parts";
+        return Err(InputError::new(&recording.name, problem, remedy));
     }
     let period = uniform.period;
     let estimate = MotionEstimate::of(&uniform.displacement, period);

@@ -125,8 +125,8 @@ impl Baseline {
     pub fn read_within(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         let bytes = read_json(path, limit)?;
         serde_json::from_slice(&bytes).map_err(|error| {
-            let mend = "replace it with --bless";
-            InputError::new(path.display().to_string(), error.to_string(), mend)
+            let remedy = "replace it with --bless";
+            InputError::new(path.display().to_string(), error.to_string(), remedy)
         })
     }
 

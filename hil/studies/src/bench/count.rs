@@ -85,8 +85,8 @@ pub fn count(elf: &Path, core: Core) -> Result<Said, InputError> {
 }
 
 fn failed(elf: &Path, problem: String) -> InputError {
-    let mend = "run it in the emulator by hand to see more";
-    InputError::new(elf.display().to_string(), problem, mend)
+    let remedy = "run it in the emulator by hand to see more";
+    InputError::new(elf.display().to_string(), problem, remedy)
 }
 
 /// Runs `elf` on the board of `core` to its end, and returns its output.

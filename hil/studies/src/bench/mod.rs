@@ -183,8 +183,8 @@ fn check_known(counts: &[Count]) -> Result<(), InputError> {
 }
 
 fn untrusted(problem: String) -> InputError {
-    let mend = "report this, with the emulator's version";
-    InputError::new("the counts", problem, mend)
+    let remedy = "report this, with the emulator's version";
+    InputError::new("the counts", problem, remedy)
 }
 
 /// A tool's version line.

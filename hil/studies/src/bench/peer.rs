@@ -49,8 +49,8 @@ pub fn compiler() -> Option<String> {
 /// # Errors
 /// There is no compiler, no C library for it, or an error of the compiler.
 pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
-    let mend = "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi (or your system's packages of them)";
-    let failed = |problem: String| InputError::new("the peer in C", problem, mend);
+    let remedy = "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi (or your system's packages of them)";
+    let failed = |problem: String| InputError::new("the peer in C", problem, remedy);
     let header = directory.join("inputs.h");
     std::fs::write(&header, inputs()).map_err(|error| InputError::io(&header, "write", &error))?;
     let sources = Sources::find()?;

@@ -50,11 +50,11 @@ pub fn measure(core: Core) -> Result<Vec<Size>, InputError> {
         });
         let stacks: Option<Vec<(&str, u64)>> = stacks.collect();
         let stacks = stacks.ok_or_else(|| {
-            let mend = "report this";
+            let remedy = "report this";
             InputError::new(
                 elf.display().to_string(),
                 format!("said what is no size: {said}"),
-                mend,
+                remedy,
             )
         })?;
         if binary == CONSTRUCTORS {

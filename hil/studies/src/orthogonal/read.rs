@@ -208,8 +208,8 @@ impl Table {
             });
             for (row, values) in self.rows.iter().zip(&mut responses[place].runs) {
                 let value = number(row.get(column).unwrap_or_default());
-                values.push(value.map_err(|(problem, mend)| {
-                    InputError::new(&self.name, problem, mend).at(self.cell(row, column))
+                values.push(value.map_err(|(problem, remedy)| {
+                    InputError::new(&self.name, problem, remedy).at(self.cell(row, column))
                 })?);
             }
         }
@@ -217,7 +217,7 @@ impl Table {
     }
 
     fn defect(&self, defect: &Defect) -> InputError {
-        let error = |mend| InputError::new(&self.name, defect.to_string(), mend);
+        let error = |remedy| InputError::new(&self.name, defect.to_string(), remedy);
         match defect {
             Defect::Unbalanced { factor, .. } | Defect::NotOrthogonal { factor, .. } => error(
                 "give the nine runs the levels of an L9: every pair of levels of any two factors once",

@@ -111,8 +111,8 @@ impl DriveOptions {
         let Some(drive) = &self.drive else {
             return Ok(None);
         };
-        let option = |field: &str, problem: String, mend: &str| {
-            InputError::new("--drive", problem, mend).at(Place::Field(field.into()))
+        let option = |field: &str, problem: String, remedy: &str| {
+            InputError::new("--drive", problem, remedy).at(Place::Field(field.into()))
         };
         // What a grid is not made for.
         if !(1.0..=1e6).contains(&tick_rate) {
@@ -143,8 +143,8 @@ impl DriveOptions {
         };
         if motion.duration() > LONGEST {
             let problem = format!("the motion lasts {:.0} s", motion.duration());
-            let mend = format!("keep it below {LONGEST} s, or cut it into parts");
-            return Err(InputError::new("--drive", problem, mend));
+            let remedy = format!("keep it below {LONGEST} s, or cut it into parts");
+            return Err(InputError::new("--drive", problem, remedy));
         }
         Ok(Some(Driven {
             motion,

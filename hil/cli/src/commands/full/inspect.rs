@@ -191,8 +191,10 @@ fn inspect(
         questions: questions.iter().map(words::question).collect(),
     };
     for (index, table) in tables.iter().enumerate() {
-        let of_table = chosen.as_ref().ok().filter(|chosen| chosen.table == index);
-        file.tables.push(of(table, of_table));
+        file.tables.push(match &chosen {
+            Ok(chosen) => of(table, Some(chosen).filter(|chosen| chosen.table == index)),
+            Err(_) => open(table, &said),
+        });
     }
     let mut problem = None;
     if questions.is_empty() {
@@ -204,26 +206,43 @@ fn inspect(
             Err(error) => problem = Some(error),
         }
     }
-    let index = chosen
-        .as_ref()
-        .map_or_else(|_| most_like_one(&tables), |chosen| chosen.table);
+    let index = chosen.as_ref().map_or_else(
+        |_| *most_like_one(&tables).1.first().unwrap_or(&0),
+        |chosen| chosen.table,
+    );
     // Values that cannot be read are what is wrong, where nothing else is.
     problem = problem.or(count(path, &said, index, &mut file).err());
     file.problem = problem.as_ref().map(words::question);
     Ok((file, problem))
 }
 
-/// What would be asked, channel by channel; of several tables the `first` question alone, as it may be about which of them.
+/// Everything that would be asked: the table, and what each channel of it needs. `first` is what is asked first.
 fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
-    if tables.len() > 1 {
+    if first.answer.is_none() {
+        // No option makes the file right.
         return vec![first.clone()];
+    }
+    let mut said = said.clone();
+    let (most, alike) = most_like_one(tables);
+    // Displacement and force at least; time may be given.
+    if said.table.is_none() && most > 1 {
+        let names: Vec<&str> = (alike.iter())
+            .map(|&index| tables[index].name.as_str())
+            .collect();
+        let which = columns::which_table(name, &names);
+        if first.answer == which.answer {
+            questions.push(first.clone());
+        } else if names.len() > 1 {
+            questions.push(which);
+        }
+        said.table = names.first().map(|name| (*name).to_owned());
     }
     for channel in Channel::ALL
         .into_iter()
         .filter(|channel| channel.is_required())
     {
-        if let Err(question) = columns::choose(name, tables, said, &Needs::of([channel]))
+        if let Err(question) = columns::choose(name, tables, &said, &Needs::of([channel]))
             && !questions.contains(&question)
         {
             questions.push(question);
@@ -236,6 +255,19 @@ fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Ve
     questions
 }
 
+/// How many columns could be channels in the tables that have most of them, and which tables these are.
+fn most_like_one(tables: &[Table]) -> (usize, Vec<usize>) {
+    let like = |table: &Table| {
+        let columns = table.columns.iter();
+        columns
+            .filter(|column| columns::described(column).is_some())
+            .count()
+    };
+    let most = tables.iter().map(like).max().unwrap_or(0);
+    let such = (0..tables.len()).filter(|&index| like(&tables[index]) == most);
+    (most, such.collect())
+}
+
 fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
     match chosen {
         Some(chosen) => chosen.guesses.clone(),
@@ -246,25 +278,42 @@ fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
     }
 }
 
-/// The table with the most columns that could be channels.
-fn most_like_one(tables: &[Table]) -> usize {
-    let like = |index: &usize| {
-        let columns = tables[*index].columns.iter();
-        columns
-            .filter(|column| columns::described(column).is_some())
-            .count()
-    };
-    (0..tables.len()).rev().max_by_key(like).unwrap_or(0)
+/// A table of which `chosen` are read, if any.
+fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
+    table_with(table, &|index, column| {
+        let used_as = chosen.and_then(|chosen| used_as(chosen, index));
+        let taken_for = used_as.clone();
+        (
+            used_as,
+            taken_for.unwrap_or_else(|| words::why_not(column, false)),
+        )
+    })
 }
 
-fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
+/// A table while a question is open: nothing is used yet.
+fn open(table: &Table, said: &Reading) -> InspectedTable {
+    table_with(table, &|_, column| {
+        let stated = (said.channels.iter()).find(|(_, name)| *name == column.name);
+        let taken_for = match stated {
+            Some((quantity, _)) => format!("{quantity}, as you stated"),
+            None => words::why_not(column, true),
+        };
+        (None, taken_for)
+    })
+}
+
+/// A table with what each column is used as, and what it is taken for.
+fn table_with(
+    table: &Table,
+    meaning: &dyn Fn(usize, &Column) -> (Option<String>, String),
+) -> InspectedTable {
     let column = |(index, column): (usize, &Column)| {
-        let used_as = chosen.and_then(|chosen| used_as(chosen, index));
+        let (used_as, taken_for) = meaning(index, column);
         InspectedColumn {
             name: column.name.clone(),
             unit: column.unit.clone(),
             numeric: column.is_numeric,
-            taken_for: used_as.clone().unwrap_or_else(|| words::why_not(column)),
+            taken_for,
             used_as,
             first: column
                 .first
@@ -352,7 +401,7 @@ fn range(values: &[f64]) -> Option<[f64; 2]> {
 
 fn like(recording: &Recording) -> InspectedRecording {
     let ends = |values: &[f64]| range(values).unwrap_or_default();
-    let mended = recording.mended();
+    let mended = recording.repaired();
     let uniform = mended.uniform().ok();
     let jitter = recording
         .faults()
@@ -378,28 +427,26 @@ fn like(recording: &Recording) -> InspectedRecording {
     }
 }
 
-/// The command that traces the file, with what was said and with the first option of each question.
+/// The command that traces the file, with what was said and with what answers each question.
 fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
-    let offered: Vec<String> = questions
-        .iter()
-        .filter_map(|question| words::first_option(&question.mend))
-        .collect();
-    let value = |option: &str| option.split_once('=').map(|(_, value)| value.to_owned());
-    let answers = offered.iter().map(|option| {
-        let (Some((what, _)), Some(own)) = (option.split_once('='), value(option)) else {
-            return option.clone();
-        };
-        // One column is not two channels: then nobody but the user knows which is which.
-        let as_often = offered
+    let answers = || {
+        questions
             .iter()
-            .filter(|other| value(other).as_ref() == Some(&own));
-        if own.is_empty() || as_often.count() > 1 {
+            .filter_map(|question| question.answer.as_deref())
+    };
+    let answer = |own: &str| match own.split_once('=') {
+        // One column is not two channels: then nobody but the user knows which is which.
+        Some((what, column)) if answers().filter(|other| names(other, column)).count() > 1 => {
             format!("{what}=NAME")
-        } else {
-            option.clone()
         }
-    });
+        _ => own.to_owned(),
+    };
     let mut parts = vec!["hil trace".to_owned(), shell(&path.display().to_string())];
-    parts.extend(options.iter().cloned().chain(answers));
+    parts.extend(options.iter().cloned().chain(answers().map(answer)));
     parts.join(" ")
+}
+
+/// Whether options give a column to a channel.
+fn names(options: &str, column: &str) -> bool {
+    options.starts_with("--channel") && options.ends_with(&format!("={column}"))
 }

@@ -39,7 +39,7 @@ pub fn of(file: &Inspected) -> String {
     let how = if file.questions.is_empty() {
         "next"
     } else {
-        "next, with the options that answer the questions above"
+        "next, with your answers for the words in capitals"
     };
     lines.push(format!("  {how}: {}", file.command));
     lines.join("\n")
@@ -101,7 +101,7 @@ fn cells(column: &InspectedColumn) -> [String; 4] {
     let unit = column
         .unit
         .as_ref()
-        .map_or_else(String::new, |unit| format!(" [{unit}]"));
+        .map_or_else(String::new, |unit| format!(" [{}]", columns::bare(unit)));
     let first: Vec<String> = column
         .first
         .iter()
@@ -148,12 +148,19 @@ fn of_recording(recording: &InspectedRecording) -> String {
     )
 }
 
-/// Why a column is not used, as far as its name and its first values say.
-pub fn why_not(column: &Column) -> String {
-    match columns::described(column) {
-        Some(what) => format!("could be {what}; not used"),
-        None if !column.is_numeric => "not used: it holds text".into(),
-        None => "not used: its name names no channel".into(),
+/// What a column may be, or why it is nothing, as far as its name and its first values say. While a question is open, no column is
+/// used yet.
+pub fn why_not(column: &Column, is_open: bool) -> String {
+    let why = match columns::described(column) {
+        Some(what) if is_open => return format!("could be {what}"),
+        Some(what) => return format!("could be {what}; not used"),
+        None if !column.is_numeric => "it holds text",
+        None => "its name names no channel",
+    };
+    if is_open {
+        why.into()
+    } else {
+        format!("not used: {why}")
     }
 }
 
@@ -162,26 +169,6 @@ pub fn question(error: &InputError) -> String {
     let line = error.to_string();
     let named = format!("{}: ", error.source_name);
     line.strip_prefix(&named).unwrap_or(&line).to_owned()
-}
-
-/// The first option that a text offers, with its value.
-pub fn first_option(text: &str) -> Option<String> {
-    let begin = text.find("--")?;
-    let option = &text[begin..];
-    let mut is_quoted = false;
-    let mut blanks = 0;
-    let end = option.find(|c: char| {
-        is_quoted ^= c == '\'';
-        blanks += usize::from(c == ' ' && !is_quoted);
-        !is_quoted && (blanks == 2 || c == ',' || c == ';')
-    });
-    let option = option[..end.unwrap_or(option.len())].trim_end();
-    // A value that nobody but the user knows.
-    Some(match option {
-        "--rate" => "--rate HZ".into(),
-        "--table" => "--table NAME".into(),
-        _ => option.to_owned(),
-    })
 }
 
 /// A number to six digits.
@@ -198,32 +185,4 @@ fn cut(name: &str) -> String {
         return name;
     }
     name.chars().take(NAME - 1).chain(['…']).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_option_of_a_message_is_one_to_type() {
-        for (text, is) in [
-            (
-                "say which: --channel force='Force 1, N' or --channel force=x",
-                Some("--channel force='Force 1, N'"),
-            ),
-            (
-                "use one of a, or give it: --unit time=s or --unit time=ms; units are s",
-                Some("--unit time=s"),
-            ),
-            ("give the samples a second with --rate", Some("--rate HZ")),
-            ("give the name of one with --table", Some("--table NAME")),
-            (
-                "say: --decimal point or --decimal comma",
-                Some("--decimal point"),
-            ),
-            ("mend it", None),
-        ] {
-            assert_eq!(first_option(text).as_deref(), is, "{text}");
-        }
-    }
 }

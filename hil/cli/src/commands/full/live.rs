@@ -42,7 +42,9 @@ pub(super) struct LiveOptions {
         allow_negative_numbers = true
     )]
     live_hold: f64,
-    /// Send health, cycles and events to an MQTT broker, as mqtt://[USER:PASSWORD@]HOST[:PORT][/RIG]
+    /// Send health, cycles and events to an MQTT broker, as mqtt://[USER[:PASSWORD]@]HOST[:PORT][/RIG]
+    ///
+    /// The password may be in the environment variable HIL_MQTT_PASSWORD instead, where other users of the machine do not see it.
     #[arg(long, value_name = "URL")]
     mqtt: Option<String>,
 }
@@ -53,6 +55,8 @@ const TO_THE_END: Duration = Duration::from_secs(3);
 const FOR_A_BROKER: Duration = Duration::from_secs(2);
 /// The longest that may be waited for a page, s.
 const LONGEST_WAIT: f64 = 86_400.0;
+/// The environment variable with the password of the broker's user.
+const PASSWORD: &str = "HIL_MQTT_PASSWORD";
 
 impl LiveOptions {
     /// Whether the page is asked for.
@@ -81,11 +85,16 @@ impl LiveOptions {
     }
 
     fn broker(&self) -> Result<Option<Broker>, InputError> {
-        let parse = |url: &String| url.parse();
+        // Other users of the machine see a process's arguments, and not its environment.
+        let password = std::env::var(PASSWORD).ok();
+        let parse = |url: &String| {
+            let broker = url.parse::<Broker>();
+            broker.map(|broker| broker.with_password(password))
+        };
         // The URL is not said again: it may hold a password.
         self.mqtt.as_ref().map(parse).transpose().map_err(|said| {
-            let mend = "see docs/live.md for the parts of such a URL";
-            InputError::new("--mqtt", said, mend)
+            let remedy = "see docs/live.md for the parts of such a URL";
+            InputError::new("--mqtt", said, remedy)
         })
     }
 

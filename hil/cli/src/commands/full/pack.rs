@@ -20,8 +20,8 @@ pub fn read_pack(path: &Path) -> Result<Vec<u8>, InputError> {
 pub fn read_with_info(path: &Path) -> Result<(Vec<u8>, Option<PackInfo>), InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::io(path, "read", &error))?;
     let info = PackInfo::of(&bytes).map_err(|error| {
-        let mend = "give a pack that `hil export --format pack` wrote";
-        InputError::new(path.display().to_string(), error.to_string(), mend)
+        let remedy = "give a pack that `hil export --format pack` wrote";
+        InputError::new(path.display().to_string(), error.to_string(), remedy)
     })?;
     Ok((bytes, info))
 }

@@ -217,7 +217,7 @@ impl Predict {
         }
         say_guesses(recording.named_guesses());
         // As a trace has it: the same faults are mended, and the same samples count.
-        let mut mended = recording.mended();
+        let mut mended = recording.repaired();
         let model = file.model();
         let known = (recording.name.as_str(), mended.controls.as_slice());
         let controls = self.controls.of(&model, known, mended.len())?;

@@ -102,11 +102,11 @@ pub fn read(
 ) -> Result<Programme<MOST_BLOCKS>, InputError> {
     let name = path.display().to_string();
     let bytes = read_json(path, limit)?;
-    let mend = "write {\"blocks\": [{\"amplitude\": 0.1, \"frequency\": 1, \"cycles\": 6}]}";
+    let remedy = "write {\"blocks\": [{\"amplitude\": 0.1, \"frequency\": 1, \"cycles\": 6}]}";
     let mut json = serde_json::Deserializer::from_slice(&bytes);
     let file: ProgrammeFile = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let place = Place::Field(error.path().to_string());
-        InputError::new(&name, error.inner().to_string(), mend).at(place)
+        InputError::new(&name, error.inner().to_string(), remedy).at(place)
     })?;
     let blocks = file.blocks.into_iter().enumerate().map(|(index, fields)| {
         let place = format!("blocks[{index}]");
@@ -118,13 +118,13 @@ pub fn read(
             (None, Some(from), Some(to)) => Block::sweep(amplitude, from, to, cycles),
             _ => {
                 let problem = "needs either a frequency, or from and to";
-                return Err(InputError::new(&name, problem, mend).at(Place::Field(place)));
+                return Err(InputError::new(&name, problem, remedy).at(Place::Field(place)));
             }
         };
         match block {
             Ok(block) => Ok((place, block)),
             Err(error) => {
-                Err(InputError::new(&name, error.to_string(), mend).at(Place::Field(place)))
+                Err(InputError::new(&name, error.to_string(), remedy).at(Place::Field(place)))
             }
         }
     });

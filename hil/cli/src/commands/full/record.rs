@@ -356,8 +356,8 @@ impl RecordCommand {
     /// Whether a recording with these columns is read as it is meant.
     fn check_controls(&self) -> Result<(), InputError> {
         let refused = |problem: String| {
-            let mend = "name another quantity with its unit, each once, such as current_A";
-            InputError::new("--control", problem, mend)
+            let remedy = "name another quantity with its unit, each once, such as current_A";
+            InputError::new("--control", problem, remedy)
         };
         if self.control.is_empty() {
             return Ok(());

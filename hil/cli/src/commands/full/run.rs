@@ -548,8 +548,8 @@ pub(super) fn refused(error: SetupError) -> InputError {
     match error {
         SetupError::Link(error) | SetupError::Watch(error) | SetupError::Drive(error) => error,
         error => {
-            let mend = "change the blocks, the tick rate, the model or --follow";
-            InputError::new("the rig", error.to_string(), mend)
+            let remedy = "change the blocks, the tick rate, the model or --follow";
+            InputError::new("the rig", error.to_string(), remedy)
         }
     }
 }
@@ -562,7 +562,10 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
 pub(super) fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
     if journal.has_begun() && journal.path().exists() {
         let path = journal.path().display();
-        error.mend = format!("{}; the samples recorded before are in {path}", error.mend);
+        error.remedy = format!(
+            "{}; the samples recorded before are in {path}",
+            error.remedy
+        );
     }
     error
 }

@@ -31,9 +31,9 @@ impl StopCommand {
         let state = board.about().map_err(InputError::from)?.state;
         say(&match state {
             State::Running => {
-                let mend = "switch off the actuator's power, then report this";
+                let remedy = "switch off the actuator's power, then report this";
                 return Err(
-                    InputError::new(self.at.to_string(), "the rig does not stop", mend).into(),
+                    InputError::new(self.at.to_string(), "the rig does not stop", remedy).into(),
                 );
             }
             State::Idle if before.state == State::Running => "The rig has stopped".to_owned(),

@@ -109,7 +109,7 @@ impl Spoilt {
                 ChannelFaultKind::Unit {
                     factor,
                     samples,
-                    mended: true,
+                    repaired: true,
                 } if factors.contains(&factor) => Some(samples),
                 _ => None,
             }

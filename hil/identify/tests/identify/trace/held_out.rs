@@ -28,6 +28,26 @@ fn a_law_that_errs_outside_its_range_has_a_warning() {
             .iter()
             .any(|w| w.contains("times the noise on the held-out data"));
         assert_eq!(warned, said, "{:?}", result.warnings);
+        let outside = "outside the operating range of the fitted data";
+        let warned = result.warnings.iter().any(|w| w.contains(outside));
+        assert_eq!(warned, said, "{:?}", result.warnings);
+    }
+}
+
+/// A held-out recording of a warmer specimen is called an extrapolation, one within a sensor's tolerance is not.
+#[test]
+fn a_held_out_temperature_outside_the_fitted_ones_has_a_warning() {
+    for (celsius, said) in [(21.0, false), (40.0, true)] {
+        let at = |name: &str, blocks, seed, celsius: f64| {
+            let mut recording = record(name, blocks, 0.004, seed, |_| 0.0);
+            recording.temperature = Some(vec![celsius; recording.time.len()]);
+            recording
+        };
+        let held = at("held", &BLOCKS, 64, celsius);
+        let result = trace_of(at("fitted", &BLOCKS, 63, 20.0), held).result;
+        let outside = "held: its temperature, 40.0 … 40.0 °C, lies outside that of the fitted data, 20.0 … 20.0 °C";
+        let warned = result.warnings.iter().any(|w| w.starts_with(outside));
+        assert_eq!(warned, said, "{:?}", result.warnings);
     }
 }
 

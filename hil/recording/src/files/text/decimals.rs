@@ -23,7 +23,9 @@ impl Asked {
             ),
             None => could_be_either(&self.cell),
         };
-        InputError::new(name, problem, MEND).at(Place::Line(self.line))
+        InputError::new(name, problem, MEND)
+            .at(Place::Line(self.line))
+            .answered_by("--decimal SIGN")
     }
 }
 

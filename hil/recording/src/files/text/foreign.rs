@@ -288,11 +288,10 @@ impl<'r> Reader<'r> {
                     values.push(value);
                 }
                 Err(_) if !wanted.must_be_numeric => taken.columns[index] = None,
-                Err((problem, mend)) => {
+                Err((problem, remedy)) => {
                     let column = self.column(wanted.column);
-                    return Err(
-                        InputError::new(self.name, problem, mend).at(Place::Cell { line, column })
-                    );
+                    return Err(InputError::new(self.name, problem, remedy)
+                        .at(Place::Cell { line, column }));
                 }
             }
         }
@@ -342,7 +341,7 @@ impl<'r> Reader<'r> {
                 Err((decimals::could_be_either(cell), decimals::MEND))
             }
             Cell::OtherSign => {
-                let (sign, mend) = match self.layout.numbers.decimal {
+                let (sign, remedy) = match self.layout.numbers.decimal {
                     ',' => (
                         "comma",
                         "correct it, or give --decimal point, which makes the comma a thousands separator",
@@ -357,7 +356,7 @@ impl<'r> Reader<'r> {
                         "{} is not a number with a decimal {sign}, which the rows above use",
                         quoted(cell)
                     ),
-                    mend,
+                    remedy,
                 ))
             }
         }

@@ -89,10 +89,10 @@ fn sample(
             _ if is_blank(cell) => Some(f64::NAN),
             Ok(value) => Some(value),
             Err(_) if !wanted.must_be_numeric => None,
-            Err((problem, mend)) => {
+            Err((problem, remedy)) => {
                 let column = header.get(wanted.column).unwrap_or_default().into();
                 let place = Place::Cell { line, column };
-                return Err(InputError::new(name, problem, mend).at(place));
+                return Err(InputError::new(name, problem, remedy).at(place));
             }
         });
     }
