@@ -40,7 +40,7 @@ pub struct Wanted {
     pub frequency: f64,
     /// Smallest and largest permitted amplitude, mm; equal for a single amplitude.
     pub amplitudes: (f64, f64),
-    /// Fraction of each figure by which a solution may miss it.
+    /// Largest miss of each figure in a solution, as a fraction of the required value.
     pub tolerance: f64,
     /// The source of the specimens' coefficients.
     pub law: Source,

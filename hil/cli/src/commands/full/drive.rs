@@ -58,7 +58,7 @@ pub struct Driven {
 pub struct Followed {
     /// The file, or the description of the random motion.
     source: String,
-    /// Factor by which the recorded displacement was multiplied.
+    /// The factor by which the recorded displacement was multiplied.
     scale: f64,
     /// Offset subtracted from the recorded displacement, mm.
     shift_mm: f64,

@@ -48,7 +48,7 @@ pub struct OrthogonalCommand {
 pub(in crate::commands) struct Summary {
     /// The analysis of each result.
     results: Vec<Analysis>,
-    /// For the paper's own test, a comparison with the printed results; empty otherwise.
+    /// Comparison with the printed results, for the paper's own test; absent otherwise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     against_print: Vec<AgainstPrint>,
 }
