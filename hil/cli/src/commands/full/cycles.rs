@@ -44,11 +44,11 @@ pub struct CycleRow {
     model_loss_factor: f32,
     /// RMS of the law's error over the RMS of the measured force.
     nrmse: f32,
-    /// Relative change of the law's k1 by adaptation.
+    /// Adaptation of k1 to the specimen, as a fraction of k1.
     followed_k1: f32,
-    /// Relative change of the law's k3 by adaptation.
+    /// Adaptation of k3 to the specimen, as a fraction of k3.
     followed_k3: f32,
-    /// Relative change of the law's c by adaptation.
+    /// Adaptation of c to the specimen, as a fraction of c.
     followed_c: f32,
     #[serde(skip)]
     ticks: f32,
