@@ -68,7 +68,7 @@ pub struct EmulationSettings {
     pub temperature_hottest: f64,
     /// Fastest plausible change of the temperature, degrees Celsius per second, 1e-3...1e3.
     pub temperature_rate: f64,
-    /// Displacement from its mean that starts the count of a cycle, mm, 1e-9...1e4.
+    /// Smallest deviation of the displacement from its mean for a cycle to count, mm, 1e-9...1e4.
     pub hysteresis: f64,
 }
 

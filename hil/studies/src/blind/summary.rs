@@ -52,7 +52,7 @@ pub struct Ratios {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// Trials with one listed effect that was named and nothing else.
+    /// Trials with one listed effect, in which only that effect was named.
     pub listed: Rate,
     /// Trials with one listed effect that was named, alone or among several indistinguishable effects.
     pub listed_or_among: Rate,
@@ -60,7 +60,7 @@ pub struct Summary {
     pub false_discoveries: Rate,
     /// Trials with two listed effects, both named.
     pub pairs: Rate,
-    /// Trials with two listed effects, each named alone or among several.
+    /// Trials with two listed effects, both named, alone or among several.
     pub pairs_or_among: Rate,
     /// Trials with an unlisted effect that was reported as unlisted.
     pub unlisted: Rate,

@@ -51,13 +51,13 @@ pub struct Condition {
     pub measured: Dynamics,
     /// RMS of the part of the tables' loop that an ellipse does not explain, over the RMS of the loop.
     pub measured_beside_ellipse: f64,
-    /// Comparison with eq 20 as printed.
+    /// Eq 20 as printed, compared with the tables' loop.
     pub printed: Compared,
-    /// Comparison with eq 20, with eq 18 corrected.
+    /// Eq 20 with eq 18 corrected, compared with the tables' loop.
     pub corrected: Compared,
-    /// Comparison with the crate's surfaces.
+    /// The crate's surfaces, compared with the tables' loop.
     pub surfaces: Compared,
-    /// Comparison with the finite elements, or the reason why there is none.
+    /// The finite elements, compared with the tables' loop, or the reason why there is no comparison.
     pub finite_elements: Result<Compared, String>,
     /// The loop of the finite elements; null if there is none.
     #[serde(skip)]
