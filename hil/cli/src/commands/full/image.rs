@@ -97,7 +97,7 @@ pub enum Linked {
 
 impl Linked {
     /// The link that `place` needs; `None` for this process. The image's log goes to standard error with the time of ticks at
-    /// `tick_rate` Hz; a board has a log of its own.
+    /// `tick_rate` Hz; a board has its own log.
     ///
     /// # Errors
     /// No emulator, no board, or no answer from the board.
