@@ -1,4 +1,4 @@
-//! On macOS the linker must be told that Python's symbols come with the interpreter.
+//! On macOS the linker must know that Python's symbols come with the interpreter.
 
 fn main() {
     pyo3_build_config::add_extension_module_link_args();

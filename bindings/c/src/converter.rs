@@ -1,4 +1,4 @@
-//! Codes of an ADC and a DAC, and what a controller is given each tick.
+//! Codes of an ADC and a DAC, and the input of a controller at each tick.
 
 use mesh_damper::converter;
 
@@ -11,7 +11,7 @@ pub const MD_SCALE_SIZE: usize = 16;
 /// Alignment of `md_scale`, bytes.
 pub const MD_SCALE_ALIGN: usize = 4;
 
-/// Memory of a channel's scale: value = full_scale*(code - 32768)/32768 - zero, of 16 bits offset binary. It may be copied.
+/// Memory of a channel's scale: value = full_scale*(code - 32768)/32768 - zero, for 16-bit offset binary. It may be copied.
 #[repr(C, align(4))]
 #[derive(Clone, Copy)]
 pub struct Scale {
@@ -25,49 +25,50 @@ unsafe impl Storage for Scale {
 }
 const _: () = assert_fits::<Scale>();
 
-/// One channel's reading.
+/// One reading of a channel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// In the channel's unit. What is not finite counts as a missing measurement, and exceeds every limit.
+    /// Value in the channel's unit. A value that is not finite counts as a missing measurement, and exceeds every limit.
     pub value: f32,
-    /// Offset binary, 16 bits. At 0 and 0xFFFF the channel counts as clipped, which stops a controller.
+    /// Code in offset binary, 16 bits. At 0 and 0xFFFF the channel counts as clipped, which stops a controller.
     pub code: u16,
 }
 
-/// What the sensors say at one tick.
+/// The readings of the sensors at one tick.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// mm.
+    /// Displacement, mm.
     pub displacement: Sample,
-    /// kN.
+    /// Force, kN.
     pub force: Sample,
-    /// Control inputs as in `md_motion`; 0 where there is none.
+    /// Control inputs as in `md_motion`; 0 for unused ones.
     pub controls: [f32; MD_CONTROLS],
 }
 
-/// Scales of the three channels that a controller is wired to.
+/// Scales of the three channels of a controller.
 #[repr(C)]
 pub struct Wiring {
-    /// Of the displacement, mm.
+    /// Scale of the displacement, mm.
     pub displacement: Scale,
-    /// Of the force, kN.
+    /// Scale of the force, kN.
     pub force: Scale,
-    /// Of the command, mm, or kN of a damper emulation. A command beyond its ends stops the controller.
+    /// Scale of the command, mm, or kN for a damper emulation. A command beyond its ends stops the controller.
     pub command: Scale,
 }
 
-/// Of a converter's channel.
+/// Initialises the scale of a converter's channel.
 ///
-/// * `full_scale`: the quantity at the positive full scale, 1e-6...1e6 in size; negative where the sensor or the amplifier inverts
-/// * `zero`: what the channel reads when the quantity is 0, -1e6...1e6
+/// * `full_scale`: the quantity at the positive full scale, 1e-6...1e6 in magnitude; negative if the sensor or the amplifier
+///   inverts
+/// * `zero`: the reading at a quantity of 0, -1e6...1e6
 /// * `problem`: may be null
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED, MD_ERROR_NON_FINITE or MD_ERROR_OUT_OF_RANGE.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_scale_init(
     scale: *mut Scale,
@@ -75,25 +76,25 @@ pub unsafe extern "C" fn md_scale_init(
     zero: f64,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let make = || Ok(converter::Scale::new(full_scale, zero)?);
         answer(initialize(scale, make), problem)
     }
 }
 
-/// What a code of an ADC stands for.
+/// The value of an ADC code.
 ///
-/// * `bits`: of the ADC, 1...16: 16 and 0 are the same, and more than 16 are 16
+/// * `bits`: resolution of the ADC, 1...16; 0 and larger values count as 16
 /// * `code`: offset binary over the same range. The last code counts as clipped, as 0 does.
 ///
-/// Of a scale that is null, misaligned or not initialised the value is NaN, which stops a controller.
+/// For a scale that is null, misaligned or not initialised, the value is NaN, which stops a controller.
 ///
 /// # Safety
 /// `scale` is null or points to an `md_scale`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_scale_decode(scale: *const Scale, bits: u32, code: u16) -> Sample {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     let Ok(scale) = (unsafe { held_const(scale) }) else {
         return Sample {
             value: f32::NAN,
@@ -104,14 +105,14 @@ pub unsafe extern "C" fn md_scale_decode(scale: *const Scale, bits: u32, code: u
     Sample { value, code }
 }
 
-/// The code of 16 bits nearest to `value`, for a DAC: the range's end beyond it, and 0x8000, which is 0 V, for NaN and for a scale that
-/// is null, misaligned or not initialised.
+/// The 16-bit DAC code nearest to `value`. Beyond the range it is the code at the end of the range. It is 0x8000, which is 0 V, for
+/// NaN and for a scale that is null, misaligned or not initialised.
 ///
 /// # Safety
 /// `scale` is null or points to an `md_scale`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_scale_encode(scale: *const Scale, value: f32) -> u16 {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe { held_const(scale) }.map_or(converter::MIDSCALE, |scale| scale.encode(value).code)
 }
 
@@ -125,7 +126,7 @@ impl Sample {
 }
 
 impl Reading {
-    /// 0 V on both channels: what C does not fill in is no measurement.
+    /// 0 V on both channels: values that C does not fill in are no measurements.
     pub(crate) const NONE: Self = {
         let missing = Sample {
             value: f32::NAN,
@@ -151,9 +152,9 @@ impl Reading {
 /// The wiring that C points to.
 ///
 /// # Safety
-/// `wiring` is null or points to one.
+/// `wiring` is null or points to a wiring.
 pub(crate) unsafe fn wiring(wiring: *const Wiring) -> Result<mesh_damper::rig::Wiring, Error> {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let given = storage::read(wiring)?;
         let scale = |scale: &Scale| held_const(scale).copied();

@@ -15,13 +15,13 @@ pub const MD_CROSSINGS_SIZE: usize = 200;
 /// Alignment of `md_crossings`, bytes.
 pub const MD_CROSSINGS_ALIGN: usize = 8;
 
-/// Memory of a cycle accumulator whose caller knows the phase, such as that of `md_sine_tick`.
+/// Memory of a cycle accumulator for a caller that knows the phase, for example from `md_sine_tick`.
 #[repr(C, align(8))]
 pub struct Cycles {
     storage: [u8; MD_CYCLES_SIZE],
 }
 
-/// Memory of a cycle accumulator that finds the cycles of a measured displacement by itself.
+/// Memory of a cycle accumulator that finds the cycles of a measured displacement itself.
 #[repr(C, align(8))]
 pub struct Crossings {
     storage: [u8; MD_CROSSINGS_SIZE],
@@ -52,23 +52,23 @@ pub struct Cycle {
     pub displacement_max: f32,
     /// Smallest displacement, mm.
     pub displacement_min: f32,
-    /// Half of the displacement's range, mm.
+    /// Half of the peak-to-peak displacement, mm.
     pub amplitude: f32,
-    /// Energy that the specimen took up, J.
+    /// Energy taken up by the specimen, J.
     pub energy: f32,
-    /// The same of the first harmonics alone, J.
+    /// Energy of the first harmonics alone, J.
     pub energy_harmonic: f32,
-    /// Dynamic stiffness, kN/mm. 0 of a cycle that stands still.
+    /// Dynamic stiffness, kN/mm; 0 for a cycle without motion.
     pub stiffness: f32,
     /// Elastic energy at the amplitude, J.
     pub elastic_energy: f32,
-    /// energy / (2*pi*elastic_energy). 0 where the elastic energy is.
+    /// energy / (2*pi*elastic_energy); 0 if the elastic energy is 0.
     pub loss_factor: f32,
     /// Mean force, kN.
     pub mean_force: f32,
     /// Mean displacement, mm.
     pub mean_displacement: f32,
-    /// Length of the cycle in ticks, fractions included.
+    /// Length of the cycle in ticks, including fractions.
     pub ticks: f32,
 }
 
@@ -92,43 +92,44 @@ impl From<&mesh_damper::cycle::Cycle> for Cycle {
     }
 }
 
-/// Hands `cycle` to C, where it is complete.
+/// Writes `cycle` to C, if it is complete.
 ///
 /// # Safety
-/// `results` is null or points to writable memory for them.
+/// `results` is null or points to writable memory for the results.
 unsafe fn complete(cycle: Option<&mesh_damper::cycle::Cycle>, results: *mut Cycle) -> bool {
     if let Some(cycle) = cycle {
-        // Null says that the caller does not want them.
-        // SAFETY: as the caller vouches.
+        // Null means that the caller does not want the results.
+        // SAFETY: guaranteed by the caller.
         let _ = unsafe { storage::write(results, Cycle::from(cycle)) };
     }
     cycle.is_some()
 }
 
-/// Before the first sample; again, it forgets the cycle under way. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+/// Call it before the first sample. Called again, it discards the current cycle. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+/// MD_ERROR_MISALIGNED.
 ///
 /// # Safety
 /// `cycles` is null or points to an `md_cycles`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_cycles_init(cycles: *mut Cycles) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     let made = unsafe { initialize(cycles, || Ok(CycleAccumulator::new())) };
     code(made.map_err(|problem| problem.error))
 }
 
-/// One tick. Returns whether a cycle ended with it that was seen from its beginning: `results` has it then, and is left as it was
-/// otherwise.
+/// Processes one tick. Returns whether a cycle ended with this tick and was observed from its beginning. Only then are its results
+/// written to `results`.
 ///
 /// * `displacement`: mm; limited to -1e4...1e4, and NaN counts as 0
 /// * `force`: kN; limited to -1e12...1e12, and NaN counts as 0
-/// * `phase`: 2^32 to the cycle, and a cycle ends where it passes through 0. It must not go backwards, nor half a cycle or more
+/// * `phase`: 2^32 per cycle. A cycle ends at the passage through 0. The phase must not go backwards, nor half a cycle or more
 ///   forward.
 /// * `results`: may be null
 ///
-/// For memory that is null, misaligned or not initialised no cycle ends.
+/// For memory that is null, misaligned or not initialised, no cycle ends.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_cycles_update(
     cycles: *mut Cycles,
@@ -137,7 +138,7 @@ pub unsafe extern "C" fn md_cycles_update(
     phase: u32,
     results: *mut Cycle,
 ) -> bool {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let Ok(cycles) = held(cycles) else {
             return false;
@@ -147,33 +148,33 @@ pub unsafe extern "C" fn md_cycles_update(
     }
 }
 
-/// Before the first sample.
+/// Call it before the first sample.
 ///
-/// * `hysteresis`: mm, 1e-9...1e4: above the noise's peak and below the motion's amplitude
+/// * `hysteresis`: mm, 1e-9...1e4: above the peak of the noise and below the amplitude of the motion
 /// * `problem`: may be null
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED, MD_ERROR_NON_FINITE or MD_ERROR_OUT_OF_RANGE.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_crossings_init(
     crossings: *mut Crossings,
     hysteresis: f32,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let make = || Ok(CrossingAccumulator::new(hysteresis)?);
         answer(initialize(crossings, make), problem)
     }
 }
 
-/// One tick, with displacement and force as in `md_cycles_update`. Returns whether a cycle ended, from the third on; `results` has it
-/// then, and may be null.
+/// Processes one tick, with displacement and force as in `md_cycles_update`. Returns whether a cycle ended, from the third cycle
+/// on. Only then are its results written to `results`, which may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_crossings_update(
     crossings: *mut Crossings,
@@ -181,7 +182,7 @@ pub unsafe extern "C" fn md_crossings_update(
     force: f32,
     results: *mut Cycle,
 ) -> bool {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let Ok(crossings) = held(crossings) else {
             return false;

@@ -1,4 +1,4 @@
-//! The damper emulation: measured motion in, the law's force out.
+//! The damper emulation: measured motion in, force of the law out.
 
 use mesh_damper::rig::{Controller as _, DamperEmulationSettings, EmulationController};
 
@@ -17,8 +17,8 @@ pub const MD_EMULATION_SIZE: usize = 584;
 /// Alignment of `md_emulation`, bytes.
 pub const MD_EMULATION_ALIGN: usize = 8;
 
-/// Memory of a damper emulation: it is the damper, and drives the law's force for the displacement that it measures. It does no I/O:
-/// each tick takes a reading, and its telemetry has the command and the level of the enable line.
+/// Memory of a damper emulation. It replaces the damper: it drives the law's force for the displacement that it measures. It does
+/// no I/O. Each tick takes a reading, and the telemetry contains the command and the level of the enable line.
 #[repr(C, align(8))]
 pub struct Emulation {
     storage: [u8; MD_EMULATION_SIZE],
@@ -31,51 +31,56 @@ unsafe impl Storage for Emulation {
 }
 const _: () = assert_fits::<Emulation>();
 
-/// What a damper emulation is set to. Begin with `md_emulation_defaults`.
+/// Settings of a damper emulation. Begin with `md_emulation_defaults`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmulationSettings {
-    /// Hz, 1...1e6.
+    /// Tick rate, Hz, 1...1e6.
     pub tick_rate: f64,
     /// Largest measured displacement in either direction, mm, 1e-6...1e4.
     pub displacement_limit: f64,
-    /// Largest force in either direction, kN, 1e-6...1e9: of the law, at once, and as measured.
+    /// Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
+    /// `trip_ticks`.
     pub force_limit: f64,
-    /// For how many ticks on end a measured quantity must exceed its limit to stop, 1...1e6.
+    /// Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1...1e6.
     pub trip_ticks: u32,
-    /// In how many ticks the force comes in once started, and goes to 0 once stopped, 1...1e7.
+    /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without `md_emulation_exchange` it stops, 0...1e7; 0 where nobody is linked.
+    /// Number of ticks without `md_emulation_exchange` after which it stops, 0...1e7; 0 without a link.
     pub link_ticks: u32,
-    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
-    /// counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+    /// Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
+    /// tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
+    /// wrong rate.
     pub clock_rate: f64,
     /// Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3...3.
     pub observer_damping: f64,
-    /// Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0...1e4; 0 where nothing is rest.
+    /// Half width of the rest band, mm, 0...1e4. A displacement that has stayed in the band for 0.05 s is at rest. 0 switches this
+    /// off.
     pub rest_band: f64,
-    /// After how many ticks of the very same code the displacement channel is stuck, 0...1e9; 0 where it has no noise at all.
+    /// Number of ticks with an unchanged code after which the displacement channel is stuck, 0...1e9; 0 for a channel without
+    /// noise.
     pub stuck_ticks: u32,
-    /// Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+    /// Lowest plausible measured temperature, degrees Celsius, -273...2000.
     pub temperature_coldest: f64,
-    /// Hottest that it can be.
+    /// Highest plausible measured temperature, degrees Celsius.
     pub temperature_hottest: f64,
-    /// Fastest that it can change, degrees a second, 1e-3...1e3.
+    /// Fastest plausible change of the temperature, degrees Celsius per second, 1e-3...1e3.
     pub temperature_rate: f64,
-    /// How far the displacement must go from its mean for a cycle to count, mm, 1e-9...1e4.
+    /// Smallest deviation of the displacement from its mean for a cycle to count, mm, 1e-9...1e4.
     pub hysteresis: f64,
 }
 
-/// Settings for amplitudes of 0.02 to 0.3 mm up to 10 Hz, at 10 kHz. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+/// Default settings, for amplitudes of 0.02 to 0.3 mm up to 10 Hz, at 10 kHz. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+/// MD_ERROR_MISALIGNED.
 ///
 /// # Safety
 /// `settings` is null or points to writable memory for them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_defaults(settings: *mut EmulationSettings) -> Error {
     let defaults = EmulationSettings::from(&DamperEmulationSettings::default());
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { storage::write(settings, defaults) })
 }
 
@@ -123,10 +128,10 @@ impl From<&EmulationSettings> for DamperEmulationSettings {
     }
 }
 
-/// An idle emulation.
+/// Initialises an idle emulation.
 ///
 /// * `wiring`: scales of displacement, force and command (kN), each initialised
-/// * `law`: initialised; it stays where it is as long as `emulation` is used. `md_law_load` between two ticks gives another law, which
+/// * `law`: initialised. It must stay in place while `emulation` is used. `md_law_load` between two ticks loads another law, which
 ///   takes over at the end of a cycle.
 /// * `problem`: may be null
 ///
@@ -134,7 +139,7 @@ impl From<&EmulationSettings> for DamperEmulationSettings {
 /// MD_ERROR_OUT_OF_RANGE.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_init(
     emulation: *mut Emulation,
@@ -143,7 +148,7 @@ pub unsafe extern "C" fn md_emulation_init(
     law: *mut Law,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let make = || {
             let settings = storage::read(settings)?.into();
@@ -158,19 +163,19 @@ pub unsafe extern "C" fn md_emulation_init(
     }
 }
 
-/// Begins to drive the law's force, which comes in over `stop_ticks`.
+/// Starts driving the law's force, which rises over `stop_ticks`.
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED; `problem` may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_start(
     emulation: *mut Emulation,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let started = held(emulation)
             .map_err(Problem::from)
@@ -179,28 +184,28 @@ pub unsafe extern "C" fn md_emulation_start(
     }
 }
 
-/// Stops without a trip. Set the enable line low then: otherwise it stays high until the next tick, which says so. Returns as
-/// `md_emulation_start` where memory is not right.
+/// Stops without a trip. Then set the enable line low: otherwise it stays high until the next tick, whose telemetry reports it.
+/// Returns the codes of `md_emulation_start` for invalid memory.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_stop(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.stop()))
 }
 
-/// Forgets the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT or MD_ERROR_MOVING, and as
-/// `md_emulation_start` where memory is not right; `problem` may be null.
+/// Clears the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT or MD_ERROR_MOVING, and the codes of
+/// `md_emulation_start` for invalid memory; `problem` may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_clear(
     emulation: *mut Emulation,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let cleared = held(emulation)
             .map_err(Problem::from)
@@ -209,17 +214,18 @@ pub unsafe extern "C" fn md_emulation_clear(
     }
 }
 
-/// One tick, at the tick rate. Set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN) then.
+/// Processes one tick, at the tick rate. Then set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN).
 ///
-/// * `reading`: null where the sensors failed, which stops it
-/// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
-///   the tick before trips: a stall, a tick that is missing or called twice.
-/// * `telemetry`: gets what it saw
+/// * `reading`: null if the sensors failed, which stops the emulation
+/// * `clock`: reading of a counter that runs freely at `clock_rate` and wraps. A time since the tick before of less than half a
+///   tick or more than one and a half trips: a stall, a missing tick, or a tick called twice.
+/// * `telemetry`: receives the telemetry of this tick
 ///
-/// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED: set the line low then.
+/// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED. Set the line low if it is not
+/// MD_ERROR_NONE.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_tick(
     emulation: *mut Emulation,
@@ -227,7 +233,7 @@ pub unsafe extern "C" fn md_emulation_tick(
     clock: u32,
     telemetry: *mut Telemetry,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         code(held(emulation).and_then(|emulation| {
             let reading = if reading.is_null() {
@@ -240,72 +246,74 @@ pub unsafe extern "C" fn md_emulation_tick(
     }
 }
 
-/// The actuator did not take the command of the last tick: it trips. Set the enable line low then: otherwise it stays high until the
-/// next tick, which says so. Returns as `md_emulation_stop`.
+/// Reports that the actuator did not accept the command of the last tick: the emulation trips. Then set the enable line low:
+/// otherwise it stays high until the next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_command_failed(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.command_failed()))
 }
 
-/// What the actuator drives, as it is read back, is not the command: it trips. Set the enable line low then: otherwise it stays high
-/// until the next tick, which says so. Returns as `md_emulation_stop`.
+/// Reports that the actuator's output, as read back, differs from the command: the emulation trips. Then set the enable line low:
+/// otherwise it stays high until the next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_command_unverified(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.command_unverified()))
 }
 
-/// The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
-/// `md_emulation_stop`.
+/// Reports that the enable line could not be set: the emulation trips. Try to set it low now, and again at the next tick: it may
+/// still be high. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_enable_failed(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.enable_failed()))
 }
 
-/// A tick came late, or not at all: it trips. Set the enable line low then: otherwise it stays high until the next tick, which says so.
-/// Returns as `md_emulation_stop`.
+/// Reports that a tick was late or missing: the emulation trips. Then set the enable line low: otherwise it stays high until the
+/// next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_overrun(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.overrun()))
 }
 
-/// An input outside of the emulation says stop: it trips in any state without a trip. Set the enable line low then: otherwise it stays
-/// high until the next tick, which says so. Ask the input before each start and clear too. Returns as `md_emulation_stop`.
+/// Reports that an external stop input is active: the emulation trips, unless it is stopped by a trip already. Then set the enable
+/// line low: otherwise it stays high until the next tick, whose telemetry reports it. Check the input before each start and clear
+/// too. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_external_trip(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.external_trip()))
 }
 
-/// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_emulation_stop`.
+/// Reports a message from the other end of a link. Call it for every message. Returns the codes of `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_exchange(emulation: *mut Emulation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.exchange()))
 }
 
-/// Temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns as `md_emulation_stop`.
+/// Sets the temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns the codes of
+/// `md_emulation_stop`.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
@@ -314,17 +322,17 @@ pub unsafe extern "C" fn md_emulation_set_temperature(
     emulation: *mut Emulation,
     temperature: f32,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(emulation) }.map(|emulation| emulation.set_temperature(temperature)))
 }
 
-/// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. Where it has gone up with a tick, give an external
-/// watchdog no signal. 0 of no emulation.
+/// Number of ticks so far that were not in time, in every state. A clear does not change it, and it wraps. If it has increased with
+/// a tick, give an external watchdog no signal. 0 without an emulation.
 ///
 /// # Safety
 /// `emulation` is null or points to an `md_emulation`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_emulation_late_ticks(emulation: *mut Emulation) -> u32 {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe { held(emulation) }.map_or(0, |emulation| emulation.late_ticks())
 }

@@ -1,4 +1,4 @@
-//! Error codes with names, and what exactly was refused.
+//! Error codes with their names, and the details of a problem.
 
 use core::ffi::{CStr, c_char};
 use core::ptr;
@@ -10,79 +10,79 @@ use mesh_damper::rig::{ClearRefused, StartRefused};
 use crate::storage;
 use crate::telemetry::TripCause;
 
-/// Why a call did not do what it was asked. The numbers stay as they are.
+/// Error codes of the calls. The numbers do not change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Error {
-    /// It did.
+    /// No error.
     None = 0,
-    /// A pointer is null that may not be.
+    /// A pointer is null where it must not be.
     Null = 1,
-    /// A pointer is not aligned for what it points to.
+    /// A pointer is not aligned for its type.
     Misaligned = 2,
     /// The memory was never initialised, or its initialisation was refused.
     NotInitialized = 3,
-    /// The bytes do not begin as a pack does.
+    /// The bytes do not begin like a pack.
     PackMagic = 10,
-    /// The pack's format version is not read: it is newer or too old.
+    /// The format version of the pack is too new or too old to be read.
     PackVersion = 11,
     /// The pack is for another tick rate.
     PackTickRate = 12,
-    /// The pack is of another model.
+    /// The pack is for another model.
     PackIdentity = 13,
-    /// The pack is no newer than is required.
+    /// The revision of the pack is not above the required one.
     PackRevision = 14,
-    /// There are more or fewer bytes than the pack says of itself.
+    /// The length differs from the length that the pack states.
     PackLength = 15,
     /// The pack's checksum does not match.
     PackChecksum = 16,
-    /// The pack's checksum matches, and its body cannot be read.
+    /// The checksum of the pack matches, but its body cannot be read.
     PackBody = 17,
-    /// The pack is of version 6, which says nothing of itself.
+    /// The pack has version 6, which does not describe its contents.
     PackSilent = 18,
-    /// The law of the pack gives more energy than it takes.
+    /// The law of the pack is not passive: it gives out more energy than it takes.
     PackActive = 19,
     /// A field is NaN or infinite.
     NonFinite = 30,
     /// A field lies outside its range.
     OutOfRange = 31,
-    /// A grid's nodes do not increase.
+    /// The nodes of a grid do not increase.
     NotIncreasing = 32,
-    /// There are more elements than fit.
+    /// There are more elements than there is room for.
     Full = 33,
     /// There is no element where one is needed.
     Empty = 34,
-    /// What an earlier version had and this one has not.
+    /// A feature of an earlier version that this version does not have.
     Removed = 35,
-    /// It is running.
+    /// The controller is running.
     Running = 50,
-    /// The command is on its way back to 0.
+    /// The command is still on its way back to 0.
     Moving = 51,
-    /// It is stopped by a trip that was not cleared, or that came again.
+    /// The controller is stopped by a trip that was not cleared, or that occurred again.
     Faulted = 52,
     /// There is no trip to clear.
     NoFault = 53,
-    /// The crate refuses for a reason that this library does not know.
+    /// A reason that this library has no code for.
     Other = 99,
 }
 
-/// What exactly was refused. What does not apply is 0 or null.
+/// The details of a problem. Fields that do not apply are 0 or null.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Problem {
-    /// The same code that the call returns.
+    /// The code that the call returns.
     pub error: Error,
-    /// Why a rig or an emulation is stopped, with `MD_ERROR_FAULTED`.
+    /// The trip cause of a rig or an emulation, for `MD_ERROR_FAULTED`.
     pub trip: TripCause,
     /// The field's name. It does not end in NUL: print it with `"%.*s", (int)problem.field_length, problem.field`.
     pub field: *const c_char,
-    /// Bytes of the name.
+    /// Length of the name, bytes.
     pub field_length: usize,
-    /// What the field is, in its unit. NaN where a pack does not say.
+    /// Value of the field, in its unit; NaN if a pack does not give it.
     pub value: f64,
-    /// Least that it may be.
+    /// Smallest permitted value.
     pub low: f64,
-    /// Most that it may be.
+    /// Largest permitted value.
     pub high: f64,
 }
 
@@ -207,24 +207,24 @@ impl From<ClearRefused> for Problem {
     }
 }
 
-/// The code for C. What was refused goes to `problem`, where it is given.
+/// The code for C. The details go to `problem`, if it is not null.
 ///
 /// # Safety
-/// `problem` is null or points to writable memory for one.
+/// `problem` is null or points to writable memory for a problem.
 pub(crate) unsafe fn answer(result: Result<(), Problem>, problem: *mut Problem) -> Error {
     let refused = result.err().unwrap_or(Error::None.into());
-    // Null says that the caller does not want it.
-    // SAFETY: as the caller vouches.
+    // Null means that the caller does not want the details.
+    // SAFETY: guaranteed by the caller.
     let _ = unsafe { storage::write(problem, refused) };
     refused.error
 }
 
-/// The code of a call that has no more to say than that.
+/// The code of a call without further details.
 pub(crate) fn code(result: Result<(), Error>) -> Error {
     result.err().unwrap_or(Error::None)
 }
 
-/// Each code, its name in C, and what to do about it.
+/// Each code, its name in C, and a remedy.
 const CODES: [(Error, &CStr, &CStr); 26] = [
     (Error::None, c"MD_ERROR_NONE", c"nothing is wrong"),
     (
@@ -347,7 +347,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
         c"MD_ERROR_OTHER",
         c"it is refused for a reason that this library has no code for",
     ),
-    // What is no code, as a number that C made up.
+    // A number from C that is no code.
     (Error::Other, c"?", c"this number is no error code"),
 ];
 
@@ -359,14 +359,14 @@ fn row(code: i32) -> (&'static CStr, &'static CStr) {
         .map_or((*unknown, *no_help), |(_, name, help)| (*name, *help))
 }
 
-/// The name of an error code as it stands in this header, such as `"MD_ERROR_NULL"`; `"?"` for any other number. It ends in NUL and
-/// is never null.
+/// The name of an error code as in this header, such as `"MD_ERROR_NULL"`; `"?"` for any other number. It ends in NUL and is never
+/// null.
 #[unsafe(no_mangle)]
 pub extern "C" fn md_error_name(error: i32) -> *const c_char {
     row(error).0.as_ptr()
 }
 
-/// What to do about an error code, in one sentence. It ends in NUL and is never null.
+/// The remedy for an error code, in one sentence. It ends in NUL and is never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn md_error_help(error: i32) -> *const c_char {
     row(error).1.as_ptr()

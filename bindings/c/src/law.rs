@@ -9,11 +9,11 @@ use mesh_damper::tick_law::TickLaw;
 use crate::error::{Error, Problem, answer, code};
 use crate::storage::{self, Storage, assert_fits, held};
 
-/// Most effects of a law.
+/// Largest number of effects in a law.
 pub const MD_EFFECTS: usize = 8;
-/// Control inputs of a damper.
+/// Largest number of control inputs of a damper.
 pub const MD_CONTROLS: usize = 4;
-/// Bytes of an identity.
+/// Length of an identity, bytes.
 pub const MD_IDENTITY: usize = 8;
 
 /// Bytes of `md_law`.
@@ -25,8 +25,8 @@ pub const MD_LAW_SIZE: usize = 8088;
 /// Alignment of `md_law`, bytes.
 pub const MD_LAW_ALIGN: usize = 8;
 
-/// Memory of a law: the mixed damping law k1*y + k3*y^3 + c*|v|^alpha*sgn v with up to MD_EFFECTS effects, what these remember, and
-/// another law that waits. `md_law_init` fills it. It stays where it is: do not copy it.
+/// Memory of a law: the mixed damping law k1*y + k3*y^3 + c*|v|^alpha*sgn v with up to MD_EFFECTS effects, their state, and another
+/// law that waits. `md_law_init` fills it. It must stay in place: do not copy it.
 #[repr(C, align(8))]
 pub struct Law {
     storage: [u8; MD_LAW_SIZE],
@@ -44,7 +44,7 @@ const _: () = assert_fits::<Law>();
 const _: () = assert!(MD_CONTROLS == mesh_damper::effects::CONTROLS);
 const _: () = assert!(MD_IDENTITY == size_of::<Identity>());
 
-/// One tick of motion as the law sees it. What is not known stays 0.
+/// One tick of motion as the law sees it. Unknown fields stay 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
@@ -54,32 +54,33 @@ pub struct Motion {
     pub velocity: f32,
     /// Acceleration, mm/s^2; limited to -1e9...1e9, and NaN counts as 0.
     pub acceleration: f32,
-    /// Cycles since the test began, the current one's fraction included.
+    /// Cycles since the test began, including the fraction of the current one.
     pub cycles: f32,
-    /// Temperature of the specimen, degrees Celsius. A constant where nothing measures it.
+    /// Temperature of the specimen, degrees Celsius; a constant if it is not measured.
     pub temperature: f32,
-    /// Control inputs in the units of the effects that depend on them, such as a current in A; 0 where there is none.
+    /// Control inputs in the units of the effects that depend on them, such as a current in A; 0 for unused ones.
     pub controls: [f32; MD_CONTROLS],
 }
 
-/// What a load requires of a pack. Nothing but a passive law where all is 0.
+/// Requirements on a pack. If all fields are 0, only a passive law is required.
 #[repr(C)]
 pub struct Expected {
-    /// Ticks per second, Hz: the rate at which the law will be called. 0 where any rate is accepted: the effects of a pack are right
-    /// at one rate only.
+    /// Ticks per second, Hz: the rate at which the law is called. At 0 any rate is accepted, although the effects of a pack are
+    /// correct at one rate only.
     pub tick_rate: f32,
-    /// Which model it is of, MD_IDENTITY bytes; null where any model is accepted.
+    /// Identity of the required model, MD_IDENTITY bytes; null if any model is accepted.
     pub identity: *const u8,
-    /// The revision has to be above this; null where any revision is accepted.
+    /// The revision must be above this; null if any revision is accepted.
     pub newer_than: *const u32,
-    /// Takes a law that gives more energy than it takes as well, such as one with damping below 0. What it drives may swing up.
+    /// Whether a law that is not passive is accepted, such as one with damping below 0. It can drive a system to ever larger
+    /// motion.
     pub allow_active: bool,
 }
 
 /// # Safety
 /// As [`md_law_init`].
 unsafe fn expectation(expected: *const Expected) -> Result<Expectation, Error> {
-    // SAFETY: as the caller vouches, here and below.
+    // SAFETY: guaranteed by the caller, here and below.
     let asked = unsafe { storage::read(expected) }?;
     let identity = if asked.identity.is_null() {
         None
@@ -108,24 +109,24 @@ unsafe fn swap(
     length: usize,
     expected: *const Expected,
 ) -> Result<(), Problem> {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     let (pack, expected) = unsafe { (storage::slice(pack, length)?, expectation(expected)?) };
     law.swap_with(|slot| pack::decode(pack, slot, &expected).map(|_| ()))
         .map_err(|error: PackError| error.into())
 }
 
-/// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused `law` is not initialised: its force is 0, and no
-/// emulation and no rig takes it.
+/// Loads the law of a pack into `law`, with its effects at rest. If the pack is rejected, `law` is not initialised: its force is 0,
+/// and no emulation and no rig accepts it.
 ///
-/// * `pack`: `length` bytes, as `hil export` writes them
-/// * `expected`: what the pack has to be
-/// * `problem`: gets what exactly is refused; may be null
+/// * `pack`: `length` bytes, as written by `hil export`
+/// * `expected`: requirements on the pack
+/// * `problem`: receives the details of an error; may be null
 ///
 /// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field in the pack that is
 /// out of its range.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
+/// Each pointer is null or points to memory of its type; `pack` points to `length` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_law_init(
     law: *mut Law,
@@ -134,9 +135,9 @@ pub unsafe extern "C" fn md_law_init(
     expected: *const Expected,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        // The pack is read where the law stays: a law that waits beside it is more than a stack may hold.
+        // The pack is read into the memory of the law: a second law is more than a stack may hold.
         let filled = storage::initialize(law, || Ok(Running::empty())).and_then(|()| {
             let law = held(law)?;
             swap(law, pack, length, expected)?;
@@ -150,12 +151,12 @@ pub unsafe extern "C" fn md_law_init(
     }
 }
 
-/// Reads the law of another pack beside the one in force. It takes over with the next `md_law_boundary`, or at the end of a cycle of
-/// the emulation or the rig that has `law`. Where the pack is refused no law waits, and the one in force stays. What the effects
-/// remember is kept where both laws have the same kinds of effects in the same order.
+/// Loads the law of another pack in addition to the one in use. It takes over with the next `md_law_boundary`, or at the end of a
+/// cycle of the emulation or the rig that has `law`. If the pack is rejected, no law waits and the one in use stays. The state of
+/// the effects is kept if both laws have the same kinds of effects in the same order.
 ///
-/// Parameters and returned codes are those of `md_law_init`, and MD_ERROR_NOT_INITIALIZED. Call it between two ticks, not from an
-/// interrupt that may come within one.
+/// Parameters and codes are those of `md_law_init`, and MD_ERROR_NOT_INITIALIZED. Call it between two ticks, not from an interrupt
+/// that may come within a tick.
 ///
 /// # Safety
 /// As `md_law_init`.
@@ -167,7 +168,7 @@ pub unsafe extern "C" fn md_law_load(
     expected: *const Expected,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let loaded = held(law)
             .map_err(Problem::from)
@@ -176,37 +177,37 @@ pub unsafe extern "C" fn md_law_load(
     }
 }
 
-/// A cycle has ended: the law that waits takes over. Returns whether one did. A law that is null or not initialised has none.
+/// Ends a cycle: a waiting law takes over. Returns whether one did; false for a law that is null or not initialised.
 ///
 /// # Safety
 /// `law` is null or points to an `md_law`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_law_boundary(law: *mut Law) -> bool {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe { held(law) }.is_ok_and(RunningLaw::boundary)
 }
 
-/// Puts all effects to rest, as before the first tick. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
+/// Resets all effects to rest, as before the first tick. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED.
 ///
 /// # Safety
 /// `law` is null or points to an `md_law`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_law_rest(law: *mut Law) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(law) }.map(RunningLaw::rest))
 }
 
-/// The force of this tick, kN: the mixed damping law's and every effect's. Call it once per tick, in order, at the pack's tick rate.
-/// It cannot fail, and is finite for every motion. It is 0 for a pointer that is null or misaligned, and for a law that is not
-/// initialised or whose pack was refused.
+/// The force of this tick, kN: the mixed damping law's plus every effect's. Call it once per tick, in order, at the pack's tick
+/// rate. It cannot fail, and it is finite for every motion. It is 0 for a pointer that is null or misaligned, and for a law that is
+/// not initialised or whose pack was rejected.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_law_force(law: *mut Law, motion: *const Motion) -> f32 {
-    // One after the other: a pair of both results takes seven instructions more.
-    // SAFETY: as the caller vouches, of both.
+    // Read one after the other: as a pair, both results take seven instructions more.
+    // SAFETY: guaranteed by the caller, for both.
     let Ok(law) = (unsafe { held(law) }) else {
         return 0.0;
     };
@@ -230,25 +231,25 @@ impl Motion {
     }
 }
 
-/// A law that C owns and a controller calls. C may load another law into it between two ticks, so that no reference to it lives
-/// longer than a call.
+/// A law that C owns and a controller calls. C may load another law into it between two ticks, so no reference to it outlives a
+/// call.
 ///
-/// The place is C's own pointer, and was never a reference: `md_law_load` makes a `&mut` of that pointer, which would end every
-/// pointer that came out of an earlier `&mut`.
+/// The pointer is C's own pointer, never derived from a reference: `md_law_load` makes a `&mut` of C's pointer, which would
+/// invalidate every pointer derived from an earlier `&mut`.
 #[derive(Debug)]
 pub(crate) struct SharedLaw(*mut Running);
 
 impl SharedLaw {
     /// # Safety
-    /// As [`held`]; the memory outlives this.
+    /// As [`held`]; the memory outlives the value.
     pub(crate) unsafe fn of(law: *mut Law) -> Result<Self, Error> {
-        // SAFETY: as the caller vouches.
+        // SAFETY: guaranteed by the caller.
         unsafe { storage::value_place(law) }.map(Self)
     }
 
     #[inline(always)]
     fn law(&self) -> &Running {
-        // SAFETY: it was initialised, stays where it is, and nothing else uses it within a call.
+        // SAFETY: it was initialised, stays in place, and nothing else uses it within a call.
         unsafe { &*self.0 }
     }
 

@@ -1,4 +1,4 @@
-//! What a pack says of itself.
+//! The information of a pack about itself.
 
 use core::ffi::c_char;
 
@@ -8,18 +8,18 @@ use crate::error::{Error, Problem, answer};
 use crate::law::MD_IDENTITY;
 use crate::storage;
 
-/// Most bytes of a model's name, and its NUL.
+/// Largest length of a model's name with its NUL, bytes.
 pub const MD_NAME: usize = 33;
 const _: () = assert!(MD_NAME == NAME + 1);
 
-/// What a pack says of itself. What it does not say is 0.
+/// Information of a pack about itself. Unknown fields are 0.
 #[repr(C)]
 pub struct Info {
-    /// Ticks per second that the law is for, Hz.
+    /// Tick rate of the law, Hz.
     pub tick_rate: f32,
-    /// Goes up from pack to pack of one specimen.
+    /// Revision, which increases from pack to pack of one specimen.
     pub revision: u32,
-    /// Of the model.
+    /// Identity of the model.
     pub identity: [u8; MD_IDENTITY],
     /// Whether the pack has `displacement` and `velocity`.
     pub has_range: bool,
@@ -27,15 +27,15 @@ pub struct Info {
     pub has_density: bool,
     /// Whether the pack has `amplitude`.
     pub has_amplitude: bool,
-    /// Displacement of the motion that the law was fitted on, mm: least and largest.
+    /// Smallest and largest displacement of the motion that the law was fitted on, mm.
     pub displacement: [f32; 2],
-    /// Velocity of that motion, mm/s: least and largest.
+    /// Smallest and largest velocity of that motion, mm/s.
     pub velocity: [f32; 2],
     /// Density of the specimen, g/cm^3.
     pub density: f32,
-    /// Amplitude that the law was taken at, mm.
+    /// Amplitude of the law's coefficients, mm.
     pub amplitude: f32,
-    /// Of the model, UTF-8 that ends in NUL.
+    /// Name of the model, UTF-8, ends in NUL.
     pub name: [c_char; MD_NAME],
 }
 
@@ -62,13 +62,13 @@ impl From<&PackInfo> for Info {
     }
 }
 
-/// Reads what a pack of `length` bytes says of itself into `info`. Its law is not looked at.
+/// Reads the information of a pack of `length` bytes into `info`. It does not check the law.
 ///
-/// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field that is out of its
-/// range; `problem` gets the details, and may be null.
+/// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field outside its range.
+/// `problem` receives the details, and may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
+/// Each pointer is null or points to memory of its type; `pack` points to `length` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_pack_describe(
     pack: *const u8,
@@ -77,7 +77,7 @@ pub unsafe extern "C" fn md_pack_describe(
     problem: *mut Problem,
 ) -> Error {
     let read = || {
-        // SAFETY: as the caller vouches, here and below.
+        // SAFETY: guaranteed by the caller, here and below.
         let pack = unsafe { storage::slice(pack, length) }?;
         let said = PackInfo::of(pack)?.ok_or(Error::PackSilent)?;
         Ok(unsafe { storage::write(info, Info::from(&said)) }?)

@@ -1,4 +1,4 @@
-//! The rig: it excites a specimen, runs the law beside it, and calls back for its sensors and its actuator.
+//! The rig: it excites a specimen, runs the law in parallel, and calls C for its sensors and its actuator.
 
 use core::ffi::c_void;
 
@@ -37,35 +37,35 @@ unsafe impl Storage for Rig {
 }
 const _: () = assert_fits::<Rig>();
 
-/// What a rig calls at each tick: in order `tripped`, `read`, `enable` where the line changes, `drive`, the two read-backs, and `alive`.
-/// Each but `tripped` returns whether it succeeded; where one other than `alive` did not, the rig stops. None may call a function of
-/// the same rig or of its law.
+/// The functions that a rig calls at each tick, in order: `tripped`, `read`, `enable` when the line changes, `drive`, the two
+/// read-backs, and `alive`. Each returns whether it succeeded, except `tripped`. If one of them fails, except `alive`, the rig
+/// stops. None may call a function of the same rig or of its law.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RigIo {
-    /// Goes to each of them as it is; may be null.
+    /// Passed to each function unchanged; may be null.
     pub context: *mut c_void,
-    /// Fills in displacement, force and control inputs of now. A channel that is not filled in counts as missing.
+    /// Fills in the current displacement, force and control inputs. A channel that is not filled in counts as missing.
     pub read: Option<unsafe extern "C" fn(context: *mut c_void, reading: *mut Reading) -> bool>,
     /// Drives `command`, mm.
     pub drive: Option<unsafe extern "C" fn(context: *mut c_void, command: f32) -> bool>,
-    /// Sets the enable line; low stops the actuator.
+    /// Sets the enable line; a low level stops the actuator.
     pub enable: Option<unsafe extern "C" fn(context: *mut c_void, on: bool) -> bool>,
-    /// May be null. Returns true while an input from outside says stop, and where it cannot be read: asked at each tick, start and
-    /// clear. It trips, and refuses a start and a clear.
+    /// May be null. Returns true while an external stop input is active, or if it cannot be read. It is called at each tick, start
+    /// and clear. It trips, and prevents a start and a clear.
     pub tripped: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
-    /// May be null. Reads back that the last command is driven, every 16 ticks.
+    /// May be null. Checks that the actuator drives the last command, every 16 ticks.
     pub verify_drive: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
-    /// May be null. Reads back that the enable line is at this level, every 16 ticks and after each `enable`.
+    /// May be null. Checks that the enable line is at this level, every 16 ticks and after each `enable`.
     pub verify_enable: Option<unsafe extern "C" fn(context: *mut c_void, on: bool) -> bool>,
-    /// May be null. Sets the parts up again, which may have lost their supply, and drives 0: at a clear, which is refused where it
-    /// does not succeed.
+    /// May be null. Called at a clear: sets up the parts again, which may have lost their supply, and drives 0. If it fails, the
+    /// clear is refused.
     pub restore: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
-    /// May be null. Tells an external watchdog that a tick did all it had to, at the end of each that did.
+    /// May be null. Tells an external watchdog at the end of a tick that the tick did all its work.
     pub alive: Option<unsafe extern "C" fn(context: *mut c_void) -> bool>,
 }
 
-/// [`RigIo`] without a function that is null and may not be.
+/// [`RigIo`] after a check that no required function is null.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Callbacks {
     context: *mut c_void,
@@ -96,17 +96,17 @@ impl Callbacks {
 }
 
 impl Callbacks {
-    /// What an optional function says; that it succeeded where there is none.
+    /// Calls an optional function; without one the call counts as succeeded.
     fn call(
         &self,
         function: Option<unsafe extern "C" fn(*mut c_void) -> bool>,
     ) -> Result<(), Failed> {
-        // SAFETY: as whoever gave the callbacks vouches.
+        // SAFETY: guaranteed by the caller that provided the callbacks.
         succeeded(function.is_none_or(|function| unsafe { function(self.context) }))
     }
 }
 
-/// What C said to a call: it did not succeed.
+/// A callback of C failed.
 #[derive(Debug)]
 pub(crate) struct Failed;
 
@@ -119,7 +119,7 @@ impl Sensors for Callbacks {
 
     fn read(&mut self) -> Result<rig::Reading, Failed> {
         let mut reading = Reading::NONE;
-        // SAFETY: as whoever gave the callbacks vouches.
+        // SAFETY: guaranteed by the caller that provided the callbacks.
         succeeded(unsafe { (self.read)(self.context, &raw mut reading) })?;
         Ok(reading.of_crate())
     }
@@ -166,7 +166,7 @@ impl Actuator for Callbacks {
     }
 }
 
-/// What a rig is set to. Begin with `md_rig_defaults`.
+/// Settings of a rig. Begin with `md_rig_defaults`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigSettings {
@@ -174,61 +174,64 @@ pub struct RigSettings {
     pub displacement_limit: f64,
     /// Largest measured force in either direction, kN, 1e-6...1e9.
     pub force_limit: f64,
-    /// Largest distance of the measured displacement from the demanded one, mm, 1e-6...1e4.
+    /// Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
     pub tracking_limit: f64,
-    /// For how many ticks on end one of these must be exceeded to stop the rig, 1...1e6.
+    /// Number of ticks in a row for which one of these must be exceeded to stop the rig, 1...1e6.
     pub trip_ticks: u32,
-    /// In how many ticks the command goes to 0 once stopped, 1...1e7.
+    /// Number of ticks in which the command goes to 0 after a stop, 1...1e7.
     pub stop_ticks: u32,
-    /// After how many ticks without `md_rig_exchange` it stops, 0...1e7; 0 where nobody is linked.
+    /// Number of ticks without `md_rig_exchange` after which the rig stops, 0...1e7; 0 without a link.
     pub link_ticks: u32,
-    /// Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
-    /// counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+    /// Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
+    /// tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
+    /// wrong rate.
     pub clock_rate: f64,
     /// Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
     /// Damping ratio of the observer, 0.3...3.
     pub observer_damping: f64,
-    /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
+    /// Fraction of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
     pub correction_gain: f64,
-    /// Most by which amplitude's correction may have the command grow within a block, part of it, 0.01...10; twice that in its first cycles.
+    /// Largest increase of the command by the amplitude correction within a block, as a fraction of it, 0.01...10; twice that in
+    /// the first cycles.
     pub correction_limit: f64,
-    /// Lead to begin with, s, 0...0.1: what the actuator is known to lag.
+    /// Initial lead, s, 0...0.1: the known lag of the actuator.
     pub lead: f64,
     /// Time constant with which a correction takes effect, s, one tick to 10.
     pub glide: f64,
     /// Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
     pub feedback: f64,
-    /// Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+    /// Lowest plausible measured temperature, degrees Celsius, -273...2000.
     pub temperature_coldest: f64,
-    /// Hottest that it can be.
+    /// Highest plausible measured temperature, degrees Celsius.
     pub temperature_hottest: f64,
-    /// Fastest that it can change, degrees a second, 1e-3...1e3.
+    /// Fastest plausible change of the temperature, degrees Celsius per second, 1e-3...1e3.
     pub temperature_rate: f64,
-    /// Smallest lasting change that the monitor is to find, part of it, 0.01...0.5.
+    /// Smallest lasting relative change that the monitor detects, 0.01...0.5.
     pub health_size: f64,
-    /// Cycles between false alarms of Gaussian noise, 1e2...1e9.
+    /// Number of cycles between false alarms by Gaussian noise, 1e2...1e9.
     pub health_false_alarm_cycles: f64,
-    /// Cycles over which the monitor learns, 8...1000.
+    /// Number of cycles over which the monitor learns, 8...1000.
     pub health_learning_cycles: u32,
-    /// Cycles after a start within which a slow change is the run-in, 0...1e6.
+    /// Number of cycles after a start in which a slow change is the run-in, 0...1e6.
     pub health_run_in_cycles: u32,
-    /// Most by which temperature changes a specimen's force, part of it per degree, 0...0.1.
+    /// Largest relative change of a specimen's force by the temperature, per degree Celsius, 0...0.1.
     pub health_temperature_slope: f64,
-    /// Most by which stiffness or energy may change in the run-in, part of them, 0.01...1.
+    /// Largest relative change of stiffness or energy in the run-in, 0.01...1.
     pub health_run_in_size: f64,
-    /// Most by which the law follows a slow change of its coefficients, part of each, 0...0.5.
+    /// Largest adaptation of k1, k3 and c to slow changes, as a fraction of each, 0...0.5; 0 switches adaptation off.
     pub health_follow: f64,
 }
 
-/// Settings for amplitudes up to 0.3 mm and a few kN, at 0.5 to 10 Hz. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+/// Default settings, for amplitudes up to 0.3 mm and a few kN, at 0.5 to 10 Hz. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+/// MD_ERROR_MISALIGNED.
 ///
 /// # Safety
 /// `settings` is null or points to writable memory for them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_defaults(settings: *mut RigSettings) -> Error {
     let defaults = RigSettings::from(&rig::RigSettings::default());
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { storage::write(settings, defaults) })
 }
 
@@ -299,22 +302,22 @@ impl From<&RigSettings> for rig::RigSettings {
 /// The programme of a rig.
 #[repr(C)]
 pub struct Excited {
-    /// Ticks per second of the rig, Hz, 1...1e6.
+    /// Tick rate of the rig, Hz, 1...1e6.
     pub tick_rate: f64,
-    /// Cycles of each ramp, at least 1.
+    /// Number of cycles in each ramp, at least 1.
     pub ramp_cycles: u32,
-    /// As `md_sine_init` takes them.
+    /// The blocks, as for `md_sine_init`.
     pub blocks: *const Block,
-    /// How many blocks, 1...MD_BLOCKS.
+    /// Number of blocks, 1...MD_BLOCKS.
     pub count: usize,
 }
 
-/// An idle rig; the enable line is set low.
+/// Initialises an idle rig; the enable line is set low.
 ///
-/// * `programme`: what it excites the specimen by; it is copied
+/// * `programme`: the excitation of the specimen; it is copied
 /// * `wiring`: scales of displacement, force and command (mm), each initialised
-/// * `io`: what it calls; it is copied, and `read`, `drive` and `enable` may not be null
-/// * `law`: initialised; it stays where it is as long as `rig` is used. `md_law_load` between two ticks gives another law, which takes
+/// * `io`: the functions that the rig calls; it is copied, and `read`, `drive` and `enable` must not be null
+/// * `law`: initialised. It must stay in place while `rig` is used. `md_law_load` between two ticks loads another law, which takes
 ///   over at the end of a cycle.
 /// * `problem`: may be null
 ///
@@ -322,7 +325,7 @@ pub struct Excited {
 /// MD_ERROR_OUT_OF_RANGE, MD_ERROR_FULL or MD_ERROR_EMPTY.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says; the functions of `io` may be called with its context.
+/// Each pointer is null or points to memory of its type; the functions of `io` may be called with its context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_init(
     rig: *mut Rig,
@@ -333,7 +336,7 @@ pub unsafe extern "C" fn md_rig_init(
     law: *mut Law,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let make = || {
             let callbacks = Callbacks::of(storage::read(io)?)?;
@@ -354,16 +357,16 @@ pub unsafe extern "C" fn md_rig_init(
     }
 }
 
-/// Begins the programme from its start; the enable line rises.
+/// Starts the programme from its beginning; the enable line rises.
 ///
 /// Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED; `problem` may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_start(rig: *mut Rig, problem: *mut Problem) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let started = held(rig)
             .map_err(Problem::from)
@@ -379,18 +382,18 @@ pub unsafe extern "C" fn md_rig_start(rig: *mut Rig, problem: *mut Problem) -> E
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_stop(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.stop()))
 }
 
-/// Forgets the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT, MD_ERROR_MOVING or MD_ERROR_FAULTED,
-/// and as `md_rig_stop`; `problem` may be null.
+/// Clears the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT, MD_ERROR_MOVING or MD_ERROR_FAULTED,
+/// and the codes of `md_rig_stop`; `problem` may be null.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_clear(rig: *mut Rig, problem: *mut Problem) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let cleared = held(rig)
             .map_err(Problem::from)
@@ -399,21 +402,21 @@ pub unsafe extern "C" fn md_rig_clear(rig: *mut Rig, problem: *mut Problem) -> E
     }
 }
 
-/// One tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns as `md_rig_stop`.
+/// Processes one tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns the codes of `md_rig_stop`.
 ///
-/// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
-///   the tick before trips: a stall, a tick that is missing or called twice.
-/// * `telemetry`: gets what it saw, and may be null
+/// * `clock`: reading of a counter that runs freely at `clock_rate` and wraps. A time since the tick before of less than half a
+///   tick or more than one and a half trips: a stall, a missing tick, or a tick called twice.
+/// * `telemetry`: receives the telemetry of this tick; may be null
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_tick(
     rig: *mut Rig,
     clock: u32,
     telemetry: *mut Telemetry,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         code(held(rig).and_then(|rig| {
             let seen = rig.tick(clock);
@@ -425,73 +428,74 @@ pub unsafe extern "C" fn md_rig_tick(
     }
 }
 
-/// A tick came late, or not at all: it trips, and the enable line drops. Returns as `md_rig_stop`.
+/// Reports that a tick was late or missing: the rig trips, and the enable line drops. Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_overrun(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.overrun()))
 }
 
-/// An input outside of the rig says stop: it trips in any state without a trip, and the enable line drops. Returns as `md_rig_stop`.
+/// Reports that an external stop input is active: the rig trips, unless it is stopped by a trip already, and the enable line drops.
+/// Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_external_trip(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.external_trip()))
 }
 
-/// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_rig_stop`.
+/// Reports a message from the other end of a link. Call it for every message. Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_exchange(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.exchange()))
 }
 
-/// Forgets all that the monitor found; what is now counts as normal. Returns as `md_rig_stop`.
+/// Clears all findings of the monitor; the current condition counts as normal. Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_clear_events(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.clear_events()))
 }
 
-/// Temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns as `md_rig_stop`.
+/// Sets the temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_set_temperature(rig: *mut Rig, temperature: f32) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.set_temperature(temperature)))
 }
 
-/// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. 0 of no rig.
+/// Number of ticks so far that were not in time, in every state. A clear does not change it, and it wraps. 0 without a rig.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_late_ticks(rig: *mut Rig) -> u32 {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe { held(rig) }.map_or(0, |rig| rig.late_ticks())
 }
 
-/// The next start keeps what the corrections of amplitude and phase have learned, instead of starting from neutral. Not after sensors or
-/// actuator were repaired. Returns as `md_rig_stop`.
+/// At the next start, the rig keeps the learned corrections of amplitude and phase instead of starting from neutral. Do not call it
+/// after sensors or the actuator were repaired. Returns the codes of `md_rig_stop`.
 ///
 /// # Safety
 /// `rig` is null or points to an `md_rig`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_rig_keep_correction(rig: *mut Rig) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(rig) }.map(|rig| rig.keep_correction()))
 }

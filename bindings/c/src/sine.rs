@@ -1,11 +1,11 @@
-//! An excitation: blocks of sines and sweeps, ramped into one another.
+//! An excitation: blocks of sines and sweeps with ramps between them.
 
 use mesh_damper::sine::{self, Programme, SineGenerator};
 
 use crate::error::{Error, Problem, answer, code};
 use crate::storage::{self, Storage, assert_fits, held, initialize};
 
-/// Most blocks of a programme.
+/// Largest number of blocks in a programme.
 pub const MD_BLOCKS: usize = 8;
 
 /// Bytes of `md_sine`.
@@ -33,45 +33,45 @@ unsafe impl Storage for Sine {
 }
 const _: () = assert_fits::<Sine>();
 
-/// Whole cycles at one amplitude: a sine where both frequencies are the same, and a logarithmic sweep otherwise.
+/// Whole cycles at one amplitude: a sine if both frequencies are the same, otherwise a logarithmic sweep.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// mm, 1e-6...1e4.
+    /// Amplitude, mm, 1e-6...1e4.
     pub amplitude: f64,
     /// Frequency at the start, Hz, 1e-6 to a quarter of the tick rate.
     pub from: f64,
-    /// Frequency at the end, Hz, of the same range.
+    /// Frequency at the end, Hz, in the same range.
     pub to: f64,
-    /// Cycles at full amplitude, at least 1.
+    /// Number of cycles at full amplitude, at least 1.
     pub cycles: u32,
 }
 
-/// What the generator asks for at one tick: displacement, velocity and acceleration are the derivatives of one another.
+/// The demand of the generator at one tick. Displacement, velocity and acceleration are derivatives of one another.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Excitation {
-    /// mm.
+    /// Displacement, mm.
     pub displacement: f32,
-    /// mm/s.
+    /// Velocity, mm/s.
     pub velocity: f32,
-    /// mm/s^2.
+    /// Acceleration, mm/s^2.
     pub acceleration: f32,
-    /// 2^32 to the cycle, for `md_cycles_update`.
+    /// Phase, 2^32 per cycle, for `md_cycles_update`.
     pub phase: u32,
-    /// Cycles completed since the start, ramps included.
+    /// Number of cycles completed since the start, including ramps.
     pub cycle: u32,
-    /// Which block, from 0: in a ramp the one ahead, in the ramp to rest and after it the last.
+    /// Number of the block, from 0. In a ramp it is the next block; in the final ramp and after it, the last block.
     pub block: u32,
-    /// In a ramp.
+    /// Whether the tick is in a ramp.
     pub ramp: bool,
-    /// This tick is the first of a cycle.
+    /// Whether this tick is the first of a cycle.
     pub cycle_end: bool,
-    /// The programme is over: everything stays at 0.
+    /// Whether the programme has ended; all quantities then stay at 0.
     pub done: bool,
 }
 
-/// A programme of what C points to.
+/// The programme from C's blocks.
 ///
 /// # Safety
 /// `blocks` is null or points to `count` blocks.
@@ -81,7 +81,7 @@ pub(crate) unsafe fn programme(
     blocks: *const Block,
     count: usize,
 ) -> Result<Programme<MD_BLOCKS>, Problem> {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     let blocks = unsafe { storage::slice(blocks, count) }?;
     let mut programme = Programme::new(tick_rate, ramp_cycles)?;
     for block in blocks {
@@ -100,11 +100,11 @@ pub(crate) unsafe fn programme(
     Ok(programme)
 }
 
-/// A generator at rest, at the start of its programme.
+/// Initialises a generator at rest, at the start of its programme.
 ///
 /// * `tick_rate`: Hz, 1...1e6
-/// * `ramp_cycles`: cycles of each ramp, at least 1: they lead from rest to a block, from block to block and back to rest, beside the
-///   cycles of the blocks
+/// * `ramp_cycles`: number of cycles in each ramp, at least 1. Ramps lead from rest to a block, from block to block and back to
+///   rest. Their cycles are in addition to those of the blocks.
 /// * `blocks`: `count` of them, 1...MD_BLOCKS
 /// * `problem`: may be null
 ///
@@ -112,7 +112,7 @@ pub(crate) unsafe fn programme(
 /// MD_ERROR_EMPTY.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_sine_init(
     sine: *mut Sine,
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn md_sine_init(
     count: usize,
     problem: *mut Problem,
 ) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let make = || {
             Ok(SineGenerator::new(programme(
@@ -136,14 +136,14 @@ pub unsafe extern "C" fn md_sine_init(
     }
 }
 
-/// Back to the start of the programme, at rest. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
+/// Resets to the start of the programme, at rest. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 /// MD_ERROR_NOT_INITIALIZED.
 ///
 /// # Safety
 /// `sine` is null or points to an `md_sine`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_sine_restart(sine: *mut Sine) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     code(unsafe { held(sine) }.map(SineGenerator::restart))
 }
 
@@ -151,10 +151,10 @@ pub unsafe extern "C" fn md_sine_restart(sine: *mut Sine) -> Error {
 /// MD_ERROR_NOT_INITIALIZED.
 ///
 /// # Safety
-/// Each pointer is null or points to what its type says.
+/// Each pointer is null or points to memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn md_sine_tick(sine: *mut Sine, excitation: *mut Excitation) -> Error {
-    // SAFETY: as the caller vouches.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         code(held(sine).and_then(|sine| storage::write(excitation, Excitation::from(sine.tick()))))
     }

@@ -1,4 +1,4 @@
-//! Memory that C owns, and what of Rust is in it.
+//! Memory that C owns, with Rust values in it.
 
 use core::mem::MaybeUninit;
 
@@ -7,25 +7,25 @@ use crate::error::{Error, Problem};
 /// An opaque struct of C.
 ///
 /// # Safety
-/// `Held<Inner>` fits into the implementor; [`assert_fits`] holds it at compile time.
+/// `Held<Inner>` fits into the implementor; [`assert_fits`] checks this at compile time.
 pub(crate) unsafe trait Storage: Sized {
-    /// What is kept in it.
+    /// The type of the value in it.
     type Inner;
-    /// Marks memory that is initialised as this type: C's statics are all 0, so that what was never initialised is seen.
+    /// Marks memory that is initialised as this type. C's statics are all 0, so memory that was never initialised is detected.
     const TAG: u32;
 }
 
-/// What is in the memory. The tag comes last: what every tick needs is within reach of a load's offset.
+/// The contents of the memory. The tag comes last, so that the values of every tick are within reach of a load's offset.
 #[repr(C)]
 pub(crate) struct Held<T> {
     value: MaybeUninit<T>,
     tag: u32,
 }
 
-/// Fewer bytes than this may a constant be above what is needed: it is a multiple of the alignment, of at most 16.
+/// A size constant may exceed the needed size by fewer bytes than this: it is a multiple of the alignment, which is at most 16.
 const SLACK: usize = 16;
 
-/// Refuses to compile where `S` is too small, aligned too loosely, or wastes memory.
+/// Fails to compile if `S` is too small, aligned too loosely, or wastes memory.
 pub(crate) const fn assert_fits<S: Storage>() {
     let (needed, given) = (size_of::<Held<S::Inner>>(), size_of::<S>());
     assert!(needed <= given, "the size constant is too small");
@@ -36,7 +36,7 @@ pub(crate) const fn assert_fits<S: Storage>() {
     );
 }
 
-/// The memory, where there is some that is aligned.
+/// The memory, if the pointer is not null and is aligned.
 fn place<S: Storage>(storage: *mut S) -> Result<*mut Held<S::Inner>, Error> {
     let held = storage.cast::<Held<S::Inner>>();
     if held.is_null() {
@@ -48,7 +48,7 @@ fn place<S: Storage>(storage: *mut S) -> Result<*mut Held<S::Inner>, Error> {
     }
 }
 
-/// Writes what `make` gives into the memory; where it refuses, the memory counts as not initialised.
+/// Writes the value of `make` into the memory. If it fails, the memory counts as not initialised.
 ///
 /// # Safety
 /// `storage` is null, or points to writable memory of its type's size that nothing else uses.
@@ -58,7 +58,7 @@ pub(crate) unsafe fn initialize<S: Storage>(
     make: impl FnOnce() -> Result<S::Inner, Problem>,
 ) -> Result<(), Problem> {
     let held = place(storage)?;
-    // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+    // SAFETY: it is neither null nor misaligned; the caller guarantees the rest.
     unsafe {
         (&raw mut (*held).tag).write(0);
         (&raw mut (*held).value).write(MaybeUninit::new(make()?));
@@ -67,18 +67,19 @@ pub(crate) unsafe fn initialize<S: Storage>(
     Ok(())
 }
 
-/// The memory counts as not initialised from now on. What is in it stays, for a controller that may still call it.
+/// Marks the memory as not initialised. Its value stays, for a controller that may still call it.
 ///
 /// # Safety
 /// As [`initialize`].
 pub(crate) unsafe fn forget<S: Storage>(storage: *mut S) {
     if let Ok(held) = place(storage) {
-        // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+        // SAFETY: it is neither null nor misaligned; the caller guarantees the rest.
         unsafe { (&raw mut (*held).tag).write(0) };
     }
 }
 
-/// Where in the memory the value is. No reference is made on the way: the place may be kept, and is as good as C's own pointer.
+/// The address of the value in the memory. No reference is made on the way, so the address may be kept and is as good as C's own
+/// pointer.
 ///
 /// # Errors
 /// [`Error::Null`], [`Error::Misaligned`] or [`Error::NotInitialized`].
@@ -98,7 +99,7 @@ pub(crate) unsafe fn value_place<S: Storage>(storage: *mut S) -> Result<*mut S::
     }
 }
 
-/// What is in the memory.
+/// The value in the memory.
 ///
 /// # Errors
 /// As [`value_place`].
@@ -107,21 +108,21 @@ pub(crate) unsafe fn value_place<S: Storage>(storage: *mut S) -> Result<*mut S::
 /// `storage` is null, or points to memory of its type's size that nothing else uses as long as the reference lives.
 #[inline(always)]
 pub(crate) unsafe fn held<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Inner, Error> {
-    // SAFETY: the tag says that the value was written, and the caller vouches for the rest.
+    // SAFETY: the tag shows that the value was written; the caller guarantees the rest.
     unsafe { value_place(storage).map(|value| &mut *value) }
 }
 
-/// [`held`] of memory that is only read.
+/// [`held`] for memory that is only read.
 ///
 /// # Safety
 /// `storage` is null, or points to memory of its type's size that nothing changes as long as the reference lives.
 #[inline(always)]
 pub(crate) unsafe fn held_const<'a, S: Storage>(storage: *const S) -> Result<&'a S::Inner, Error> {
-    // SAFETY: the tag says that the value was written, and the caller vouches for the rest.
+    // SAFETY: the tag shows that the value was written; the caller guarantees the rest.
     unsafe { value_place(storage.cast_mut()).map(|value| &*value) }
 }
 
-/// What C points to, to be read.
+/// The value that C points to, for reading.
 ///
 /// # Safety
 /// `pointer` is null, or points to a value that nothing changes as long as the reference lives.
@@ -133,11 +134,11 @@ pub(crate) unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, Error> {
     if !pointer.is_aligned() {
         return Err(Error::Misaligned);
     }
-    // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+    // SAFETY: it is neither null nor misaligned; the caller guarantees the rest.
     Ok(unsafe { &*pointer })
 }
 
-/// Writes `value` where C points to, where it does.
+/// Writes `value` to the memory that C points to, if the pointer is valid.
 ///
 /// # Safety
 /// `pointer` is null, or points to writable memory for a `T`.
@@ -149,12 +150,12 @@ pub(crate) unsafe fn write<T>(pointer: *mut T, value: T) -> Result<(), Error> {
     if !pointer.is_aligned() {
         return Err(Error::Misaligned);
     }
-    // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+    // SAFETY: it is neither null nor misaligned; the caller guarantees the rest.
     unsafe { pointer.write(value) };
     Ok(())
 }
 
-/// The `length` values that C points to; none of them may be null.
+/// The `length` values that C points to; the pointer must not be null.
 ///
 /// # Safety
 /// `pointer` is null, or points to `length` values that nothing changes as long as the slice lives.
@@ -166,6 +167,6 @@ pub(crate) unsafe fn slice<'a, T>(pointer: *const T, length: usize) -> Result<&'
     if !pointer.is_aligned() {
         return Err(Error::Misaligned);
     }
-    // SAFETY: it is neither null nor misaligned, and the caller vouches for the rest.
+    // SAFETY: it is neither null nor misaligned; the caller guarantees the rest.
     Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
 }

@@ -1,4 +1,4 @@
-//! What a rig and a damper emulation say of each tick.
+//! The telemetry of a rig and a damper emulation at each tick.
 
 use core::ffi::{CStr, c_char};
 
@@ -8,7 +8,7 @@ use mesh_damper::rig;
 use crate::cycle::Cycle;
 use crate::law::MD_CONTROLS;
 
-/// What a controller is doing.
+/// The state of a controller.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
@@ -16,21 +16,21 @@ pub enum State {
     Idle = 0,
     /// Enable line high, command as controlled.
     Running = 1,
-    /// The programme is over; otherwise as MD_STATE_IDLE.
+    /// The programme has ended; otherwise like MD_STATE_IDLE.
     Done = 2,
-    /// Stopped by a trip, until it is cleared; otherwise as MD_STATE_IDLE.
+    /// Stopped by a trip until it is cleared; otherwise like MD_STATE_IDLE.
     Faulted = 3,
 }
 
-/// Why a controller is stopped. The numbers stay as they are.
+/// Trip causes of a controller. The numbers do not change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TripCause {
-    /// It is not.
+    /// Not stopped by a trip.
     None = 0,
     /// Reading the sensors failed.
     AdcBus = 1,
-    /// The actuator did not take a command.
+    /// The actuator did not accept a command.
     DacBus = 2,
     /// The enable line could not be set.
     EnableLine = 3,
@@ -46,7 +46,7 @@ pub enum TripCause {
     ForceLimit = 8,
     /// The measured displacement was further from the demanded one than allowed.
     TrackingLimit = 9,
-    /// Over a cycle outside the ramps the displacement answered with less than a tenth of the demanded amplitude.
+    /// Over a cycle outside the ramps, the displacement responded with less than a tenth of the demanded amplitude.
     NoResponse = 10,
     /// A force or a command was infinite or NaN.
     NotFinite = 11,
@@ -56,13 +56,13 @@ pub enum TripCause {
     ForceLost = 13,
     /// Nothing was heard over the link for too long.
     LinkLost = 14,
-    /// A tick came late, or not at all.
+    /// A tick was late or missing.
     TickOverrun = 15,
-    /// A motion asked for more than the rig drives.
+    /// A motion demanded more than the rig drives.
     DemandLimit = 16,
-    /// An input outside of the controller says stop.
+    /// An external stop input is active.
     External = 17,
-    /// Amplitude's correction asks for more command than is allowed.
+    /// The amplitude correction asks for more command than is allowed.
     CorrectionLimit = 18,
     /// A cause that this library has no number for.
     Other = 99,
@@ -120,15 +120,15 @@ const TRIPS: [(TripCause, &CStr); 20] = [
     (TripCause::Other, c"MD_TRIP_OTHER"),
 ];
 
-/// The name of a trip's cause as it stands in this header, such as `"MD_TRIP_FORCE_LIMIT"`; `"?"` for any other number. It ends in
-/// NUL and is never null.
+/// The name of a trip cause as in this header, such as `"MD_TRIP_FORCE_LIMIT"`; `"?"` for any other number. It ends in NUL and is
+/// never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn md_trip_name(trip: i32) -> *const c_char {
     let named = TRIPS.iter().find(|(cause, _)| *cause as i32 == trip);
     named.map_or(c"?", |(_, name)| *name).as_ptr()
 }
 
-/// What the monitor of a rig finds. The numbers are those of the link.
+/// Findings of a rig's monitor. The numbers are those of the link.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HealthEvent {
@@ -138,37 +138,37 @@ pub enum HealthEvent {
     FrictionWear = 1,
     /// A gap opens.
     Loosening = 2,
-    /// The mean force moved at once.
+    /// The mean force changed at once.
     PreloadShift = 3,
-    /// Something moved that none of the others explains.
+    /// A change that no other cause explains.
     Unexplained = 4,
     /// Settled after the start: normal.
     RunIn = 5,
-    /// Moved with the temperature: normal.
+    /// Changed with the temperature: normal.
     Temperature = 6,
-    /// The displacement channel shows one value while what it measures moves.
+    /// The displacement channel repeats one value while its quantity moves.
     DisplacementStuck = 7,
-    /// The force channel does.
+    /// The force channel repeats one value while its quantity moves.
     ForceStuck = 8,
-    /// The displacement channel shows 0 V while what it measures moves.
+    /// The displacement channel shows 0 V while its quantity moves.
     DisplacementDroppedOut = 9,
-    /// The force channel does.
+    /// The force channel shows 0 V while its quantity moves.
     ForceDroppedOut = 10,
-    /// The displacement channel stays at one extreme value.
+    /// The displacement channel stays at an extreme value.
     DisplacementClipped = 11,
-    /// The force channel does.
+    /// The force channel stays at an extreme value.
     ForceClipped = 12,
-    /// Single samples of the displacement stand out.
+    /// Single samples of the displacement are outliers.
     DisplacementSpiking = 13,
-    /// Single samples of the force do.
+    /// Single samples of the force are outliers.
     ForceSpiking = 14,
-    /// What the displacement channel shows at rest moves.
+    /// The zero of the displacement channel drifts.
     DisplacementDrifting = 15,
-    /// What the force channel shows at rest moves.
+    /// The zero of the force channel drifts.
     ForceDrifting = 16,
-    /// The actuator does not reach what is demanded.
+    /// The actuator does not reach the demanded motion.
     ActuatorSaturated = 17,
-    /// The actuator is late.
+    /// The motion of the actuator is late.
     ActuatorLagging = 18,
     /// The actuator stands still.
     ActuatorDead = 19,
@@ -178,21 +178,21 @@ pub enum HealthEvent {
     Stiffening = 21,
     /// The displacement channel shows more or less than before for the same quantity.
     DisplacementGain = 22,
-    /// The force channel does.
+    /// The force channel shows more or less than before for the same quantity.
     ForceGain = 23,
-    /// The displacement channel has more noise or hum on it than was learned.
+    /// The displacement channel has more noise or hum than the monitor learned.
     DisplacementNoisy = 24,
-    /// The force channel has.
+    /// The force channel has more noise or hum than the monitor learned.
     ForceNoisy = 25,
     /// The force does not follow the motion at all.
     SpecimenAbsent = 26,
-    /// The displacement channel shows the other sign.
+    /// The displacement channel has the opposite sign.
     DisplacementReversed = 27,
-    /// The force channel does.
+    /// The force channel has the opposite sign.
     ForceReversed = 28,
-    /// From the start on the specimen is far from the law.
+    /// The specimen differs much from the law from the start.
     LawMismatch = 29,
-    /// The temperature that is measured cannot be.
+    /// The measured temperature is implausible.
     TemperatureImplausible = 30,
 }
 
@@ -235,57 +235,57 @@ impl From<HealthCause> for HealthEvent {
     }
 }
 
-/// One tick, as a controller saw it.
+/// One tick of a controller.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Telemetry {
-    /// Ticks since the initialisation, this one included.
+    /// Number of ticks since the initialisation, including this one.
     pub tick: u64,
-    /// Measured displacement, mm. The last one read, where reading failed.
+    /// Measured displacement, mm; the last value if reading failed.
     pub displacement: f32,
     /// Observed velocity, mm/s.
     pub velocity: f32,
-    /// Measured force, kN. The last one read, where reading failed.
+    /// Measured force, kN; the last value if reading failed.
     pub measured_force: f32,
-    /// Control inputs as the law was given them. The last ones read, where reading failed.
+    /// Control inputs as given to the law; the last values if reading failed.
     pub controls: [f32; MD_CONTROLS],
     /// Force of the law at the observed motion, kN.
     pub model_force: f32,
-    /// What the actuator is to drive until the next tick: mm, or kN of an emulation.
+    /// Command for the actuator until the next tick: mm, or kN for an emulation.
     pub command: f32,
-    /// Block of the programme; 0 of an emulation.
+    /// Block of the programme; 0 for an emulation.
     pub block: u32,
-    /// Cycles completed.
+    /// Number of cycles completed.
     pub cycle: u32,
-    /// Phase of the cycle under way, 2^32 to the cycle.
+    /// Phase of the current cycle, 2^32 per cycle.
     pub phase: u32,
-    /// What it is doing after this tick.
+    /// State after this tick.
     pub state: State,
-    /// Why it is stopped, with MD_STATE_FAULTED.
+    /// Trip cause, for MD_STATE_FAULTED.
     pub trip: TripCause,
     /// Level of the enable line.
     pub enabled: bool,
-    /// In a ramp of the programme.
+    /// Whether the tick is in a ramp of the programme.
     pub ramp: bool,
-    /// Whether a cycle ended with this tick: the next three fields are of it.
+    /// Whether a cycle ended with this tick; the next three fields belong to it.
     pub has_cycle: bool,
-    /// The results of that cycle with the measured force.
+    /// Results of that cycle with the measured force.
     pub measured: Cycle,
-    /// The same with the law's force.
+    /// Results of that cycle with the law's force.
     pub model: Cycle,
     /// RMS of the law's error over the RMS of the measured force.
     pub nrmse: f32,
-    /// Whether the monitor found something at this tick: `event` and its numbers. Never of an emulation.
+    /// Whether the monitor reports an event at this tick, in `event` and its numbers. Never for an emulation.
     pub has_event: bool,
-    /// What it found.
+    /// The reported cause.
     pub event: HealthEvent,
-    /// Whether it may be something else as well, which what is measured cannot tell apart: `event_or`.
+    /// Whether `event_or` is another possible cause that the signals cannot distinguish.
     pub has_event_or: bool,
-    /// What that is.
+    /// The other possible cause.
     pub event_or: HealthEvent,
-    /// By how much what is watched moved.
+    /// Change of the monitored quantity.
     pub event_value: f32,
-    /// By how much it may.
+    /// Permitted change.
     pub event_limit: f32,
 }
 

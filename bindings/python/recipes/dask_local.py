@@ -1,9 +1,9 @@
-"""Traces of a folder of recordings with Dask, on the cores of this machine.
+"""Traces a folder of recordings with Dask, on the cores of this machine.
 
     pip install mesh-damper pandas pyarrow distributed
     python dask_local.py recordings/ rows.jsonl outcomes.parquet --workers 2
 
-Each path is a task of its own, and each worker has one thread: a trace takes one core.
+Each path is one task, and each worker has one thread: a trace uses one core.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from rows import Rows, recordings, row_of
 
 
 def trace_all(client: Client, paths: list[str], rows: Rows) -> int:
-    """Makes the rows that are missing; returns how many."""
+    """Makes the missing rows and returns their number."""
     missing = rows.missing(paths)
     # `pure=False`: a file may have changed since another run of the same scheduler.
     futures = client.map(row_of, missing, pure=False)
     for future, row in as_completed(futures, with_results=True):
         rows.keep(row)
-        # The row is on the disk: the cluster need not hold it.
+        # The row is on the disk, so the cluster does not have to hold it.
         future.release()
     return len(missing)
 
@@ -35,7 +35,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = Rows(options.rows)
     with LocalCluster(n_workers=options.workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
-        # The workers find `rows.py` beside this file.
+        # The workers need `rows.py` next to this file.
         client.upload_file(__file__.replace("dask_local.py", "rows.py"))
         made = trace_all(client, recordings(options.folder), rows)
     rows.to_parquet(options.outcomes)

@@ -1,10 +1,10 @@
-"""The same on a cluster with Slurm: Dask asks it for jobs, each with a worker a core.
+"""Traces a folder of recordings with Dask on a Slurm cluster. Each job has one worker for each core.
 
     pip install mesh-damper pandas pyarrow distributed dask-jobqueue
     python dask_slurm.py recordings/ rows.jsonl outcomes.parquet --jobs 20 --cores 16 --queue standard
     python dask_slurm.py --dry-run        # prints the job's script and submits nothing
 
-The recordings and this folder are on a file system that all nodes see.
+The recordings and this folder are on a file system that all nodes can access.
 """
 
 from __future__ import annotations

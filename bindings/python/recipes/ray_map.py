@@ -1,9 +1,9 @@
-"""Traces of a folder of recordings with Ray.
+"""Traces a folder of recordings with Ray.
 
     pip install mesh-damper pandas pyarrow ray
     python ray_map.py recordings/ rows.jsonl outcomes.parquet --workers 2
 
-Each path is a task of its own, and not a block of Ray Data: that puts several files into one batch, and a trace would be of all of them.
+Each path is one task. It is not a block of Ray Data, which puts several files into one batch: the trace would then be of all of them.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rows import Rows, recordings, row_of
 
 
 def trace_all(paths: list[str], rows: Rows, under_way: int) -> int:
-    """Makes the rows that are missing, `under_way` at the same time; returns how many."""
+    """Makes the missing rows, `under_way` at the same time, and returns their number."""
     remote = ray.remote(num_cpus=1)(row_of)
     missing = rows.missing(paths)
     waiting = list(reversed(missing))
@@ -38,7 +38,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = Rows(options.rows)
     ray.init(num_cpus=options.workers, include_dashboard=False, log_to_driver=False)
-    # Twice as many tasks as workers: none waits for the next.
+    # With twice as many tasks as workers, no worker waits for its next task.
     made = trace_all(recordings(options.folder), rows, 2 * options.workers)
     ray.shutdown()
     rows.to_parquet(options.outcomes)

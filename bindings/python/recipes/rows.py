@@ -1,8 +1,8 @@
-"""The rows of many traces, kept as they come: what the recipes share.
+"""Rows of many traces, stored as they arrive, for all recipes.
 
-A row is a line of JSON, on the disk before the next. A run that is killed loses the traces that were under way, and no other; the next run
-with the same file makes only what is missing: what has no row, and what was changed since it got one. In the table a recording that lies
-there twice has one row.
+A row is a line of JSON that is on the disk before the next one starts. A killed run loses only the traces that were running. The next run
+with the same file makes only the missing rows: those of recordings without a row, and of recordings that have changed since. The table has
+one row for a recording that is in the folder twice.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import mesh_damper
 
 
 def row_of(path: str) -> dict[str, Any]:
-    """What a worker does: one trace. It raises nothing: a recording that cannot be traced is a row with its error."""
+    """The work of a worker: one trace. It does not raise: a recording that cannot be traced gives a row with its error."""
     return mesh_damper.outcome(path)
 
 
-#: What recordings' names end in.
+#: Endings of recording files.
 ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat", ".h5", ".tdms")
 
 
@@ -32,7 +32,7 @@ def recordings(folder: str) -> list[str]:
 
 
 def _state(path: str) -> list[int] | None:
-    """By what a file is seen to have been changed: its size and the time of its last change."""
+    """The state of a file by which a change is detected: its size and the time of its last change."""
     try:
         found = os.stat(path)
     except OSError:
@@ -41,7 +41,7 @@ def _state(path: str) -> list[int] | None:
 
 
 class Rows:
-    """The rows that are made, by the paths of their recordings."""
+    """The finished rows, by the paths of their recordings."""
 
     def __init__(self, file: str) -> None:
         self.rows: dict[str, dict[str, Any]] = {}
@@ -53,17 +53,17 @@ class Rows:
             kept = json.loads(line)
             path_of_it = kept["row"]["trace"]
             self.rows[path_of_it], self._states[path_of_it] = kept["row"], kept["state"]
-        # A line that was cut is taken off.
+        # An incomplete last line is removed.
         if len(whole) < len(text):
             os.truncate(path, len(whole))
         self._path = path
 
     def missing(self, paths: Iterable[str]) -> list[str]:
-        """The paths whose rows are still to be made."""
+        """The paths whose rows are still missing."""
         return [path for path in paths if path not in self.rows or self._states[path] != _state(path)]
 
     def keep(self, row: dict[str, Any]) -> None:
-        """Keeps a row."""
+        """Stores a row."""
         state = _state(row["trace"])
         with self._path.open("ab") as file:
             file.write(json.dumps({"state": state, "row": row}).encode() + b"\n")
@@ -72,9 +72,9 @@ class Rows:
         self.rows[row["trace"]], self._states[row["trace"]] = row, state
 
     def to_parquet(self, file: str) -> None:
-        """Writes the table of all rows, whole or not at all."""
+        """Writes the table of all rows, completely or not at all."""
         part = f"{file}.part"
-        # A recording that could not be read has no identity, and is like no other.
+        # A recording that could not be read has no identity, so its path identifies it.
         by_identity = {self.rows[path].get("id") or path: self.rows[path] for path in sorted(self.rows, reverse=True)}
         mesh_damper.outcomes(sorted(by_identity.values(), key=lambda row: row["trace"])).to_parquet(part)
         os.replace(part, file)

@@ -21,7 +21,7 @@ use crate::model::{Model, json};
 use crate::trace::{base_law, named};
 use crate::work::beside;
 
-/// What all traces of a batch are made with.
+/// Settings of all traces in a batch.
 #[pyclass(frozen, module = "mesh_damper._core")]
 pub struct BatchSettings(Settings);
 
@@ -71,14 +71,14 @@ impl BatchSettings {
     }
 }
 
-/// What is to be traced: a path of a folder, list or table; paths; or a table as CSV.
+/// The input of a batch: the path of a folder, list or table; paths; or a table as CSV.
 #[derive(FromPyObject)]
 enum Given {
     Path(PathBuf),
     Paths(Vec<PathBuf>),
 }
 
-/// Traces of `given`, or of the rows of `table`, into the folder `out`. Returns the summary as JSON and the two tables as columns.
+/// Traces `given`, or the rows of `table`, into the folder `out`. Returns the summary as JSON and both tables as columns.
 #[pyfunction]
 #[pyo3(signature = (given, table, out, settings, jobs=None, progress=None))]
 fn trace_many<'py>(
@@ -132,7 +132,7 @@ fn said(done: Progress) -> String {
     format!("{} of {}{failed}", done.done, done.total)
 }
 
-/// The row of one trace as JSON, of which no file is written. It takes one core.
+/// The row of one trace as JSON. It writes no file and uses one core.
 #[pyfunction]
 fn outcome(
     py: Python<'_>,
@@ -154,7 +154,7 @@ fn outcome(
     json(&row)
 }
 
-/// The table of rows, which are the JSON of `outcome`, as columns.
+/// The table of rows as columns. Each row is the JSON of `outcome`.
 #[pyfunction]
 fn outcomes_of<'py>(py: Python<'py>, rows: Vec<String>) -> PyResult<Bound<'py, PyDict>> {
     let row = |text: &String| {
@@ -185,14 +185,14 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
     Ok(columns)
 }
 
-/// A model over time: a path; or a name with the texts of model.json and, where it is known, trace.json.
+/// A model over time: a path; or a name with the text of model.json and, if it is known, the text of trace.json.
 #[derive(FromPyObject)]
 enum GivenModel {
     Path(PathBuf),
     Texts(String, String, Option<String>),
 }
 
-/// What changed from model to model, as JSON.
+/// The changes from model to model, as JSON.
 #[pyfunction]
 fn compare_models(models: Vec<GivenModel>, times: Vec<f64>) -> PyResult<String> {
     let moments = models

@@ -9,7 +9,7 @@ use crate::error::refused;
 use crate::model::json;
 use crate::recording::Recording;
 
-/// What `hil characterize --json` writes after its label.
+/// The contents of `hil characterize --json`, after its label.
 #[derive(Serialize)]
 struct Summary<'a> {
     recording: &'a str,
@@ -27,7 +27,7 @@ enum Found {
 /// The points of a loop, mm and kN.
 type Loop = Vec<(f64, f64)>;
 
-/// The JSON of `hil characterize`, and of every cycle or block what is drawn: the measured loop, and the line that is made of it.
+/// The JSON of `hil characterize`, and for each cycle or block the measured loop and the line computed from it.
 #[pyfunction]
 fn characterize(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! What is refused, as an exception with the text that the command prints.
+//! Refused input, as an exception with the text that the command prints.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub fn refused(error: &InputError) -> PyErr {
     raised("InputError", error.to_string())
 }
 
-/// The same of a file, which is a `mesh_damper.MissingFileError` where there is none: that is a `FileNotFoundError` too.
+/// The same for a file. A missing file gives a `mesh_damper.MissingFileError`, which is also a `FileNotFoundError`.
 pub fn refused_of(path: &Path, error: &InputError) -> PyErr {
     let is_missing = |error: std::io::Error| error.kind() == ErrorKind::NotFound;
     if std::fs::metadata(path).is_err_and(is_missing) {
@@ -23,7 +23,7 @@ pub fn refused_of(path: &Path, error: &InputError) -> PyErr {
     refused(error)
 }
 
-/// Why there is no trace.
+/// The reason why there is no trace.
 pub fn not_traced(error: &TraceError) -> PyErr {
     raised("InputError", error.to_string())
 }

@@ -1,4 +1,4 @@
-//! A model in files, as firmware or a simulation takes it.
+//! A model as files for firmware or a simulation.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::error::refused;
 use crate::model::{Model, json};
 
-/// Writes the files of an export, whole or not at all; returns the JSON of `hil export`, and its warnings.
+/// Writes the files of an export, completely or not at all. Returns the JSON of `hil export`, and its warnings.
 #[pyfunction]
 #[pyo3(signature = (model, path, format, tick_rate, name, revision, amplitude, density, allow_active, libraries, folders))]
 #[expect(

@@ -1,20 +1,20 @@
-//! The compiled part of the Python package `mesh_damper`, which is `mesh_damper._core` there.
+//! The compiled part of the Python package `mesh_damper`: the module `mesh_damper._core`.
 //!
-//! It hands arrays, numbers and texts to the crates of `hil/` and back; what a user calls is written in Python, in `python/mesh_damper`.
-//! Each file here has one of the same subject there.
+//! It passes arrays, numbers and strings to the crates of `hil/` and back. The functions that a user calls are written in Python,
+//! in `python/mesh_damper`. Each file here has a counterpart of the same subject there.
 //!
 //! | file | for |
 //! |---|---|
 //! | `recording.rs` | recordings of files and of columns |
-//! | `trace.rs` | a trace and what it found |
+//! | `trace.rs` | a trace and its result |
 //! | `batch.rs` | traces of many recordings, and models over time |
 //! | `model.rs` | a model, and the force that it predicts |
 //! | `characterize.rs` | stiffness and loss factor of a recording |
 //! | `respond.rs` | the motion of a mass on a model |
 //! | `export.rs` | a model in files for firmware and simulations |
 //! | `simulate.rs` | tests of the simulated rig |
-//! | `error.rs` | what is refused, as an exception with the text that the command prints |
-//! | `work.rs` | long work beside the interpreter, which stays free and can interrupt it |
+//! | `error.rs` | refused input, as an exception with the text that the command prints |
+//! | `work.rs` | long work next to the interpreter, which stays free and can interrupt it |
 
 mod batch;
 mod characterize;

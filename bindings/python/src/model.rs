@@ -21,7 +21,7 @@ use crate::recording::Recording;
 #[pyclass(frozen, module = "mesh_damper._core")]
 pub struct Model {
     pub inner: Arc<ModelFile>,
-    /// What errors call it.
+    /// Name of the model in errors.
     pub name: String,
 }
 
@@ -36,7 +36,7 @@ impl Model {
 
 #[pymethods]
 impl Model {
-    /// The model in a file.
+    /// Reads the model in a file.
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
         let file = ModelFile::read(&path).map_err(|error| refused_of(&path, &error))?;
@@ -46,7 +46,7 @@ impl Model {
         })
     }
 
-    /// The model in the text of such a file.
+    /// Reads the model from the text of such a file.
     #[staticmethod]
     fn of_json(text: &str) -> PyResult<Self> {
         let file = ModelFile::from_bytes("the model", text.as_bytes());
@@ -58,17 +58,17 @@ impl Model {
         json(&*self.inner)
     }
 
-    /// Which model it is, as packs and exports say it.
+    /// Identity of the model, as in packs and exports.
     #[getter]
     fn identity(&self) -> String {
         self.inner.identity().to_string()
     }
 
-    /// The force in kN for the motion of a recording, at its samples, as `hil predict` computes it: in f64 as it was fitted, or in f32 as
-    /// firmware runs it. And what there is to say of it.
+    /// The force in kN for the motion of a recording, at its samples, as computed by `hil predict`: in f64 as it was fitted, or in
+    /// f32 as in firmware. Also returns its notes.
     ///
-    /// A motion without a force is taken as it is; one with it is moved to where the force says that the specimen rests, and the
-    /// force that is returned is as late as the recorded one was.
+    /// A motion without a force is used as it is. A motion with a force is shifted to the rest position of the specimen, which the
+    /// force shows, and the returned force has the delay of the recorded force.
     fn predict<'py>(
         &self,
         py: Python<'py>,
@@ -84,7 +84,7 @@ impl Model {
         Ok((force.into_pyarray(py), warnings))
     }
 
-    /// Writes it as a file, whole or not at all.
+    /// Writes the model as a file, completely or not at all.
     fn write(&self, path: PathBuf) -> PyResult<()> {
         let written = || {
             let mut outputs = Plan::new().writes([&path]).begin()?;
@@ -104,7 +104,7 @@ fn predicted(
     controls: &[(String, f64)],
 ) -> Result<(Vec<f64>, Vec<String>), InputError> {
     let model = file.model();
-    // As a trace has it: the same faults are mended.
+    // As in a trace, the same faults are repaired.
     let mut mended = recording.repaired();
     let known = (recording.name.as_str(), mended.controls.as_slice());
     let held = model.held_controls(known, controls, mended.len())?;
@@ -143,7 +143,7 @@ fn predicted(
     Ok((uniform.at_samples_of(&mended, &force), warnings))
 }
 
-/// As the commands write it.
+/// The value as JSON, in the form that the commands write.
 pub fn json(value: &impl Serialize) -> PyResult<String> {
     let text = serde_json::to_string_pretty(value).map_err(|error| {
         let remedy = "report this";

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 
 use crate::error::{refused, refused_of};
 
-/// What is said about recordings, and what they must have.
+/// The settings of recordings, and the channels that they must have.
 #[pyclass(frozen, module = "mesh_damper._core")]
 pub struct Reading {
     pub said: files::Reading,
@@ -22,9 +22,9 @@ pub struct Reading {
 
 #[pymethods]
 impl Reading {
-    /// What the options `--channel`, `--unit`, `--rate` and `--max-read` of the command say. A `system` of units is of channels of which
-    /// nothing else says the unit. `step` is the time between samples in the unit of time. Of the control inputs only `inputs` are read,
-    /// where these are given, and each must be there.
+    /// The values of the command's options `--channel`, `--unit`, `--rate` and `--max-read`. The `system` of units applies to
+    /// channels whose unit nothing else states. `step` is the time between samples in the unit of time. If `inputs` are given, only
+    /// these control inputs are read, and each must be there.
     #[new]
     #[pyo3(signature = (channels=vec![], units=vec![], system=None, step=None, inputs=None, max_read=None, needs_force=true))]
     fn new(
@@ -72,7 +72,7 @@ impl Reading {
         Ok(reading)
     }
 
-    /// How many s, mm, kN or mm/s one of the unit is that is said of a channel; none where none is said.
+    /// Size of the stated unit of a channel, in s, mm, kN or mm/s; `None` if no unit is stated.
     fn scale(&self, channel: &str) -> PyResult<Option<f64>> {
         let mut all = Channel::ALL.into_iter();
         let Some(channel) = all.find(|each| each.name() == channel) else {
@@ -99,7 +99,7 @@ impl Reading {
 }
 
 impl Reading {
-    /// The same of columns in memory, of which a unit that nothing says is assumed.
+    /// The same for columns in memory, whose unit is assumed if nothing states it.
     pub fn needs_of_columns(&self) -> Needs {
         let unmarked = match self.needs.unmarked {
             Unmarked::Refused => Unmarked::Assumed(Units::default()),
@@ -112,18 +112,18 @@ impl Reading {
     }
 }
 
-/// The values of a column, or why they are no numbers.
+/// The values of a column, or the reason why they are not numbers.
 #[derive(FromPyObject)]
 pub enum GivenValues<'py> {
     Numbers(PyReadonlyArray1<'py, f64>),
     Words(String),
 }
 
-/// A column under its own name; whether its values are dates or durations, in seconds after the first; whether it is the index of its
+/// A column with its name, whether its values are dates or durations in seconds after the first, and whether it is the index of its
 /// frame.
 pub type Given<'py> = (String, GivenValues<'py>, bool, bool);
 
-/// The columns as the core takes them.
+/// The columns in the form of the core.
 pub fn given_columns(columns: Vec<Given<'_>>) -> Vec<GivenColumn> {
     let column = |(name, values, is_stamp, is_index): Given<'_>| GivenColumn {
         column: Column {
@@ -141,7 +141,7 @@ pub fn given_columns(columns: Vec<Given<'_>>) -> Vec<GivenColumn> {
     columns.into_iter().map(column).collect()
 }
 
-/// Motion and force over time, as the core takes them.
+/// Motion and force over time, in the form of the core.
 #[pyclass(frozen, module = "mesh_damper._core")]
 pub struct Recording {
     pub inner: Arc<recording::Recording>,
@@ -157,7 +157,7 @@ impl Recording {
 
 #[pymethods]
 impl Recording {
-    /// The recording in a file, as `hil trace` reads it.
+    /// Reads the recording in a file, as `hil trace` does.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, reading: PyRef<'_, Reading>) -> PyResult<Self> {
         let (said, needs) = (&reading.said, &reading.needs);
@@ -166,7 +166,7 @@ impl Recording {
             .map_err(|error| refused_of(&path, &error))
     }
 
-    /// The recording in columns in memory, as one in a file of the same columns.
+    /// Reads the recording in columns in memory like a recording in a file with the same columns.
     #[staticmethod]
     fn of_columns(
         py: Python<'_>,
@@ -180,7 +180,7 @@ impl Recording {
         made.map(Self::of).map_err(|error| refused(&error))
     }
 
-    /// What was taken for what without being sure, in words.
+    /// Guesses about columns, in words.
     fn guesses(&self) -> Vec<String> {
         self.inner.guesses().to_vec()
     }
@@ -199,13 +199,13 @@ impl Recording {
         self.inner.len()
     }
 
-    /// Of the rows that it was made of, counted from 0, those that are samples.
+    /// The rows, counted from 0, that are samples of the recording.
     fn rows<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let rows: Vec<i64> = self.inner.rows().map(|row| row as i64).collect();
         rows.into_pyarray(py)
     }
 
-    /// Its channels under the names of their columns, in s, mm, kN, mm/s and °C.
+    /// The channels under their column names, in s, mm, kN, mm/s and °C.
     fn columns<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f64>>)> {
         let recording = &*self.inner;
         let channels = [
@@ -227,7 +227,7 @@ impl Recording {
     }
 }
 
-/// Refuses a file that is given twice.
+/// Refuses files that are given twice.
 #[pyfunction]
 fn refuse_repeats(paths: Vec<PathBuf>) -> PyResult<()> {
     recording::refuse_repeats(&paths).map_err(|error| refused(&error))

@@ -28,7 +28,7 @@ pub struct Drive {
 
 #[pymethods]
 impl Drive {
-    /// Of a file, as `hil respond` reads it.
+    /// Reads a file as `hil respond` does.
     #[staticmethod]
     fn read(
         path: std::path::PathBuf,
@@ -40,7 +40,7 @@ impl Drive {
         Ok(Self { signal, is_force })
     }
 
-    /// Of columns in memory, as of a file of the same columns.
+    /// Reads columns in memory like a file with the same columns.
     #[staticmethod]
     fn of_columns(
         name: String,
@@ -61,7 +61,7 @@ impl Drive {
         &self.signal.name
     }
 
-    /// What was taken for what without being sure, in words.
+    /// Guesses about columns, in words.
     fn guesses(&self) -> Vec<String> {
         self.signal.guesses.clone()
     }
@@ -82,7 +82,7 @@ fn channel(is_force: bool) -> Channel {
 /// A channel of a response.
 type Of = fn(&Moment) -> f64;
 
-/// What there is to say of a response beside its motion.
+/// Information about a response other than its motion.
 #[derive(Serialize)]
 struct Summary<'a> {
     step: f64,
@@ -94,7 +94,7 @@ struct Summary<'a> {
     warnings: Vec<String>,
 }
 
-/// The motion of `mass` kg on the damper as columns, and what there is to say of it as JSON.
+/// The motion of `mass` kg on the damper as columns, and information about it as JSON.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -180,7 +180,7 @@ fn respond<'py>(
     Ok((columns, json(&summary)?))
 }
 
-/// The steady motions of `mass` kg on a base that moves by sines, as JSON.
+/// The steady motions of `mass` kg on a base that moves in sines, as JSON.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -216,7 +216,7 @@ fn sweep(
     json(&found.map_err(|error| refused(&error.about(&model.name)))?)
 }
 
-/// The control inputs of `model` in their order, `count` samples of each: as given, or of the columns `known` of `file`.
+/// The control inputs of `model` in their order, `count` samples each: the given ones, or the columns `known` of `file`.
 fn held_controls(
     model: &Law,
     (file, known): (&str, &[ControlChannel]),

@@ -9,7 +9,7 @@ use crate::model::json;
 use crate::recording::Recording;
 use crate::work::beside;
 
-/// The recording of a test of the specimen that `seed` draws, and what that hides, as JSON.
+/// The recording of a test of the specimen that `seed` draws, and the hidden properties of the specimen as JSON.
 #[pyfunction]
 fn simulate(py: Python<'_>, seed: u64, is_check: bool) -> PyResult<(Recording, String)> {
     let test = match is_check {

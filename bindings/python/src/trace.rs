@@ -1,4 +1,4 @@
-//! A trace and what it found.
+//! A trace and its result.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::model::{Model, json};
 use crate::recording::Recording;
 use crate::work::beside;
 
-/// What a trace found.
+/// The result of a trace.
 #[pyclass(frozen, module = "mesh_damper._core")]
 pub struct Trace {
     report: ReportData,
@@ -45,12 +45,12 @@ impl Trace {
         py.detach(|| report::render(&self.report))
     }
 
-    /// The verdict in a heading and a sentence.
+    /// The verdict as a heading and a sentence.
     fn verdict_in_words(&self) -> (String, String) {
         report::text::verdict(&self.report.result)
     }
 
-    /// Of each recording the channels and forces that a report draws, in s, mm and kN, and the samples of a cycle of each block.
+    /// The channels and forces of each recording that a report draws, in s, mm and kN, and the samples of a cycle in each block.
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let all = self.report.series.iter();
         all.map(|series| {
@@ -82,7 +82,7 @@ fn array<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
     values.to_vec().into_pyarray(py)
 }
 
-/// Finds what the law lacks in `recordings`, without the interpreter's lock.
+/// Finds effects that the law does not contain in `recordings`, without the interpreter's lock.
 #[pyfunction]
 #[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, progress=None))]
 #[expect(

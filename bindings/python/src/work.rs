@@ -1,4 +1,4 @@
-//! Long work beside the interpreter, which stays free and can interrupt it.
+//! Long work next to the interpreter, which stays free and can interrupt it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
@@ -9,27 +9,27 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 
-/// How long an interrupt may have to wait. Convention: a person does not notice it.
+/// Longest wait of an interrupt. Convention: a person does not notice it.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// What a thread ends with whose work nobody waits for any more.
+/// The payload with which a worker thread ends if no caller waits for it any more.
 struct Abandoned;
 
-/// What a thread at work says.
+/// A message of a worker thread.
 enum Said<T> {
     Step(String),
     Done(thread::Result<T>),
 }
 
-/// Does `work` on a thread of its own, without the interpreter's lock. What `work` says of its progress is passed to `progress` on the
-/// thread that called. That thread looks for signals meanwhile: after Ctrl-C, or when `progress` raises, it goes on with the
-/// exception at once, and the work ends at its next step.
+/// Runs `work` on its own thread, without the interpreter's lock. The progress of `work` is passed to `progress` on the calling
+/// thread, which also checks for signals. After Ctrl-C, or if `progress` raises, that thread continues with the exception at once,
+/// and the work ends at its next step.
 ///
 /// # Errors
-/// What `progress` raised, and what a signal's handler did.
+/// The exception raised by `progress`, or by the handler of a signal.
 ///
 /// # Panics
-/// Where `work` does.
+/// If `work` panics.
 pub fn beside<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -41,13 +41,13 @@ pub fn beside<T: Send + 'static>(
     thread::spawn(move || {
         let step = |what: &str| {
             if abandoned.load(Ordering::Relaxed) {
-                // Unlike a panic it says nothing.
+                // Unlike a panic, it prints nothing.
                 resume_unwind(Box::new(Abandoned));
             }
-            // Nobody waits where it fails.
+            // If sending fails, no caller waits.
             let _ = sender.send(Said::Step(what.to_owned()));
         };
-        // What it leaves half done is dropped with it.
+        // Anything that the work leaves half done is dropped with it.
         let done = catch_unwind(AssertUnwindSafe(|| work(&step)));
         let _ = sender.send(Said::Done(done));
     });

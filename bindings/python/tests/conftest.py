@@ -1,4 +1,4 @@
-"""What the tests share: recordings of the simulated rig, their trace, and the command to hold it against."""
+"""Fixtures of the tests: recordings of the simulated rig, their trace, and the command to compare with."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ def columns() -> Columns:
 
 @pytest.fixture(scope="session")
 def check() -> Columns:
-    """Another test of it."""
+    """Another test of the same specimen."""
     return columns_of(mesh_damper.simulate(4, "check").recording)
 
 
 @pytest.fixture(scope="session")
 def found(columns: Columns) -> mesh_damper.Trace:
-    """What a trace of it finds."""
+    """The trace of the first test."""
     return mesh_damper.trace(columns)
 
 
 @pytest.fixture(scope="session")
 def file(columns: Columns, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same test as a file, to the last bit."""
+    """The first test as a file, exact to the last bit."""
     path = tmp_path_factory.mktemp("recordings") / "rig-test.csv"
     write_csv(path, columns)
     return path
@@ -66,7 +66,7 @@ def sine_block(amplitude: float = 0.1, frequency: float = 2.0, seconds: float = 
 
 @pytest.fixture(scope="session")
 def hil() -> Any:
-    """Runs the command `hil`, whose path MESH_DAMPER_HIL is."""
+    """Runs the command `hil`, with the path from MESH_DAMPER_HIL."""
     program = os.environ.get("MESH_DAMPER_HIL")
     if program is None:
         if os.environ.get("CI"):

@@ -15,7 +15,7 @@ from conftest import sine_block, write_csv
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three recordings of different amplitudes, and one that is none."""
+    """Three recordings of different amplitudes, and a file that is no recording."""
     folder = tmp_path_factory.mktemp("many")
     for number in range(3):
         write_csv(folder / f"{number}.csv", sine_block(amplitude=0.1 + 0.02 * number))
@@ -63,7 +63,7 @@ def test_a_row_of_one_is_the_row_of_many(folder: Path, tmp_path: Path) -> None:
     assert row["id"] == many.outcomes.id[0]
     table = mesh_damper.outcomes([row, mesh_damper.outcome(folder / "broken.csv")])
     alike = [name for name in table.columns if name not in ("trace_s", "folder")]
-    # A text that is missing is NaN beside others, and None alone.
+    # A missing text is NaN next to other texts, and None alone.
     one, other = (frame[alike].astype(object).where(frame[alike].notna(), None) for frame in (table.iloc[:1], many.outcomes))
     pd.testing.assert_frame_equal(one, other)
     assert list(table.outcome) == ["traced", "failed"]

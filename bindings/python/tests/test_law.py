@@ -1,4 +1,4 @@
-"""The law in the manner of scikit-learn and PySINDy."""
+"""The law with the interface of scikit-learn and PySINDy."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_it_predicts_another_test(law: DamperLaw, check: Columns) -> None:
     residual, about = force - predicted, force - force.mean()
     assert score == pytest.approx(1 - np.sum(residual**2) / np.sum(about**2), abs=1e-3)
     assert score > 0.995
-    # What the law alone leaves is put into a residual table, which stands in for the effect: without it the law is worse.
+    # A residual table stands in for the effect that the law lacks: without the table the law is worse.
     fitted = DamperLaw(units=UNITS, families=["offset"]).fit(*channels(check)[:2], t=t)
     assert fitted.verdict_ == "unlisted" and fitted.model_["correction"]
     alone = DamperLaw.of({name: part for name, part in fitted.model_.items() if name != "correction"}, units=UNITS)

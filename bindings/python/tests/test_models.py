@@ -1,4 +1,4 @@
-"""What is done with a model and beside it: respond, export, characterize, simulate."""
+"""The functions other than `trace`: respond, export, characterize, simulate."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_stiffness_and_loss_factor_are_those_of_the_loop() -> None:
     assert found.kind == "dynamic" and len(found.blocks) == 1
     row = found.blocks.iloc[0]
     assert row["frequency"] == pytest.approx(2.0, rel=1e-3)
-    # Eq 3 is of the force's extremes, which the dashpot is a part of.
+    # Eq 3 uses the extremes of the force, which include the dashpot's.
     velocity = 0.4 * np.pi * np.cos(4 * np.pi * block["time_s"])
     force = 8.0 * block["displacement_mm"] + 0.05 * np.sign(velocity) * np.abs(velocity) ** 0.4
     assert row["stiffness"] == pytest.approx(np.ptp(force) / 0.2, rel=0.005)

@@ -1,4 +1,4 @@
-"""The cells of the example run one after the other. .ci/python full runs them in Jupyter, and renders the page."""
+"""Runs the cells of the example one after another. `.ci/python full` runs them in Jupyter and renders the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows that the recipes keep."""
+"""The stored rows of the recipes."""
 
 import sys
 from pathlib import Path
@@ -19,7 +19,7 @@ def test_a_row_is_made_again_where_its_recording_was_changed(tmp_path):
     assert Rows(kept).missing(paths) == []
     first.write_text("another")
     assert Rows(kept).missing(paths) == [str(first)]
-    # A line that was cut when the run was killed.
+    # A line that is incomplete because the run was killed.
     whole = Path(kept).read_bytes()
     Path(kept).write_bytes(whole[:-5])
     assert Rows(kept).missing(paths) == paths

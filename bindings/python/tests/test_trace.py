@@ -1,4 +1,4 @@
-"""A trace of whatever is given, against the command and against itself."""
+"""Traces of all kinds of input, compared with the command and with one another."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_a_unit_that_nothing_says_is_assumed_aloud() -> None:
     with pytest.warns(mesh_damper.UnitWarning, match='s for column "time", mm for column "displacement", kN for column "force"'):
         found = mesh_damper.trace(bare)
     assert len(found.assumed) == 1 and found.assumed[0] in repr(found)
-    # Without a warning, which would be an error here.
+    # There is no warning: it would be an error here.
     assert mesh_damper.trace(bare, units="mm-kN-s").to_json() == found.to_json()
     si = {"time": bare["time"], "displacement": bare["displacement"] / 1e3, "force": bare["force"] * 1e3}
     assert mesh_damper.trace(si, units="SI").verdict == found.verdict
@@ -133,7 +133,7 @@ def test_a_time_may_be_a_step_an_index_or_dates() -> None:
         assert given.to_dict()["law"][0]["k1"]["value"] == pytest.approx(one[0]["k1"]["value"], rel=1e-6)
     with pytest.warns(mesh_damper.UnitWarning, match="for time=, so s is assumed"):
         mesh_damper.trace(frame, time=1 / 500.0)
-    # A column of seconds is surer than an index of dates, and dates in a column are a guess.
+    # A column of seconds is more certain than an index of dates, and dates in a column are a guess.
     both = dates.assign(time_s=block["time_s"])
     assert mesh_damper.trace(both).to_json() == mesh_damper.trace(frame.assign(time_s=block["time_s"])).to_json()
     clock = frame.assign(Datum=dates.index)
@@ -159,7 +159,7 @@ def test_a_missing_sample_is_left_out_as_a_blank_cell_is(tmp_path: Path) -> None
 
 
 def test_what_is_masked_is_missing() -> None:
-    # As netCDF gives arrays: under the mask stands the fill value.
+    # netCDF gives such arrays: under the mask is the fill value.
     block = sine_block()
     gaps = np.isin(np.arange(2000), [100, 101, 700])
     missing = {**block, "force_kN": np.where(gaps, np.nan, block["force_kN"])}
@@ -175,7 +175,7 @@ def test_what_is_masked_is_missing() -> None:
     assert mesh_damper.trace(records).to_json() == expected
     fit = mesh_damper.DamperLaw(units="mm-kN-s").fit(np.ma.masked_array(block["displacement_mm"])[:, None], masked, t=block["time_s"])
     assert fit.trace_.to_dict()["law"] == json.loads(expected)["law"]
-    # Of a matrix and of whole numbers too, and of times, which have to be there.
+    # The same for a matrix, for whole numbers, and for times, which must not be missing.
     with pytest.warns(UserWarning, match="missing samples: 3 in 2 gaps"):
         predicted = fit.predict(np.ma.masked_array(block["displacement_mm"], gaps)[:, None], t=block["time_s"])
     assert np.array_equal(np.isnan(predicted), gaps)
@@ -201,10 +201,10 @@ def test_dates_and_durations_are_seconds_whatever_unit_is_said() -> None:
                 warnings.simplefilter("ignore", mesh_damper.GuessWarning)
                 found = mesh_damper.trace({name: times, **rest}, units={"time": "s"})
             assert found.to_dict()["law"][0]["k1"]["value"] == pytest.approx(expected, rel=1e-6)
-        # The name alone is no reason to take them for something else.
+        # The name alone does not change their meaning.
         found = mesh_damper.trace({"time_ms": times, **rest})
         assert found.to_dict()["law"][0]["k1"]["value"] == pytest.approx(expected, rel=1e-6)
-    # A unit that is said of numbers is no matter of dates beside them.
+    # A unit for the numbers does not affect the dates in another column.
     both = {"Uhrzeit": durations, "time": 1e3 * block["time_s"], **rest}
     assert mesh_damper.trace(both, units={"time": "ms"}).to_dict()["law"][0]["k1"]["value"] == pytest.approx(expected, rel=1e-6)
 
@@ -226,7 +226,7 @@ def test_texts_are_no_numbers_in_any_library() -> None:
     for form in forms:
         with pytest.raises(mesh_damper.InputError, match="column force_kN: holds something else than numbers"):
             mesh_damper.trace({**rest, "force_kN": form})
-    # What is a number is one, whoever keeps it.
+    # A number is a number in every library.
     exact = [decimal.Decimal(text) for text in texts]
     numbers: list[Any] = [[float(text) for text in texts], exact, pandas.Series(exact), polars.Series(exact)]
     said = [mesh_damper.trace({**rest, "force_kN": form}).to_json() for form in numbers]
@@ -250,7 +250,7 @@ def test_a_control_input_that_is_named_must_be_there(tmp_path: Path) -> None:
     for data in (block, tmp_path / "lab.csv"):
         with pytest.raises(mesh_damper.InputError, match=r"there is no control input pressure_bar; found .* --channel pressure=NAME"):
             mesh_damper.trace(data, inputs=["current_A", "pressure_bar"])
-        # What is not named is not read, and so no guess.
+        # A column that is not named is not read, so there is no guess.
         mesh_damper.trace(data, inputs="current_A", families="viscous")
     with pytest.raises(mesh_damper.InputError, match="the control input current_A holds no number"):
         mesh_damper.trace({**block, "current_A": np.full(2000, np.nan)}, inputs=["current_A"])
@@ -282,7 +282,7 @@ LABS: list[tuple[dict[str, float], list[str]]] = [
 
 
 def of_a_lab(scales: dict[str, float]) -> Columns:
-    """A block under the names of a lab, in its units; a further column is a multiple of the displacement."""
+    """A block with the names and units of a laboratory; one more column is a multiple of the displacement."""
     time, displacement, force = sine_block().values()
     values = [time, displacement, force, displacement]
     return {name: scale * values[place] for place, (name, scale) in enumerate(scales.items())}
@@ -303,7 +303,7 @@ def test_a_frame_is_taken_as_a_file_of_the_same_columns(scales: dict[str, float]
         assert said == found.assumed and not any(issubclass(one.category, mesh_damper.UnitWarning) for one in warned)
         assert [text for text in said if " is read from column " in text] == [f"{name}: {guess}" for guess in guesses]
         if data is path:
-            # A file's separator is a guess too. The command says all of it.
+            # The separator of a file is also a guess. The command prints all guesses.
             assert [f"note: {text}" for text in said] == [line for line in done.stderr.splitlines() if line.startswith("note: ")]
         else:
             assert len(said) == len(guesses)
@@ -347,7 +347,7 @@ def test_a_frame_is_refused_as_a_file_of_the_same_columns(
             mesh_damper.trace(data, **options)
         said.append(str(raised.value))
     assert text in said[1]
-    # A file has a line of names besides.
+    # A file has an additional line of names.
     in_file = said[0].removeprefix(f"{path}: ").removeprefix("line 1: ")
     assert [each.removeprefix("recording: ") for each in said[1:]] == [in_file] * 2
     given = [f"--channel={channel}={name}" for channel, name in options.items() if channel != "units"]
@@ -437,7 +437,7 @@ def test_bad_files_are_refused_with_the_text_of_the_command(file: Path, tmp_path
 
 
 def test_two_threads_trace_at_the_same_time() -> None:
-    # Each trace waits at its first step until the other has come to its own: that never happens where one keeps the other out.
+    # Each trace waits at its first step for the other's first step. This would never happen if one blocked the other.
     both = threading.Barrier(2, timeout=60)
     steps: dict[str, list[str]] = {"a": [], "b": []}
     results: dict[str, str] = {}
@@ -460,7 +460,7 @@ def test_two_threads_trace_at_the_same_time() -> None:
 
 
 def test_python_runs_while_the_core_works() -> None:
-    # The core's thread does not come back before the other thread has counted on: it could not, were the lock kept.
+    # The core's thread does not return before the other thread has counted on. With the lock held, that thread could not count.
     counted, goes_on = [0], threading.Event()
 
     def count() -> None:
@@ -497,7 +497,7 @@ def test_ctrl_c_ends_a_trace() -> None:
         from conftest import sine_block
         def step(what):
             os.kill(os.getpid(), signal.SIGINT)
-        # A shell's job in the background ignores it.
+        # A background job of a shell ignores the signal.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             mesh_damper.trace(sine_block(), progress=step)

@@ -1,4 +1,4 @@
-"""Types: the package's own, the compiled part against its stub, and those that a user sees."""
+"""Types: of the package, of the compiled part compared with its stub, and as a user sees them."""
 
 from __future__ import annotations
 

@@ -15,9 +15,9 @@ use serde_json::{Map, Value};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum Outcome {
-    /// It was made.
+    /// The trace was made.
     Traced(Box<Found>),
-    /// It could not be made.
+    /// The trace could not be made.
     Failed(Failure),
 }
 
@@ -41,9 +41,9 @@ impl<'de> Deserialize<'de> for Outcome {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
-    /// One line: the file, the place, the error and the remedy.
+    /// One line with the file, the place, the error and the remedy.
     pub error: String,
-    /// The read limit in bytes of a file, if a recording was refused while it was read: a larger limit may let it pass.
+    /// The read limit of a file, bytes, if it stopped the reading of a recording. The recording may be read with a larger limit.
     pub read_limit: Option<u64>,
 }
 
@@ -57,21 +57,21 @@ impl Failure {
     }
 }
 
-/// The result of a trace: the part of `trace.json` that a table of many needs. An error that is not finite is null.
+/// The part of `trace.json` that a table of many traces needs. An error that is not finite is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Found {
-    /// The folder with its files, relative to the batch's; empty if none were written.
+    /// The folder with the trace's files, relative to the batch's folder; empty if no files were written.
     pub folder: String,
-    /// The version of the program that made it.
+    /// The version of the program that made the trace.
     pub program_version: String,
     /// Duration of the trace, s.
     pub trace_s: f64,
-    /// Samples of all recordings.
+    /// Number of samples in all recordings.
     pub samples: usize,
-    /// Length of all recordings, s.
+    /// Duration of all recordings, s.
     pub duration_s: f64,
-    /// The motion that was fitted, mm and mm/s.
+    /// The operating range: the displacement, mm, and the velocity, mm/s, of the fitted samples.
     pub fitted_range: FittedRange,
     /// The conclusion.
     pub verdict: Verdict,
@@ -81,7 +81,7 @@ pub struct Found {
     pub adopted: bool,
     /// The law's name.
     pub law_name: String,
-    /// Its coefficients, amplitude by amplitude.
+    /// Coefficients of the law, amplitude by amplitude.
     pub law: Vec<LawEstimate>,
     /// The effects found.
     pub effects: Vec<Effect>,
@@ -93,7 +93,7 @@ pub struct Found {
     pub depends_on: Vec<String>,
     /// The test that would distinguish the candidates, if one is needed.
     pub separating_test: Option<String>,
-    /// Problems of the data, as sentences. They name files as they were at the time of the trace.
+    /// Problems of the data, as sentences. They contain the file names at the time of the trace.
     pub warnings: Vec<String>,
     /// Guesses made in reading the files, as sentences.
     pub guesses: Vec<String>,
@@ -127,7 +127,7 @@ pub struct Effect {
     pub parameters: BTreeMap<String, Estimate>,
     /// Held-out error without this effect.
     pub nrmse_without: Option<f64>,
-    /// Held-out error with it.
+    /// Held-out error with this effect.
     pub nrmse_with: Option<f64>,
 }
 

@@ -15,7 +15,7 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// Its name in the list: its group, or the recording's path.
+    /// Name of the trace in the list: its group, or the path of its recording.
     pub trace: String,
     /// The group from the table.
     pub group: Option<String>,
@@ -27,7 +27,7 @@ pub struct Row {
     pub held_out: Vec<String>,
     /// Paths of recordings with the same contents, which have no separate trace.
     pub copies: Vec<String>,
-    /// The identity of the trace: from the contents of the recordings and the settings. `None` if a recording could not be read.
+    /// Identity of the trace, a hash of the contents of the recordings and the settings. Null if a recording could not be read.
     pub id: Option<String>,
     /// The outcome.
     #[serde(flatten)]
@@ -88,22 +88,22 @@ impl Row {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// The word that marks the file.
+    /// The format of the document.
     pub format: &'static str,
-    /// Its version.
+    /// The version of the format.
     pub version: u64,
-    /// Traces that were made, now or earlier.
+    /// Number of traces that were made, in this run or earlier.
     pub traced: usize,
-    /// Traces that failed.
+    /// Number of traces that failed.
     pub failed: usize,
-    /// Traces that were made or failed in this run.
+    /// Number of traces that were made or failed in this run.
     pub computed: usize,
-    /// Traces from an earlier run.
+    /// Number of traces kept from an earlier run.
     pub kept: usize,
-    /// Recordings that are in several traces, as sentences.
+    /// Recordings that belong to several traces, as sentences.
     pub shared: Vec<String>,
-    /// Duration, s.
+    /// Duration of this run, s.
     pub seconds: f64,
-    /// The traces in the order of the list. Traces with the same contents appear once, at the first one's place.
+    /// The traces in the order of the list. Traces with the same contents appear once, at the place of the first.
     pub traces: Vec<Row>,
 }

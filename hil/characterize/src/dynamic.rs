@@ -29,30 +29,30 @@ const NO_SINE: f64 = 0.02;
 pub struct DynamicCycle {
     /// Start of the cycle, s.
     pub time: f64,
-    /// Hz
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// Whether it counts: its amplitude and frequency are those of its block, and no channel had a fault in it.
+    /// Whether the cycle is steady: its amplitude and frequency are those of its block, and no channel had a fault in it.
     pub steady: bool,
-    /// Eqs 3–6.
+    /// Results of eqs 3–6.
     #[serde(flatten)]
     pub result: Figures,
 }
 
-/// Eqs 3–7 of one cycle, measured or averaged.
+/// Results of eqs 3–7 for one cycle, measured or averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {
-    /// X0, mm.
+    /// Amplitude X0, mm.
     pub amplitude: f64,
-    /// kN
+    /// Largest force, kN.
     pub force_max: f64,
-    /// kN
+    /// Smallest force, kN.
     pub force_min: f64,
     /// Dynamic stiffness K, eq 3, kN/mm.
     pub stiffness: f64,
-    /// Energy dissipation ΔW, eq 5, J: for the fundamental of the motion.
+    /// Dissipated energy ΔW, eq 5, J, for the fundamental of the motion.
     pub dissipated: f64,
-    /// ∮F dx, J: for the motion as measured.
+    /// Loop area ∮F dx, J, for the motion as measured.
     pub loop_area: f64,
     /// Elastic potential W, eq 6, J.
     pub elastic_potential: f64,
@@ -64,15 +64,15 @@ pub struct Figures {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicBlock {
-    /// Its cycles in order.
+    /// The cycles of the block, in order.
     pub cycles: Vec<DynamicCycle>,
-    /// Hz, the mean of its steady cycles.
+    /// Mean frequency of the steady cycles, Hz.
     pub frequency: f64,
-    /// K over the steady cycles, kN/mm.
+    /// Dynamic stiffness K of the steady cycles, kN/mm.
     pub stiffness: Spread,
-    /// η_d over the steady cycles.
+    /// Dynamic loss factor η_d of the steady cycles.
     pub loss_factor: Spread,
-    /// For the average of the steady cycles.
+    /// Results for the average of the steady cycles.
     pub averaged: Figures,
     /// Displacement and force of the averaged cycle, mm and kN.
     #[serde(skip)]
@@ -86,7 +86,7 @@ pub struct DynamicBlock {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DynamicTest {
-    /// In order.
+    /// The blocks of the recording, in order.
     pub blocks: Vec<DynamicBlock>,
     /// Peculiarities of the recording.
     pub notes: Vec<String>,

@@ -30,9 +30,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
-    /// Over the cycles.
+    /// Mean over the cycles.
     pub mean: f64,
-    /// Standard deviation from cycle to cycle; `None` for a single cycle.
+    /// Standard deviation from cycle to cycle; null for a single cycle.
     pub deviation: Option<f64>,
 }
 

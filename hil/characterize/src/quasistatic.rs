@@ -39,13 +39,13 @@ pub struct StaticCycle {
     pub force_max: f64,
     /// Elastic potential U, J.
     pub elastic_potential: f64,
-    /// Energy dissipation ΔW, J.
+    /// Dissipated energy ΔW, J.
     pub dissipated: f64,
     /// Equivalent stiffness k_eq, eq 1, kN/mm.
     pub equivalent_stiffness: f64,
     /// Static loss factor η_s, eq 2.
     pub loss_factor: f64,
-    /// Force over displacement, both relative to the start, mm and kN: loading, then unloading.
+    /// Force over displacement, both relative to the start, kN and mm: loading, then unloading.
     #[serde(skip)]
     pub curve: Vec<(f64, f64)>,
     /// The middle line, in the same form.
@@ -59,11 +59,11 @@ pub struct StaticCycle {
 pub struct StaticTest {
     /// The whole cycles in order.
     pub cycles: Vec<StaticCycle>,
-    /// k_eq over the cycles, kN/mm.
+    /// Equivalent stiffness k_eq of the cycles, kN/mm.
     pub equivalent_stiffness: Spread,
-    /// η_s over the cycles.
+    /// Static loss factor η_s of the cycles.
     pub loss_factor: Spread,
-    /// Corrections of the recording, and its peculiarities.
+    /// Corrections to the recording, and its peculiarities.
     pub notes: Vec<String>,
 }
 

@@ -14,8 +14,8 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
-/// A search takes and gives back columns as long as the recording all the time, and the system's allocator gives their pages
-/// back with them: an eighth of a trace.
+/// A search constantly allocates and frees columns as long as the recording. The system's allocator returns their pages to the
+/// system each time, which costs an eighth of a trace.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -22,7 +22,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 pub struct Unit {
     /// Hash of model, settings and library.
     pub guid: String,
-    /// The platforms of its libraries, by their FMI names.
+    /// FMI names of the platforms for which the FMU has a library.
     pub platforms: Vec<&'static str>,
 }
 

@@ -34,7 +34,7 @@ use serde::Serialize;
 
 use fmu::Unit;
 
-/// What a model becomes.
+/// The format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
@@ -105,33 +105,33 @@ pub struct Exported {
     pub warnings: Vec<String>,
 }
 
-/// What was written.
+/// The result of an export.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// What the model became.
+    /// The format of the export.
     pub format: Format,
-    /// The model's file.
+    /// Path of the model file.
     pub model: PathBuf,
-    /// What was written.
+    /// The files that were written.
     pub files: Vec<Written>,
-    /// What the model is called.
+    /// Name of the model.
     pub name: String,
-    /// Which model it is.
+    /// Identity of the model, a hash of its contents.
     pub identity: String,
-    /// Of this export.
+    /// Revision of this export.
     pub revision: u32,
-    /// For which the law is, Hz
+    /// Tick rate of the law, Hz.
     pub tick_rate: f32,
-    /// In which the model was fitted; null of one that does not say
+    /// Operating range of the model; null if the model does not give it.
     pub operating_range: Option<Range>,
-    /// At which the coefficients were taken, mm; null where they are the same at all
+    /// Amplitude of the exported coefficients, mm; null if the coefficients are the same at all amplitudes.
     pub amplitude: Option<f32>,
-    /// Of the specimen, g/cm³; null where it was not given
+    /// Density of the specimen, g/cm³; null if it was not given.
     pub density: Option<f32>,
-    /// Whether the law gives no more energy than it takes, within the operating range
+    /// Whether the law is passive in the operating range: it never returns more energy than it has taken up.
     pub passive: bool,
-    /// Of an FMU
+    /// The FMU; absent for other formats.
     #[serde(flatten)]
     pub fmu: Option<Unit>,
 }
@@ -140,19 +140,19 @@ pub struct Summary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Written {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its length.
+    /// Length of the file, bytes.
     pub bytes: usize,
 }
 
-/// The motion that a model was fitted on.
+/// The range of motion that a model was fitted on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Range {
-    /// Least and largest, mm.
+    /// Smallest and largest displacement, mm.
     pub displacement: [f32; 2],
-    /// Least and largest, mm/s.
+    /// Smallest and largest velocity, mm/s.
     pub velocity: [f32; 2],
 }
 

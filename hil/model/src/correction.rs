@@ -11,16 +11,17 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {
-    /// Largest displacement of the table, mm; the value at the edge holds outside.
+    /// Largest displacement of the table, mm. Beyond it, the value at the edge holds.
     pub reach: f64,
-    /// Largest speed, mm/s; the value at the edge holds outside.
+    /// Largest speed of the table, mm/s. Beyond it, the value at the edge holds.
     pub speed: f64,
-    /// Size of one count in a cell, kN.
+    /// Force of one count in a cell, kN.
     pub unit: f64,
-    /// The cells: displacement runs fastest, then speed or the quantity in its place, then direction. A line has the first 33 of
-    /// each direction's 153 cells, two sides have the first 34.
+    /// The cells. Displacement varies fastest, then speed or the quantity in its place, then direction. A table over one line uses
+    /// the first 33 of each direction's 153 cells, a table with two sides the first 34.
     pub cells: Vec<i16>,
-    /// The axis in place of speed: earlier motion or the temperature; or a mark that the table is a line.
+    /// The axis in place of speed, with its memory or temperature. For a line it marks the shape of the table. Null for a table
+    /// over speed.
     pub memory: Option<MemoryAxis>,
 }
 
@@ -31,38 +32,38 @@ pub struct CorrectionTable {
 pub struct MemoryAxis {
     /// The quantity on the axis.
     pub of: Remembered,
-    /// Its values at the first and at the last node; unused for a line.
+    /// Values of the quantity at the first and at the last node; unused for a line.
     pub range: [f64; 2],
 }
 
-/// The quantity that a correction remembers or depends on, as in [`Memory`]: times in s, the limit in mm.
+/// The quantity on a residual table's axis in place of speed, as in [`Memory`]. Times are in s, the limit in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Remembered {
-    /// The stretch of a spring that slips.
+    /// Stretch of a spring that slips.
     Slip {
         /// Stretch at which it slips, mm.
         limit: f64,
     },
-    /// The displacement minus its average.
+    /// Displacement minus its average.
     Lag {
         /// Averaging time, s.
         time: f64,
     },
-    /// The mean speed.
+    /// Mean speed.
     Travel {
         /// Averaging time, s.
         time: f64,
     },
-    /// The largest displacement so far.
+    /// Largest displacement so far.
     Largest,
-    /// The time since the start, in powers of two.
+    /// Time since the start, on a scale of powers of two.
     Age {
-        /// The first of them, s.
+        /// The first power on the scale, s.
         time: f64,
     },
-    /// The temperature.
+    /// Temperature.
     Temperature,
     /// No memory: a finer line over displacement alone.
     Place,
@@ -73,7 +74,7 @@ pub enum Remembered {
         /// Lower end of the other side, mm.
         above: f64,
     },
-    /// The frequency, in powers of two.
+    /// Frequency, on a scale of powers of two.
     Frequency {
         /// Time over which cycles are counted, s.
         time: f64,

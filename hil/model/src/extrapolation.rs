@@ -15,22 +15,22 @@ pub const RANGE_MARGIN: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Extrapolation {
-    /// Fraction of the samples with a displacement, a velocity or both outside, 0…1.
+    /// Fraction, 0…1, of the samples whose displacement or velocity is outside.
     pub part: f64,
-    /// Of the displacement.
+    /// Displacement outside its range.
     pub displacement: Beyond,
-    /// Of the velocity.
+    /// Velocity outside its range.
     pub velocity: Beyond,
 }
 
-/// The part of a channel outside.
+/// The part of a channel outside its range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
-    /// Fraction of the samples outside by more than [`RANGE_MARGIN`], 0…1.
+    /// Fraction, 0…1, of the samples that are outside by more than [`RANGE_MARGIN`].
     pub part: f64,
-    /// Greatest distance outside, as a multiple of the range's larger end and including the margin. It is 0 for a motion within,
-    /// and infinite beyond a range of 0.
+    /// Largest distance outside, as a multiple of the range's larger end, with the margin included. It is 0 for a motion within the
+    /// range, and infinite for a range of 0.
     pub most: f64,
 }
 

@@ -37,26 +37,26 @@ const CHECKED_TICK: f64 = 1e-4;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// `mesh-damper-model`.
+    /// The word `mesh-damper-model`.
     format: String,
-    /// 1.
+    /// The version of the format, 1.
     version: u64,
     /// The units of all numbers.
     units: ModelUnits,
-    /// The coefficients of eq 13 at increasing amplitudes.
+    /// Coefficients of eq 13 at increasing amplitudes.
     law: Vec<LawNode>,
     /// The effects added to the law.
     effects: Vec<AddedEffect>,
-    /// The residual table, if there is one.
+    /// The residual table; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     correction: Option<CorrectionTable>,
-    /// The control inputs, if the law has any.
+    /// The control inputs; absent if the law has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controls: Vec<Control>,
     /// The operating range: the motion that the model was fitted on.
     fitted_range: FittedRange,
     /// Smallest and largest offset that was subtracted from the displacements of the fitted recordings, mm: the law's displacement
-    /// is counted from there. Absent if it is 0.
+    /// starts there. Absent if it is 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     displacement_zero: [f64; 2],
 }
@@ -65,18 +65,18 @@ fn is_zero(range: &[f64; 2]) -> bool {
     *range == [0.0; 2]
 }
 
-/// The units of a model file; it allows no others.
+/// Units of a model file. No others are allowed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ModelUnits {
-    /// Of displacements.
+    /// Unit of displacements.
     displacement: Millimetre,
-    /// Of forces.
+    /// Unit of forces.
     force: Kilonewton,
-    /// Of times.
+    /// Unit of times.
     time: Second,
-    /// Of temperatures.
+    /// Unit of temperatures.
     temperature: Celsius,
 }
 
@@ -105,14 +105,14 @@ enum Celsius {
     DegC,
 }
 
-/// The range of motion that a model was fitted on. Beyond it the model extrapolates.
+/// Range of motion that a model was fitted on. Outside it the model extrapolates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FittedRange {
-    /// Smallest and largest, mm.
+    /// Smallest and largest displacement, mm.
     pub displacement: [f64; 2],
-    /// Smallest and largest, mm/s.
+    /// Smallest and largest velocity, mm/s.
     pub velocity: [f64; 2],
 }
 

@@ -25,15 +25,15 @@ pub const MAX_EFFECTS: usize = 8;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LawNode {
-    /// mm. A law with a single node does not depend on amplitude and has 0 here.
+    /// Amplitude, mm. It is 0 for a law with a single node, which does not depend on amplitude.
     pub amplitude: f64,
-    /// kN/mm
+    /// Linear stiffness, kN/mm.
     pub k1: f64,
-    /// kN/mm³
+    /// Cubic stiffness, kN/mm³.
     pub k3: f64,
-    /// kN·(s/mm)^α
+    /// Damping coefficient, kN·(s/mm)^α.
     pub c: f64,
-    /// α, the exponent of the velocity.
+    /// Damping exponent α of the velocity, dimensionless.
     pub alpha: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct LawNode {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AddedEffect {
-    /// Its kind.
+    /// The family of the effect.
     pub family: Family,
     /// Its parameters by name, in the units of [`crate::parameter_unit`].
     pub parameters: BTreeMap<String, f64>,
@@ -88,14 +88,14 @@ pub struct Model {
     pub controls: Vec<Control>,
 }
 
-/// A control input that effects of a model see.
+/// A control input on which effects of a model depend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Control {
-    /// Name of its column in a recording, with the unit: `current_A`.
+    /// Name of the input's column in a recording, with the unit, for example `current_A`.
     pub name: String,
-    /// Smallest and largest value that the model was fitted on, in that unit.
+    /// Smallest and largest value that the model was fitted on, in the unit of the name.
     pub range: [f64; 2],
 }
 

@@ -6,11 +6,11 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unit {
-    /// As the column's name has it, after the underscore.
+    /// Symbol of the unit, as after the underscore in a column's name.
     pub symbol: &'static str,
-    /// Size of one of these in the code's units: mm, kN, s, mm/s or °C.
+    /// Size of one unit in the code's units: mm, kN, s, mm/s or °C.
     pub scale: f64,
-    /// The code's value at zero of this unit: 0 except for temperatures.
+    /// Value in the code's unit at zero of this unit: 0 except for temperatures.
     pub zero: f64,
 }
 
@@ -116,7 +116,7 @@ pub struct Units {
     pub displacement: Unit,
     /// One of [`FORCE`].
     pub force: Unit,
-    /// One of [`VELOCITY`]; mm/s where the file has no velocity.
+    /// One of [`VELOCITY`]; mm/s if the file has no velocity.
     pub velocity: Unit,
     /// One of [`TEMPERATURE`].
     pub temperature: Unit,

@@ -1,4 +1,4 @@
-"""Find the effects that a damper's law lacks, in recordings of its force and displacement.
+"""Find effects that a damper's law does not contain, in recordings of force and displacement.
 
 >>> import mesh_damper
 >>> found = mesh_damper.trace("rig-test.csv.gz")        # a path, a data frame, arrays

@@ -1,4 +1,4 @@
-"""Traces of many recordings, and the comparison of models of one specimen over time."""
+"""Traces of many recordings, and comparisons of models of one specimen over time."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ from . import _core, _frames
 from ._errors import InputError
 from ._trace import Trace, model_of
 
-#: The path of a folder, a list or a table; several paths; or a data frame with a column `path`.
+#: A path of a folder, a list or a table; several paths; or a data frame with a column `path`.
 Recordings = Any
-#: The path of a model or of its trace's folder, or a trace.
+#: A path of a model or of a trace's folder, or a trace.
 ModelLike = Union[str, "os.PathLike[str]", Trace]
 
 _COLUMNS = ("path", "group", "specimen", "role", "held_out")
 
 
 class Batch:
-    """The outcomes of many traces. `trace_many` makes it."""
+    """The outcomes of many traces, returned by `trace_many`."""
 
     def __init__(self, summary: str, outcomes: dict[str, Any], effects: dict[str, Any], folder: Path, library: Any) -> None:
         self._summary: dict[str, Any] = json.loads(summary)
         #: The folder with outcomes.parquet, effects.parquet, index.html and the folders of all traces.
         self.folder = folder
-        #: A data frame with a row for each trace; docs/batch.md describes its columns.
+        #: A row for each trace, as a data frame. docs/batch.md describes its columns.
         self.outcomes: Any = _frames.make(outcomes, library)
-        #: A data frame with a row for each parameter of the law and of the effects of every trace.
+        #: A row for each parameter of the law and of the effects of each trace, as a data frame.
         self.effects: Any = _frames.make(effects, library)
 
     @property
     def traced(self) -> int:
-        """How many traces succeeded, in this run or earlier."""
+        """Number of traces that succeeded, in this run or earlier."""
         return int(self._summary["traced"])
 
     @property
     def failed(self) -> int:
-        """How many traces failed; the column `error` says why."""
+        """Number of traces that failed; the column `error` gives the reason."""
         return int(self._summary["failed"])
 
     @property
     def computed(self) -> int:
-        """How many traces succeeded or failed in this run; the others are from earlier runs."""
+        """Number of traces that succeeded or failed in this run; the others are from earlier runs."""
         return int(self._summary["computed"])
 
     @property
     def shared(self) -> list[str]:
-        """Sentences that name the recordings used in several traces."""
+        """Recordings that several traces use, as sentences."""
         return list(self._summary["shared"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -88,8 +88,8 @@ def trace_many(
       `held_out`; the rows of one group are one trace;
     - a sequence of paths.
 
-    `jobs` traces run at the same time; the default is the number of cores. A trace that an earlier run made into `out`, of the same
-    recordings with the same options, is not repeated. A recording that cannot be read or traced gets a row with its `error`.
+    `jobs` traces run at the same time; the default is the number of cores. A trace with the same recordings and options that an earlier
+    run wrote into `out` is not repeated. A recording that cannot be read or traced gets a row with its `error`.
     """
     given: Any = None
     table: str | None = None
@@ -149,7 +149,7 @@ def _is_missing(cell: Any) -> bool:
 
 
 def _word(cell: Any) -> str:
-    # A column of whole numbers with one missing is one of floats in pandas.
+    # pandas stores a column of whole numbers with a missing one as floats.
     if isinstance(cell, float) and cell.is_integer():
         return str(int(cell))
     return os.fspath(cell) if isinstance(cell, os.PathLike) else str(cell)
@@ -168,10 +168,9 @@ def outcome(
     law: Any = None,
     max_read: int | None = None,
 ) -> dict[str, Any]:
-    """Return the row of one trace, for a scheduler of your own that maps over paths.
+    """Return the row of one trace, for a user's scheduler that maps over paths.
 
-    It writes no file, and returns a failed trace as a row instead of raising an exception. It uses one core. `outcomes` makes a table of
-    many rows.
+    It writes no file and uses one core. A failed trace gives a row instead of an exception. `outcomes` makes a table of many rows.
     """
     paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
     settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, False)
@@ -185,19 +184,19 @@ def outcomes(rows: Sequence[dict[str, Any]]) -> Any:
 
 
 class Comparison:
-    """The changes from model to model. `compare` makes it."""
+    """The changes from model to model, returned by `compare`."""
 
     def __init__(self, text: str) -> None:
         self._found: dict[str, Any] = json.loads(text)
 
     @property
     def changed(self) -> bool:
-        """Whether a change is claimed. For a specimen that does not change, this happens in at most one case of twenty."""
+        """Whether a change is claimed. For an unchanged specimen, this happens in at most one comparison in twenty."""
         return bool(self._found["changed"])
 
     @property
     def forces(self) -> Any:
-        """The force of every later model, compared with that of the first on one motion, as a data frame."""
+        """The force of each later model, compared with the force of the first on the same motion, as a data frame."""
         names = ("model", "difference", "expected", "p", "changed")
         rows = self._found["forces"]
         columns: dict[str, list[Any]] = {name: [row[name] for row in rows] for name in names}
@@ -229,12 +228,12 @@ class Comparison:
 
     @property
     def undecided(self) -> list[dict[str, Any]]:
-        """Effects that the shared motion does not excite, each with the recording that would show it."""
+        """Effects that the common motion does not excite, each with the recording that would show it."""
         return list(self._found["undecided"])
 
     @property
     def notes(self) -> list[str]:
-        """Sentences: the comparisons that were not possible, with the reason."""
+        """Comparisons that were not possible, with the reason, as sentences."""
         return list(self._found["notes"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -247,9 +246,9 @@ class Comparison:
 
 
 def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -> Comparison:
-    """Compare models of one specimen, as `hil compare` does, and report the changes beyond their intervals.
+    """Compare models of one specimen, as `hil compare` does, and report changes beyond the intervals.
 
-    Each of `models` is a trace, the folder that a trace wrote, or a `model.json`. `times` gives the time of each model, in any unit.
+    Each of `models` is a trace, the folder of a trace, or a `model.json`. `times` is the time of each model, in any unit.
     """
     if times is None:
         times = range(len(models))

@@ -14,7 +14,7 @@ from ._recordings import ChannelLike, Given, RecordingLike, Units
 
 
 class Characterization:
-    """Stiffness and loss factor of every cycle. `characterize` makes it."""
+    """Stiffness and loss factor of each cycle, returned by `characterize`."""
 
     def __init__(self, text: str, loops: list[Any], library: Library | None) -> None:
         self._json = text
@@ -29,7 +29,7 @@ class Characterization:
 
     @property
     def cycles(self) -> Any:
-        """A data frame with a row for each cycle. In a dynamic test, `block` is the number of its block, counted from 0."""
+        """A row for each cycle, as a data frame. In a dynamic test, `block` is the number of its block, counted from 0."""
         if self.kind == "static":
             return self._frame(self._found["cycles"])
         blocks = enumerate(self._found["blocks"])
@@ -37,7 +37,7 @@ class Characterization:
 
     @property
     def blocks(self) -> Any:
-        """Dynamic: the averaged cycle of every block, with mean and deviation of its steady cycles. Static: the means."""
+        """Dynamic test: the averaged cycle of each block, with mean and deviation of its steady cycles. Static test: the means."""
         if self.kind == "static":
             return self._frame([_spreads(self._found, ("equivalent_stiffness", "loss_factor"))])
         return self._frame(
@@ -49,7 +49,7 @@ class Characterization:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences: how the recording was processed, and what is unusual about it."""
+        """Corrections of the recording and its peculiarities, as sentences."""
         return list(self._found["notes"])
 
     def to_json(self) -> str:
@@ -107,7 +107,7 @@ def characterize(
 ) -> Characterization:
     """Compute stiffness and loss factor of a recording, as `hil characterize` does.
 
-    `kind` is `static` for load–unload curves, or `dynamic` for cycles. Give the recording and its units as for `trace`.
+    `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording and its units are given as for `trace`.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")

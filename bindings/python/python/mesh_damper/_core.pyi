@@ -1,4 +1,4 @@
-"""The compiled part: the functions of the Rust crates, for arrays and texts."""
+"""The compiled part: the functions of the Rust crates, with arrays and strings."""
 
 from collections.abc import Callable, Sequence
 from os import PathLike
@@ -30,7 +30,7 @@ __all__ = [
 
 __version__: str
 
-#: Its name; its values, or why they are not numbers; whether they are dates or durations; whether it is the index of its frame.
+#: A column: name; values, or the reason why they are not numbers; whether they are dates or durations; whether it is the frame's index.
 _Column: TypeAlias = tuple[str, npt.NDArray[np.float64] | str, bool, bool]
 
 @final

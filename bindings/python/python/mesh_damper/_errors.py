@@ -1,8 +1,8 @@
-"""Errors for refused input, and warnings about assumptions."""
+"""Errors for invalid input, and warnings about assumptions."""
 
 
 class InputError(ValueError):
-    """Input was refused. The text is the line that the command `hil` prints: what is wrong, where, why, and how to mend it."""
+    """Invalid input. The text is the line that the command `hil` prints: the error, its place, the reason and the remedy."""
 
 
 class MissingFileError(InputError, FileNotFoundError):
@@ -10,12 +10,12 @@ class MissingFileError(InputError, FileNotFoundError):
 
 
 class NotFittedError(ValueError, AttributeError):
-    """A law was asked for a force before it was fitted or loaded."""
+    """A law was used before it was fitted or loaded."""
 
 
 class GuessWarning(UserWarning):
-    """The meaning of a column was not certain, and was guessed. The text is the note that the command `hil` prints."""
+    """The meaning of a column was guessed. The text is the note that the command `hil` prints."""
 
 
 class UnitWarning(GuessWarning):
-    """A unit was assumed, because neither the column's name nor `units` gives it."""
+    """A unit was assumed, because neither the column's name nor `units` states it."""

@@ -1,4 +1,4 @@
-"""A model as files for firmware or a simulation."""
+"""Export of a model as files for firmware or a simulation."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def export(
     allow_active: bool = False,
     library: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
 ) -> dict[str, Any]:
-    """Write a model for firmware or a simulation, as `hil export` does, and return the JSON of that command.
+    """Write a model for firmware or a simulation, as `hil export` does, and return the JSON of the command.
 
-    `model` is a trace, a fitted `DamperLaw`, or the contents or the path of a model.json. `format` is `pack`, `rust`, `c` or `fmu`; without
-    it, the ending of `path` decides: .mdcp, .rs, .c or .h, .fmu. `tick_rate` is in Hz, `amplitude` in mm, `density` in g/cm³. An FMU needs
-    its `library`, which `cargo build --release -p mesh-damper-fmu` builds.
+    `model` is a trace, a fitted `DamperLaw`, or a model.json given by its contents or its path. `format` is `pack`, `rust`, `c` or `fmu`;
+    by default, the ending of `path` decides: .mdcp, .rs, .c or .h, .fmu. `tick_rate` is in Hz, `amplitude` in mm, `density` in g/cm³. An
+    FMU needs its `library`, which `cargo build --release -p mesh-damper-fmu` builds.
     """
     ending = Path(path).suffix
     chosen = format or _ENDINGS.get(ending)

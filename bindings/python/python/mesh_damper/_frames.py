@@ -1,4 +1,4 @@
-"""Data frames in and out, with pandas or polars, whichever is installed."""
+"""Data frames as input and output, with pandas or polars, whichever is installed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Library = Literal["pandas", "polars"]
 
 
 def library_of(data: object) -> Library | None:
-    """Return the library whose frame `data` is, or `None`."""
+    """Return the library of the frame `data`, or `None`."""
     module = type(data).__module__.split(".")[0]
     if module == "pandas":
         return "pandas"
@@ -34,7 +34,7 @@ def column_names(data: Any) -> list[str] | None:
         return [str(name) for name in data]
     if isinstance(data, np.ndarray):
         return list(data.dtype.names) if data.dtype.names else None
-    # pyarrow calls its columns' names so, and pandas, polars and others its columns.
+    # pyarrow has `column_names`; pandas, polars and others have `columns`.
     names = getattr(data, "column_names", None)
     if names is None:
         names = getattr(data, "columns", None)
@@ -42,7 +42,7 @@ def column_names(data: Any) -> list[str] | None:
 
 
 def column(data: Any, name: str) -> Any:
-    """Return the column of that name. A frame's name that is not a text is compared by its text."""
+    """Return the column `name`. A name that is not a string is compared by its text."""
     if isinstance(data, np.ndarray) or name in data:
         return data[name]
     keys = data.keys() if isinstance(data, Mapping) else data.columns
@@ -53,7 +53,7 @@ def column(data: Any, name: str) -> Any:
 
 
 def index(data: Any) -> tuple[str, Any] | None:
-    """Return the index of a pandas frame with its name, if it has a name or holds dates or durations."""
+    """Return the name and the index of a pandas frame, if the index has a name or holds dates or durations."""
     if library_of(data) != "pandas":
         return None
     is_times = getattr(data.index.dtype, "kind", "") in ("M", "m")
@@ -74,7 +74,7 @@ def to_array(values: Any, what: str) -> Array:
 
 
 def numbers(values: Any) -> Array:
-    """Do the same, but raise `NotNumbers`. Texts are refused even if they hold digits: they do not show which sign is decimal."""
+    """Do the same, but raise `NotNumbers`. Strings are rejected even if they contain digits: their decimal sign is not known."""
     library = library_of(values)
     try:
         if library == "polars":
@@ -110,7 +110,7 @@ def _of_polars(values: Any) -> npt.NDArray[Any]:
 
 
 def _in_numpy(values: Any) -> npt.NDArray[Any]:
-    """Return `values` as a NumPy array. A masked value is missing: the value under the mask is only the file's fill value."""
+    """Return `values` as a NumPy array. A masked value is missing: under the mask is only the fill value."""
     array: npt.NDArray[Any] = values.to_numpy() if hasattr(values, "to_numpy") else np.asanyarray(values)
     if not isinstance(array, np.ma.MaskedArray):
         return array
@@ -124,7 +124,7 @@ def _in_numpy(values: Any) -> npt.NDArray[Any]:
 
 
 def seconds(times: Any) -> Array | None:
-    """Return seconds since the first of `times` if these are dates, times of day or durations; NaN for a missing one."""
+    """Return the seconds since the first of `times`, if these are dates, times of day or durations; NaN for a missing time."""
     dtype: Any = getattr(times, "dtype", None)
     if library_of(times) == "polars":
         polars = import_module("polars")
@@ -134,7 +134,7 @@ def seconds(times: Any) -> Array | None:
     elif getattr(dtype, "kind", "") not in ("M", "m"):
         return None
     elif library_of(times) == "pandas":
-        # A time zone is no matter of differences.
+        # A time zone does not affect differences.
         array = times.to_numpy(f"{'datetime' if dtype.kind == 'M' else 'timedelta'}64[ns]")
     else:
         array = _in_numpy(times)
@@ -144,7 +144,7 @@ def seconds(times: Any) -> Array | None:
 
 
 def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library | None = None) -> Any:
-    """Make a frame of `columns`: of the library `like`, else of pandas or polars if installed, else a NumPy record array."""
+    """Make a frame of `columns` in the library `like`, or in pandas or polars if installed, otherwise a NumPy record array."""
     order: list[Library] = ["pandas", "polars"]
     if like == "polars":
         order.reverse()

@@ -1,4 +1,4 @@
-"""The view in a notebook: small, and readable on a light and a dark background."""
+"""The view of a result in a notebook: small, and readable on a light and a dark background."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from ._characterize import Characterization
     from ._trace import Trace
 
-#: The colours of the pictures, a little lighter for a dark background.
+#: The colours of the pictures, slightly lighter for a dark background.
 MEASURED, BEFORE, AFTER = "#909090", "#e0701a", "#2b8cd6"
-#: All colours except those of the lines are the notebook's.
+#: All other colours are those of the notebook.
 _STYLE = (
     ".md-damper{font-size:13px;line-height:1.45;color:inherit;max-width:58em}"
     ".md-damper .md-row{display:flex;flex-wrap:wrap;gap:4px 28px;align-items:flex-start}"

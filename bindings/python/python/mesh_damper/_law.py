@@ -25,37 +25,37 @@ Time = ChannelLike | float | Sequence[Any] | None
 
 
 class DamperLaw:
-    """The mixed damping law F = k1·y + k3·y³ + c·|v|^α·sgn v, with the effects that it lacks.
+    """The mixed damping law F = k1·y + k3·y³ + c·|v|^α·sgn v with additional effects.
 
     The law is fitted to displacement and force over time. It has the methods of a scikit-learn regressor, and can be cloned, searched and
-    pickled like one. In addition, fitting and predicting need the time: `t` is the samples' times, or the time between two samples. `dt` is
-    the time between two samples for calls without `t`, such as those of a search of scikit-learn.
+    pickled like one. In addition, fitting and predicting need the time: `t` is the times of the samples, or the time between two samples.
+    `dt` is the time between two samples for calls without `t`, for example in a search of scikit-learn.
 
     Parameters
     ----------
     families, exclude
-        The families of effects to seek, and those to leave out. By default all are sought.
+        The families of effects to look for, and those to exclude. By default, all families are tried.
     baseline
         The law without effects: `mixed`, `linear` or `none`.
     known
-        A model whose effects are known; they stay in the law.
+        A model with known effects, which stay in the law.
     inputs
         Names of control inputs, such as `["current_A"]`: the columns of X after the displacement.
     units
-        A unit for each channel, such as `{"force": "N"}`, or `"SI"`. By default s, mm and kN are assumed, with a warning.
+        A unit for each channel, such as `{"force": "N"}`, or `"SI"`. Without units, s, mm and kN are assumed, with a warning.
     dt
         The time between two samples, used if `t` is not given.
     embedded
-        Whether to predict forces in f32, as firmware computes them, instead of f64.
+        Whether to predict forces in f32, as in firmware, instead of f64.
 
     Attributes
     ----------
     trace_ : the `Trace`, with verdict, effects, errors and report
     model_ : the model, as in model.json
-    coefficients_ : k1, k3, c and alpha by name; for a law over amplitude, an array of each
+    coefficients_ : k1, k3, c and alpha by name; arrays for a law that depends on the amplitude
     effects_ : the effects by family, each with its parameters
     verdict_ : `none`, `found`, `ambiguous` or `unlisted`
-    n_features_in_ : columns of X
+    n_features_in_ : number of columns of X
     """
 
     def __init__(
@@ -80,10 +80,10 @@ class DamperLaw:
         self.embedded = embedded
 
     def fit(self, X: Any, y: Any, *, t: Time = None, held_out: RecordingLike = None, progress: Any = None) -> DamperLaw:
-        """Fit the law to the displacement `X` and the force `y` at the times `t`, and find the effects that it lacks.
+        """Fit the law to the displacement `X` and the force `y` at the times `t`, and find additional effects.
 
-        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` gives
-        recordings that are never fitted, in the form that `trace` accepts.
+        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` are
+        recordings that are never fitted, in any form that `trace` accepts.
         """
         recordings = self._recordings(X, y, t)
         found = trace(
@@ -105,14 +105,14 @@ class DamperLaw:
     def predict(self, X: Any, *, t: Time = None) -> Array:
         """Predict the force, in the unit of `y`, for the displacement `X` at the times `t`. The specimen begins at rest.
 
-        The displacement is measured from the specimen's rest position. A sample with a missing displacement gets a missing force.
+        The displacement is relative to the rest position of the specimen. A missing displacement gives a missing force.
         """
         return self._force(X, None, t)
 
     def score(self, X: Any, y: Any, *, t: Time = None) -> float:
         """Return R² of the predicted force: 1 minus the sum of squared errors over the sum of squares about the mean.
 
-        As `hil predict` does, it determines a zero and a delay of the channels from the force.
+        As in `hil predict`, the zero and the delay of the channels are determined from the force.
         """
         measured = _frames.to_array(y, "y")
         predicted = self._force(X, y, t)
@@ -121,12 +121,12 @@ class DamperLaw:
         return float(1.0 - np.sum((measured[told] - predicted[told]) ** 2) / np.sum(about**2))
 
     def coefficients(self) -> Array:
-        """Return k1, k3, c and alpha, with a row for each amplitude at which they were fitted."""
+        """Return k1, k3, c and alpha, with a row for each fitted amplitude."""
         law = self._found()["law"]
         return np.array([[node[name] for name in _COEFFICIENTS] for node in law])
 
     def equations(self, precision: int = 3) -> list[str]:
-        """Return the law as texts, a line for each amplitude and each effect."""
+        """Return the law as text, one line for each amplitude and each effect."""
         model = self._found()
         lines = []
         for node in model["law"]:
@@ -145,7 +145,7 @@ class DamperLaw:
         print("\n".join(self.equations(precision)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as a model.json, which the commands read."""
+        """Write the model as a model.json for the commands."""
         self._model().write(path)
 
     @classmethod
@@ -155,7 +155,7 @@ class DamperLaw:
 
     @classmethod
     def of(cls, model: Any, **parameters: Any) -> DamperLaw:
-        """Make the law of a trace, of the contents of a model.json, or of its path."""
+        """Return the law of a trace, or of a model.json, given by its contents or its path."""
         law = cls(**parameters)
         found = model_of(model)
         if isinstance(model, Trace):

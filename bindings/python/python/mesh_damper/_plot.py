@@ -9,7 +9,7 @@ import numpy as np
 
 from ._errors import InputError
 
-#: Distinguishable with any colour vision, on a light and a dark background.
+#: These colours are distinguishable with any colour vision, on a light and a dark background.
 MEASURED, BEFORE, AFTER = "#8a8a8a", "#d55e00", "#0072b2"
 _NAMES = {"before": ("law alone", BEFORE), "after": ("with what was found", AFTER)}
 
@@ -22,7 +22,7 @@ def _pyplot() -> Any:
 
 
 def worst_block(series: dict[str, Any]) -> int:
-    """Return the block whose representative cycle has the largest error of the law alone; 0 if there is no block."""
+    """Return the block with the largest error of the law alone in its representative cycle; 0 if there is no block."""
     errors = []
     for (start, stop), *_ in series["blocks"]:
         force, before = series["force"][start:stop], series["before"][start:stop]
@@ -44,7 +44,7 @@ def cycle_of(series: dict[str, Any], block: int | None) -> tuple[slice, str]:
 
 
 def traced(series: dict[str, Any], kind: Literal["all", "loop", "residual"], block: int | None, ax: Any, noise: float) -> Any:
-    """Plot loop and residual of one recording."""
+    """Plot the loop and the residual of one recording."""
     if kind not in ("all", "loop", "residual"):
         raise InputError(f"kind: no picture is called {kind!r}; give all, loop or residual")
     if kind == "all":

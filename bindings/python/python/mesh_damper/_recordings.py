@@ -1,4 +1,4 @@
-"""Pass a caller's recording to the core. The core decides which column is which channel, and in which unit."""
+"""Pass a user's recording to the core. The core decides the channel and the unit of each column."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ RecordingLike = Any
 ChannelLike = str | npt.ArrayLike
 #: A unit for each channel, such as ``{"force": "N"}``; or ``"SI"`` for s, m and N, or ``"mm-kN-s"``.
 Units = Mapping[str, str] | str | None
-#: Names of columns that are control inputs; or a mapping from such names to other columns or to the values.
+#: Names of control-input columns; or a mapping from such names to other columns or to values.
 Inputs = Sequence[str] | Mapping[str, ChannelLike] | None
-#: A column for the core: its name; its values, or why they are not numbers; whether they are dates or durations; whether it is the index of
-#: its frame.
+#: A column for the core: name; values, or the reason why they are not numbers; whether they are dates or durations; whether it is the index
+#: of its frame.
 Column = tuple[str, Array | str, bool, bool]
 
 _Read = TypeVar("_Read", _core.Recording, _core.Drive)
@@ -32,22 +32,22 @@ _Read = TypeVar("_Read", _core.Recording, _core.Drive)
 
 @dataclass
 class Given:
-    """The names and units of the channels of a caller's recordings."""
+    """The names and units of the channels of a user's recordings."""
 
     channels: dict[str, ChannelLike | float | None] = field(default_factory=dict)
     inputs: Inputs = None
     units: Units = None
     needs_force: bool = True
     max_read: int | None = None
-    #: Sentences: the units that were assumed.
+    #: Assumed units, as sentences.
     assumed: list[str] = field(default_factory=list)
-    #: Sentences: the guesses about the meaning of columns.
+    #: Guesses about the meaning of columns, as sentences.
     guesses: list[str] = field(default_factory=list)
-    #: The library of the first frame that was given.
+    #: The library of the first given frame.
     library: Library | None = None
 
     def recordings(self, data: RecordingLike, what: str) -> list[_core.Recording]:
-        """Return each recording of `data`, named by its path, or by `what` and a number."""
+        """Return each recording of `data`, named by its path or by `what` with a number."""
         if data is None and not any(channel is not None for channel in self.channels.values()):
             return []
         several = isinstance(data, (list, tuple))
@@ -64,17 +64,17 @@ class Given:
         return self._heard(_core.Recording.of_columns(name, self._columns(data, name), self.reading()))
 
     def drive(self, data: RecordingLike, name: str, is_force: bool) -> _core.Drive:
-        """Return the channel that drives the mass, with its times."""
+        """Return the channel that excites the mass, with its times."""
         if isinstance(data, (str, os.PathLike)):
             return self._heard(_core.Drive.read(data, self._reading_of_file(os.fspath(data)), is_force))
         return self._heard(_core.Drive.of_columns(name, self._columns(data, name), self.reading(), is_force))
 
     def by_names(self) -> Given:
-        """Return the same settings for other recordings, without the arrays, which belong to one recording."""
+        """Return the same settings for other recordings, without the arrays of the first recording."""
         kept: dict[str, ChannelLike | float | None] = {
             name: channel for name, channel in self.channels.items() if isinstance(channel, str) or _is_step(name, channel)
         }
-        # What is said of them is said with the first.
+        # Notes about them are added to those of the first recording.
         return replace(self, channels=kept)
 
     def notes(self) -> list[str]:
@@ -88,7 +88,7 @@ class Given:
                 warnings.warn(sentence, category, stacklevel=stacklevel + 1)
 
     def reading(self) -> _core.Reading:
-        """Return the caller's settings as the options of the command."""
+        """Return the user's settings in the form of the command's options."""
         channels = [(channel, _name_of(channel, source)) for channel, source in self._sources()]
         units = list(self.units.items()) if isinstance(self.units, Mapping) else []
         inputs: list[str] | None = None
@@ -117,7 +117,7 @@ class Given:
         return self.reading()
 
     def _sources(self) -> list[tuple[str, ChannelLike]]:
-        """Return the channels that the caller gave, as a column's name or as values."""
+        """Return the given channels, each as a column's name or as values."""
         given = self.channels.items()
         return [(channel, source) for channel, source in given if source is not None and not _is_step(channel, source)]
 
@@ -126,7 +126,7 @@ class Given:
         return float(np.asarray(time)) if _is_step("time", time) else None
 
     def _columns(self, data: Any, name: str) -> list[Column]:
-        """Return the columns that were given as values, and those of a frame."""
+        """Return the columns given as values, and the columns of a frame."""
         self.library = self.library or _frames.library_of(data)
         names = [] if data is None else _frames.column_names(data)
         if names is None:
@@ -144,7 +144,7 @@ class Given:
         return columns
 
     def _heard(self, read: _Read) -> _Read:
-        """Keep the core's assumptions and guesses about the recording."""
+        """Store the core's assumptions and guesses about the recording."""
         if (assumed := read.assumed()) is not None:
             self.assumed.append(f"{read.name}: {assumed}")
         if self._step() is not None and self.reading().scale("time") is None:
@@ -154,12 +154,12 @@ class Given:
 
 
 def _is_step(channel: str, source: object) -> bool:
-    """Return whether it is the time between samples, not a column."""
+    """Return whether `source` is the time between samples, not a column."""
     return channel == "time" and isinstance(source, (int, float, np.number)) and not isinstance(source, bool)
 
 
 def _name_of(argument: str, source: ChannelLike) -> str:
-    """Return the name of a column; values are named by their argument."""
+    """Return the name of a column. Values are named by their argument."""
     return source if isinstance(source, str) else f"{argument}="
 
 

@@ -16,24 +16,24 @@ from ._trace import model_of
 
 @dataclass(frozen=True)
 class Response:
-    """The motion of a mass on a damper. `respond` makes it."""
+    """The motion of a mass on a damper, returned by `respond`."""
 
-    #: A data frame: time; the damper's displacement, velocity and force; the mass's displacement, velocity and acceleration; the drive.
-    #: Units are in the names. `trace` accepts it as a recording.
+    #: Time; displacement, velocity and force of the damper; displacement, velocity and acceleration of the mass; and the excitation, as a
+    #: data frame with units in the names. `trace` accepts it as a recording.
     motion: Any
-    #: J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
+    #: Energies, J: `input` = `kinetic` + `elastic` + `dissipated` + `residual`.
     energy: dict[str, float]
-    #: Step of the integration, s.
+    #: Time step of the integration, s.
     step: float
-    #: The part by which the displacements changed at the last halving of the steps.
+    #: Relative change of the displacements at the last halving of the time step.
     change_on_halving: float
     #: Whether this change is within the tolerance.
     settled: bool
-    #: The mass of the model's effect `inertia`, kg.
+    #: Mass of the model's effect `inertia`, kg.
     model_mass: float
-    #: Effects that act differently from a prediction, with the reason.
+    #: Effects that are left out or treated differently from a prediction, with the reason.
     left_out: dict[str, str]
-    #: Sentences: warnings about the result.
+    #: Warnings about the result, as sentences.
     warnings: list[str]
 
 
@@ -52,9 +52,9 @@ def respond(
 ) -> Response:
     """Compute the motion of `mass` kg on the damper of `model`, as `hil respond` does.
 
-    The mass moves under a `force`, or on a moving `base`. Either is a path, a data frame with a time and that channel, or an array. An
-    array needs `t`: the samples' times, or the time between two samples.
-    `controls` gives constant values of control inputs. Give units as for `trace`.
+    The mass moves under a `force` or on a moving `base`. Each is a path, a data frame with time and the channel, or an array. An array
+    needs `t`: the times of the samples, or the time between two samples.
+    `controls` gives constant values of control inputs. `units` are as for `trace`.
     """
     if force is None and base is None:
         raise InputError("respond: nothing drives the mass; give a force on it or a motion of its base, as force= or base=")
@@ -88,7 +88,7 @@ def transmissibility(
     with_offset: bool = False,
     progress: Callable[[str], object] | None = None,
 ) -> Any:
-    """Compute the transmissibility of `mass` kg on a base that moves by sines, as `hil respond --sweep` does.
+    """Compute the transmissibility of `mass` kg on a base that moves in sines, as `hil respond --sweep` does.
 
     The sines have `amplitudes` in mm, and `points` frequencies from `start` to `stop` Hz.
 

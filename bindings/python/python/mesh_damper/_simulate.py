@@ -1,4 +1,4 @@
-"""Tests of the simulated rig, for users without a recording."""
+"""Tests on the simulated rig, for users without a recording."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ._errors import InputError
 
 @dataclass(frozen=True)
 class Simulation:
-    """A recording of the simulated rig. `simulate` makes it."""
+    """A recording of the simulated rig, returned by `simulate`."""
 
-    #: A data frame of time, displacement, force and the other recorded channels, with units in the names.
+    #: Time, displacement, force and the other recorded channels, as a data frame with units in the names.
     recording: Any
-    #: The hidden properties of the specimen: `density` in g/cm³, `effect`, and its `share` of the law's force.
+    #: Hidden properties of the specimen: `density` in g/cm³, `effect`, and the `share` of the effect's force relative to the law's.
     hidden: dict[str, Any]
 
 

@@ -1,4 +1,4 @@
-"""A trace: the effects that a law lacks in recordings, and the augmented model."""
+"""A trace: finds effects that a law does not contain, and fits the augmented model."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 class Errors:
     """Errors of a model's force: RMS error over RMS of the measured force."""
 
-    #: On the samples that were fitted; `None` if it was not computed.
+    #: NRMSE on the fitted samples; `None` if it was not computed.
     nrmse_fitted: float | None
-    #: On the samples that were never fitted.
+    #: NRMSE on the held-out samples, which were never fitted.
     nrmse_held_out: float
 
 
@@ -36,21 +36,21 @@ class Errors:
 class Baseline(Errors):
     """The law alone, before any effect is added."""
 
-    #: `mixed_damping`, `linear` or `none`.
+    #: Name of the law: `mixed_damping`, `linear` or `none`.
     law: str
-    #: The families of the effects that were already known.
+    #: Families of the known effects.
     known: tuple[str, ...]
 
 
 class Trace:
-    """The result of a trace. `trace` makes it."""
+    """The result of a trace, returned by `trace`."""
 
     def __init__(self, core: _core.Trace, assumed: Sequence[str] = (), library: Library | None = None) -> None:
         self._core = core
         self._json = core.to_json()
         self._found: dict[str, Any] = json.loads(self._json)
         self._library = library
-        #: Sentences: the units that were assumed, and the guesses about the meaning of columns.
+        #: The assumed units and the guesses about the meaning of columns, as sentences.
         self.assumed: list[str] = list(assumed)
 
     @property
@@ -60,20 +60,20 @@ class Trace:
 
     @property
     def effects(self) -> Any:
-        """The effects that were found, with a row for each parameter and its 90 % interval.
+        """The effects found, with a row for each parameter and its 90 % interval.
 
-        It is a pandas data frame, or a polars frame if the recording was one. The end of an interval without a bound is infinite.
+        It is a pandas data frame, or a polars frame if the recording was one. An end of an interval without a bound is infinite.
         """
         return self._effects(self._found["effects"])
 
     @property
     def unconfirmed(self) -> Any:
-        """The effects of the model that are not confirmed, in the form of `effects`."""
+        """The unconfirmed effects of the model, in the form of `effects`."""
         return self._effects(self._found["unconfirmed"])
 
     @property
     def candidates(self) -> Any:
-        """A data frame of all families that were tried, the best first."""
+        """All families that were tried, as a data frame, the best first."""
         names = (
             "family",
             "step",
@@ -100,23 +100,23 @@ class Trace:
 
     @property
     def augmented(self) -> Errors:
-        """The errors of the augmented model in f64, that is of `model`."""
+        """The errors of `model`, the augmented model in f64."""
         found = self._found["augmented"]
         return Errors(found["nrmse_fitted"], found["nrmse_held_out"])
 
     @property
     def on_target(self) -> Errors:
-        """The errors of the augmented model in f32, as firmware runs it."""
+        """The errors of the augmented model in f32, as in firmware."""
         return Errors(None, self._found["on_target"]["nrmse_held_out"])
 
     @property
     def noise_floor(self) -> float:
-        """The noise of the measured force over the RMS of that force."""
+        """The noise of the measured force over the RMS of the force."""
         return float(self._found["noise_floor_nrmse"])
 
     @property
     def adopted(self) -> bool:
-        """Whether `model` is the augmented model; otherwise it is the law alone."""
+        """Whether `model` contains the effects found; otherwise it is the law alone."""
         return bool(self._found["adopted"])
 
     @property
@@ -126,19 +126,19 @@ class Trace:
 
     @property
     def remainder(self) -> dict[str, Any] | None:
-        """The residual of the augmented model beyond the noise; `None` if the residual is at the noise."""
+        """The residual of the augmented model beyond the noise; `None` if there is none."""
         remainder: dict[str, Any] | None = self._found["remainder"]
         return remainder
 
     @property
     def separating_test(self) -> str | None:
-        """The test that would tell the candidates apart, if the verdict is `ambiguous`."""
+        """The test that would distinguish the candidates, if the verdict is `ambiguous`."""
         test: str | None = self._found["separating_test"]
         return test
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences: the faults of the recordings."""
+        """Problems of the recordings, as sentences."""
         return list(self._found["warnings"])
 
     @property
@@ -150,8 +150,8 @@ class Trace:
     def series(self, recording: int = 0) -> Any:
         """Return motion and forces of a recording as a data frame.
 
-        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s`, `force_kN`; `before_kN` of the law alone and `after_kN` of the
-        augmented model; and `measured`, which is false for a sample with a channel fault.
+        Its columns are `time_s`, `displacement_mm`, `velocity_mm_s` and `force_kN`, `before_kN` (force of the law alone),
+        `after_kN` (force of the augmented model), and `measured`, which is false for a sample with a channel fault.
         """
         series = self._series(recording)
         names = {
@@ -176,7 +176,7 @@ class Trace:
 
     @property
     def law(self) -> DamperLaw:
-        """The model as a fitted `DamperLaw`, which can predict, score and save."""
+        """The model as a fitted `DamperLaw`, to predict, score and save."""
         from ._law import DamperLaw
 
         return DamperLaw.of(self)
@@ -191,7 +191,7 @@ class Trace:
     ) -> Any:
         """Plot the loop of a block (measured, law alone, augmented model), and both residuals over time, as a matplotlib figure.
 
-        By default, `block` is the one with the largest error of the law alone. `ax` are the axes for `kind` `loop` or `residual`.
+        By default, `block` is the block with the largest error of the law alone. `ax` is the axes for the kinds `loop` and `residual`.
         """
         from ._plot import traced
 
@@ -200,7 +200,7 @@ class Trace:
         return traced(series, kind, block, ax, noise)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> Report:
-        """Return the report, as `hil trace` writes it; a notebook shows it. With `path`, also write it to that file."""
+        """Return the report of `hil trace`; a notebook shows it. With `path`, also write it to that file."""
         report = Report(self._core.report())
         if path is not None:
             report.save(path)
@@ -265,7 +265,7 @@ class Report:
         self.html = html
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page."""
+        """Write the page to a file."""
         Path(path).write_text(self.html, encoding="utf-8")
 
     def __str__(self) -> str:
@@ -299,26 +299,26 @@ def trace(
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Trace:
-    """Find the effects that the law lacks in recordings of one specimen.
+    """Find effects in recordings of one specimen that the law does not contain.
 
     `data` is a path, a pandas or polars data frame, a mapping of columns, a NumPy record array, or a list of these. Without `data`, give
     `time`, `displacement` and `force` as arrays.
 
-    The columns of a file or a frame are found by their names, such as `force_kN`, `Force (lbf)` or `Prüfkraft [N]`, as `hil trace` finds
-    them. If the meaning of a column is not certain, a `GuessWarning` says how it was read. `time=`, `displacement=`, `force=`, `velocity=`
-    and `temperature=` name the columns, or are arrays. `time` may also be the time between samples. A unit comes from the column's name or
-    from `units`. If a column of a frame or an array has no unit, s, mm and kN are assumed, with a `UnitWarning`.
+    The columns of a file or a frame are found by their names, such as `force_kN`, `Force (lbf)` or `Prüfkraft [N]`, as in `hil trace`. If
+    the meaning of a column is not certain, a `GuessWarning` states how it was read. `time=`, `displacement=`, `force=`, `velocity=` and
+    `temperature=` name the columns, or are arrays. `time` may also be the time between samples. A unit comes from the column's name or from
+    `units`. If a column of a frame or an array has no unit, s, mm and kN are assumed, with a `UnitWarning`.
 
-    `inputs` names the control inputs, such as `["current_A"]`. By default, every column with the name of a control input is one.
+    `inputs` names the control inputs, such as `["current_A"]`. By default, all columns with the name of a control input are used.
 
-    `held_out` gives recordings that are never fitted. By default, the last cycles of each block and one whole block are held out.
+    `held_out` are recordings that are never fitted. By default, the last cycles of each block and one whole block are held out.
 
-    `families` and `exclude` restrict the families that are sought. `baseline` is the law without effects: `mixed`, `linear` or `none`.
-    `law` is a model whose effects are known.
+    `families` and `exclude` restrict the families that are tried. `baseline` is the law without effects: `mixed`, `linear` or `none`.
+    `law` is a model with known effects.
 
     `progress` is called with a sentence at each step. Ctrl-C ends a trace.
 
-    Raises `InputError`, a `ValueError`, for refused input.
+    Raises `InputError`, a `ValueError`, for invalid input.
     """
     channels: dict[str, ChannelLike | float | None] = {
         "time": time,
@@ -349,7 +349,7 @@ def trace(
 
 
 def model_of(law: Any) -> _core.Model:
-    """Return the model of a path, a trace, a fitted law, or the contents of model.json."""
+    """Return the model of a path, a trace, a fitted law, or the contents of a model.json."""
     if isinstance(law, _core.Model):
         return law
     if isinstance(law, Trace):

@@ -1,4 +1,4 @@
-"""Numbers as text, with sensible digits."""
+"""Numbers as text, with a suitable number of digits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def percent(part: float) -> str:
-    """Write a part as a percentage with three digits."""
+    """Write a fraction as a percentage with three digits."""
     return f"{number(100.0 * part)} %"
 
 
@@ -22,7 +22,7 @@ def number(value: float) -> str:
 
 
 def interval(low: float | None, value: float, high: float | None) -> tuple[str, str, str]:
-    """Write an interval's ends and value with enough decimals to tell them apart; an end without a bound is infinite."""
+    """Write ends and value of an interval with enough decimals to distinguish them; an end without a bound is infinite."""
     if low is None or high is None or not high > low:
         return number(-math.inf if low is None else low), number(value), number(math.inf if high is None else high)
     decimals = 1 - math.floor(math.log10(high - low))

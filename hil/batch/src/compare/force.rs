@@ -11,30 +11,29 @@ use super::run::Run;
 use super::unexcited::{self, Undecided};
 use super::{ComparePolicy, EffectChange, Moment, hidden};
 
-/// The force of a model compared to that of the first.
+/// The force of a model compared with the force of the first model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceChange {
     /// The model, counted from 0.
     pub model: usize,
-    /// RMS of the difference of the forces over the RMS of the first one's. If the zeros of the two differ, the smallest ratio for
-    /// any zero between them.
+    /// RMS of the difference of the forces over the RMS of the first model's force. If the zeros of the two models differ, the
+    /// smallest ratio for any zero between them.
     pub difference: f64,
-    /// The ratio expected for an unchanged specimen. It follows from the intervals of the parameters, from the remainder of the
-    /// models beyond the noise, and from the effect of temperature or cycles that a law may have absorbed. Null if intervals are
-    /// not known.
+    /// The ratio expected for an unchanged specimen. It follows from the intervals of the parameters, from the models' remainders
+    /// beyond the noise, and from effects of temperature or cycles that a law may have absorbed. Null if intervals are not known.
     pub expected: Option<f64>,
-    /// The chance, 0…1, of a difference this large for an unchanged specimen; null if intervals are not known.
+    /// The probability, 0…1, of a difference this large for an unchanged specimen; null if intervals are not known.
     pub p: Option<f64>,
     /// Whether a change is claimed.
     pub changed: bool,
-    /// How far the model's zero lies above the first one's, by assumption, mm.
+    /// The assumed position of the model's zero above the first model's zero, mm.
     pub shift_mm: f64,
     /// The place of the largest difference.
     pub largest: Place,
 }
 
-/// A place of the motion, and the difference there.
+/// A place of the motion, and the difference of the forces there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
@@ -47,10 +46,10 @@ pub struct Place {
     pub temperature: f64,
     /// Cycles since a recording began.
     pub cycles: f64,
-    /// The model's force minus the first one's, kN.
+    /// The model's force minus the first model's force, kN.
     #[serde(rename = "difference_kN")]
     pub difference: f64,
-    /// The same, over the RMS of the first one's force.
+    /// The same difference over the RMS of the first model's force.
     pub part: f64,
 }
 

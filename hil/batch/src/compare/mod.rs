@@ -58,23 +58,23 @@ pub struct EffectChange {
     pub family: String,
     /// The model, counted from 0, that differs from the one before.
     pub model: usize,
-    /// Whether that model has it; otherwise the one before had it.
+    /// Whether the effect appeared with this model; otherwise the model before it had the effect.
     pub appeared: bool,
 }
 
-/// One of the models, as a result names it.
+/// One of the compared models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
-    /// The path as given.
+    /// The path of the model, as given.
     pub name: String,
-    /// Its time, in the unit of the given times; its index, from 0, if none were given.
+    /// The model's time, in the unit of the given times; its index, counted from 0, if no times were given.
     pub time: f64,
-    /// Families of its effects.
+    /// Families of the model's effects.
     pub effects: Vec<String>,
-    /// Its error on held-out samples, if its trace gives it.
+    /// NRMSE on held-out samples; null if the model's trace does not give it.
     pub nrmse_held_out: Option<f64>,
-    /// Whether its trace gives the intervals of its parameters.
+    /// Whether the model's trace gives the intervals of its parameters.
     pub has_intervals: bool,
 }
 
@@ -82,27 +82,27 @@ pub struct Compared {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
-    /// The word that marks the file.
+    /// The format of the document.
     pub format: &'static str,
-    /// Its version.
+    /// The version of the format.
     pub version: u64,
-    /// The chance, 0…1, of any claim about an unchanged specimen.
+    /// The probability, 0…1, of any claimed change for an unchanged specimen.
     pub level: f64,
     /// The models in the order of time.
     pub models: Vec<Compared>,
-    /// Whether a change is claimed: of the force, and therefore of the specimen.
+    /// Whether a change of the force, and therefore of the specimen, is claimed.
     pub changed: bool,
-    /// Effects that not all models have and that the common motion does not show: they are undecided if no change is claimed.
+    /// Effects that not all models have and that the common motion does not excite. They are undecided if no change is claimed.
     pub undecided: Vec<Undecided>,
     /// The common motion of the comparison.
     pub common_motion: CommonMotion,
-    /// The force of every model except the first, compared to the first's.
+    /// The force of every model except the first, compared with the force of the first.
     pub forces: Vec<ForceChange>,
     /// The parameters of all models.
     pub parameters: Vec<ParameterChange>,
     /// Effects that appeared or vanished.
     pub effects: Vec<EffectChange>,
-    /// Comparisons that were not possible, with the reason.
+    /// Comparisons that were not possible, each with its reason.
     pub notes: Vec<String>,
 }
 

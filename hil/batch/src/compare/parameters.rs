@@ -8,13 +8,14 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::{ComparePolicy, Moment};
 
-/// A parameter from model to model.
+/// A parameter in all models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterChange {
-    /// `law`, or the family of the effect.
+    /// The owner of the parameter: `law`, or the family of the effect.
     pub of: String,
-    /// For a law: the amplitude in mm of the coefficient; 0 if it holds for all. Null for an effect.
+    /// For a parameter of the law, the amplitude of the coefficient, mm; 0 if it holds for all amplitudes. Null for a parameter of
+    /// an effect.
     pub amplitude_mm: Option<f64>,
     /// The parameter's name.
     pub parameter: String,
@@ -22,18 +23,18 @@ pub struct ParameterChange {
     pub unit: String,
     /// Its value in each model; null if a model has no such parameter.
     pub values: Vec<Option<Bounds>>,
-    /// The model, counted from 0, whose value differs most from the first one's relative to its interval; null if none can be
-    /// compared.
+    /// The model, counted from 0, whose value differs most from the first model's value, relative to its interval; null if no
+    /// values can be compared.
     pub most_in: Option<usize>,
-    /// Its value minus the first one's, relative to the first one's magnitude.
+    /// The value of that model minus the first model's value, relative to the first value's magnitude.
     pub change: Option<f64>,
-    /// The chance, 0…1, of values this different if the parameter is the same in all; null if not known.
+    /// The probability, 0…1, of values this different if the parameter is the same in all models; null if not known.
     pub p: Option<f64>,
-    /// Whether a change is claimed, which requires a claimed change of the force.
+    /// Whether a change of the parameter is claimed. This requires a claimed change of the force.
     pub changed: bool,
 }
 
-/// A value and its 90 % interval; the ends are null if not known, or if the data set no bound.
+/// A value and its 90 % interval. An end is null if it is not known, or if the data set no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {

@@ -8,15 +8,15 @@ use super::chance::{Chance, differences, mean_square};
 use super::run::{Held, Run};
 use super::{ComparePolicy, EffectChange, Moment};
 
-/// An effect that appeared or vanished, about which the common conditions of the models say nothing.
+/// An effect that appeared or vanished, but that the common conditions of the models do not excite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Undecided {
     /// The family's name.
     pub family: String,
-    /// The model, counted from 0, with which it appeared or vanished.
+    /// The model, counted from 0, with which the effect appeared or vanished.
     pub model: usize,
-    /// The test that would show whether the specimen changed, as text.
+    /// The test that would show whether the specimen changed, as a sentence.
     pub would_show: String,
 }
 

@@ -1,4 +1,4 @@
-//! `hil demo`: the whole way once, with no input.
+//! `hil demo`: the complete procedure once, without input.
 
 use std::path::{Path, PathBuf};
 
@@ -33,25 +33,25 @@ pub struct DemoCommand {
     json: Option<PathBuf>,
 }
 
-/// The whole way once: what was hidden, what was found, and how near the law came to it.
+/// The complete procedure once: the hidden effect, the effect found, and the improvement of the law.
 #[derive(Serialize)]
 #[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(super) struct Summary<'a> {
-    /// That drew the specimen.
+    /// Seed that drew the specimen.
     seed: u64,
     /// The effect that was hidden, and its size.
     hidden: DrawnEffect,
-    /// The families that the trace found.
+    /// Families of the effects that the trace found.
     found: Vec<&'a str>,
-    /// Whether the hidden effect was named, and nothing else.
+    /// Whether the trace named the hidden effect and nothing else.
     named: bool,
-    /// Whether the law came nearer the specimen in the closed loop.
+    /// Whether the augmented law is closer to the specimen in the closed loop than the law alone.
     nearer: bool,
-    /// RMS of the error of the law in the closed loop over the RMS of the measured force, before.
+    /// RMS of the baseline law's error in the closed loop over the RMS of the measured force.
     loop_error_before: f64,
-    /// The same NRMSE with what was found.
+    /// RMS of the augmented law's error in the closed loop over the RMS of the measured force.
     loop_error_after: f64,
-    /// As `trace.json` has it.
+    /// The result of the trace, as in `trace.json`.
     trace: &'a TraceResult,
 }
 
@@ -67,7 +67,7 @@ impl DemoCommand {
         let mut outputs = Plan::new()
             .fills(self.out.as_path(), names)
             .writes(&self.json)
-            // Its recording would stand beside what a run left of another one.
+            // The recording must not be mixed up with the partial recording of an interrupted run.
             .keeps(Journal::path_in(&self.out))
             .begin()?;
         let progress = Progress::steps();
@@ -176,7 +176,7 @@ fn facts(done: &Demo, summary: &Summary) -> Vec<(String, String)> {
     .into()
 }
 
-/// The loop on which the law alone is furthest off.
+/// The loop with the largest error of the law alone.
 fn largest_loop(report: &ReportData) -> Option<String> {
     let error = |series: &report::Series, block: &report::SeriesBlock| {
         let samples = block.cycle.clone();

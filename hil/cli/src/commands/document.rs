@@ -1,4 +1,4 @@
-//! What the commands write as JSON.
+//! The JSON documents of the commands.
 
 use std::path::PathBuf;
 
@@ -8,15 +8,15 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::{Label, LabelField, Labelled, Outputs};
 use serde::Serialize;
 
-/// What a command writes as JSON: it says which document it is, and in which version.
+/// A JSON document of a command. It states its type and version.
 pub trait Document: Serialize {
-    /// Which it is.
+    /// The document's type and version.
     const LABEL: Label;
 }
 
 /// Outputs that take documents.
 pub trait AddDocument {
-    /// Adds `document` under a path that was planned, as indented JSON.
+    /// Adds `document` under a planned path, as indented JSON.
     ///
     /// # Errors
     /// A value that JSON cannot hold.
@@ -34,7 +34,7 @@ impl AddDocument for Outputs {
         document: &T,
     ) -> Result<(), InputError> {
         match T::LABEL.field {
-            // It may be an array, which takes no fields.
+            // The document may be an array, which can have no additional fields.
             LabelField::Own => self.add_json(path, document),
             LabelField::Format | LabelField::Document => {
                 self.add_json(path, &Labelled::new(T::LABEL, document))

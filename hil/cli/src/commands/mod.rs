@@ -1,4 +1,4 @@
-//! The command line: one file per command. What a first look does not need is in `full`.
+//! The command line: one file for each command. `full` contains the commands that a first look does not need.
 
 mod demo;
 mod document;
@@ -47,7 +47,7 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what the command line asks for.
+    /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         #[cfg(feature = "full")]
         if let Some(path) = &self.policy {
@@ -69,22 +69,22 @@ impl Cli {
     }
 }
 
-/// Why a command did not end well.
+/// The reason why a command did not succeed.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The usage or the input was bad.
+    /// The usage or the input was wrong.
     #[error(transparent)]
     Input(#[from] InputError),
     /// The recordings could not be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
-    /// The work was done, and what it was to show does not hold.
+    /// The work was done, but a check failed.
     #[error("{0}")]
     Check(String),
 }
 
 impl Failure {
-    /// The exit code that says so.
+    /// The exit code for the failure.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Check(_) => ExitCode::from(1),
@@ -93,23 +93,22 @@ impl Failure {
     }
 }
 
-/// Why standard output did not take what was said, the first time.
+/// The first error of standard output.
 static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
 
-/// Prints results to standard output; who reads no more has read enough. [`Cli::run`] fails for anything else that keeps it from being
-/// written.
+/// Prints results to standard output. A reader that closed the pipe has seen enough. For any other error [`Cli::run`] fails.
 fn say(text: &str) {
     let mut output = std::io::stdout();
     match writeln!(output, "{text}").and_then(|()| output.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            // The first one counts.
+            // The first error counts.
             let _ = UNSAID.set(error);
         }
         _ => {}
     }
 }
 
-/// Whether none of the files that a command writes is standard output, which has room for the results in words then.
+/// Whether no file of a command is standard output, so that results in words can go there.
 #[cfg(feature = "full")]
 fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::PathBuf>>) -> bool {
     let dash = std::path::Path::new("-");
@@ -117,7 +116,7 @@ fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::Pa
 }
 
 #[cfg(feature = "full")]
-/// Prints to standard error what the user should know though the work goes on.
+/// Prints a warning to standard error; the work continues.
 fn warn(text: &str) {
     eprintln!("warning: {text}");
 }
@@ -128,10 +127,10 @@ mod tests {
 
     use super::Cli;
 
-    /// A narrow terminal shows an example of this many characters in one line, to be copied as it is.
+    /// An example of this many characters fits into one line of a narrow terminal and can be copied as it is.
     const WIDTH: usize = 79;
 
-    /// `command` and all below it, each with the words that call it.
+    /// `command` and all its subcommands, each with the words that call it.
     fn all_of(command: &Command, called: String) -> Vec<(String, Command)> {
         let below = command
             .get_subcommands()
@@ -151,7 +150,7 @@ mod tests {
         all_of(&whole, "hil".into())
     }
 
-    /// The examples that end a help text, each in one line.
+    /// The examples at the end of a help text, one line each.
     fn examples(help: &str) -> Vec<String> {
         let (_, last) = help
             .rsplit_once("Examples:\n")
@@ -165,11 +164,11 @@ mod tests {
         lines.map(str::to_owned).collect()
     }
 
-    /// The words of a line for a shell, without its redirections; of a pipe those of the last command.
+    /// The words of a shell line without its redirections; for a pipe, the words of the last command.
     fn words(line: &str) -> Vec<String> {
         let line = line.rsplit(" | ").next().unwrap_or(line);
         let line = line.split(" > ").next().unwrap_or(line);
-        // Every second part is within quotes, where blanks do not part words.
+        // Every second part is inside quotes, where blanks do not separate words.
         let quoted = line.split('\'').enumerate();
         let kept: String = quoted
             .map(|(index, part)| match index % 2 {

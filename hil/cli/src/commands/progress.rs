@@ -1,21 +1,21 @@
-//! What is being done, on standard error: a line that moves on a terminal, plain lines elsewhere.
+//! The progress on standard error: an updated line on a terminal, plain lines elsewhere.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Plain lines stand at least this far apart, so that short work prints none.
+/// Plain lines are at least this far apart, so that short work prints none.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
 
-/// The progress of one command. It goes away when dropped.
+/// The progress of one command. It disappears when dropped.
 pub struct Progress {
     bar: ProgressBar,
     last_line: Mutex<Instant>,
 }
 
 impl Progress {
-    /// Work whose end is not known.
+    /// Work of unknown length.
     pub fn steps() -> Self {
         Self::new(
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()),
@@ -42,13 +42,13 @@ impl Progress {
         }
     }
 
-    /// Says what is being done now.
+    /// Shows the current work.
     pub fn step(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         self.plain(|| what.to_owned());
     }
 
-    /// Says how many parts are done.
+    /// Shows the number of finished parts.
     pub fn done(&self, parts: u64) {
         self.bar.set_position(parts);
         self.plain(|| {

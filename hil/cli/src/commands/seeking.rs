@@ -1,4 +1,4 @@
-//! The options of the commands that trace: what is sought, and beside which law.
+//! The options of the commands that trace: the families to look for, and the baseline law.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::read_limit::ReadLimit;
 
-/// What a trace seeks.
+/// The families to look for in a trace.
 #[derive(Args, Clone, Debug)]
 pub struct Seeking {
     /// Look for these families of effects only, such as `stick_slip,yielding`; the default is all
@@ -33,15 +33,15 @@ pub struct Seeking {
 }
 
 impl Seeking {
-    /// The model whose effects are known.
+    /// The model with known effects.
     pub fn law(&self) -> Option<&Path> {
         self.law.as_deref()
     }
 
-    /// What these options ask for.
+    /// The settings of these options.
     ///
     /// # Errors
-    /// A model of known effects that cannot be read, or whose effects no fit has.
+    /// A model of known effects that cannot be read, or with an effect that the fit does not know.
     pub fn sought(&self, limit: ReadLimit) -> Result<Sought, InputError> {
         let known = match &self.law {
             Some(path) => {

@@ -1,4 +1,4 @@
-//! The test that would tell rivals apart, as a file that a rig follows.
+//! The test that would distinguish rivals, as a file that a rig follows.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_recording::decimal;
 use mesh_damper_recording::error::InputError;
 
-/// Its name in a trace's folder.
+/// Name of the file in a trace's folder.
 pub const FILE: &str = "separating-test.csv";
 
-/// Samples a second: a hundred to the cycle of the fastest block that a trace asks for, 10 Hz.
+/// Sampling rate, Hz: a hundred samples in a cycle of the fastest block that a trace asks for, 10 Hz.
 const RATE: f64 = 1000.0;
-/// Most blocks that a trace asks for, with room to spare.
+/// More blocks than any trace asks for.
 const BLOCKS: usize = 16;
-/// Cycles of each ramp, as `hil run --blocks` has them.
+/// Cycles of each ramp, the same as in `hil run --blocks`.
 const RAMP_CYCLES: u32 = 2;
 
 /// The command that runs the file at `path`.
@@ -26,8 +26,8 @@ pub fn command(path: &Path) -> String {
     )
 }
 
-/// The file at `path`: time and displacement of the blocks that `result` asks for, from rest to rest, with the ramps that
-/// `hil run --blocks` would put between them.
+/// Creates the file at `path`: time and displacement of the blocks that `result` asks for, from rest to rest, with the same ramps
+/// in between as in `hil run --blocks`.
 ///
 /// # Errors
 /// Blocks that the crate's generator does not run.

@@ -60,8 +60,9 @@ const KINDS: [MemoryKind; 9] = [
     MemoryKind::Sides,
 ];
 
-/// The axes of a residual table in place of speed, kind by kind. The level of the motion, its cycles and its acceleration are not
-/// among them: they explained none of the 130 unlisted effects of the blind trial and were chosen in no recording from others.
+/// The quantity on the axis of a residual table in place of speed. The amplitude of the motion, its cycles and its acceleration are
+/// not available: they explained none of the 130 unlisted effects of the blind trial, and were chosen in none of the recordings
+/// from other sources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -23,47 +23,50 @@ pub struct TraceResult {
     pub noise_floor_nrmse: f64,
     /// The law alone.
     pub baseline: Baseline,
-    /// Coefficients of the law together with the effects found, amplitude by amplitude; one entry if they hold for all.
+    /// Coefficients of the law, identified together with the effects found, amplitude by amplitude; one entry if they hold for all
+    /// amplitudes.
     pub law: Vec<LawEstimate>,
     /// The conclusion.
     pub verdict: Verdict,
-    /// The effects found; for [`Verdict::Ambiguous`], the effects that the data cannot distinguish.
+    /// The effects found. For [`Verdict::Ambiguous`], the effects that the data cannot distinguish.
     pub effects: Vec<FoundEffect>,
-    /// Effects in the law that are not confirmed, if others are and the law is incomplete.
+    /// Effects in the law that are not confirmed. Empty unless other effects are confirmed and the law is incomplete.
     #[serde(default)]
     pub unconfirmed: Vec<FoundEffect>,
-    /// Results for each effect from conditions held out in turn, if the error with the effects is above the noise.
+    /// Results for each effect on conditions that were held out in turn. Empty if the error with the effects is at the noise.
     #[serde(default)]
     pub conditions: Vec<HeldCondition>,
-    /// The remainder of the law with all effects beyond the noise; null if there is none.
+    /// The remainder beyond the noise of the law with all effects; null if there is none.
     #[serde(default)]
     pub remainder: Option<Remainder>,
-    /// All families tried, the best first.
+    /// All families that were tried, the best first.
     pub candidates: Vec<Candidate>,
-    /// The rule by which the search's result is not everything that the law lacks; null if it is, or if nothing was found.
+    /// The rule by which the effects found are not the complete explanation; null if they are, or if nothing was found.
     #[serde(default)]
     pub effects_rejected_by: Option<Rule>,
-    /// The rule by which there is no residual table although something is missing; null if there is a table, or nothing is missing.
+    /// The rule by which there is no residual table although the law is incomplete; null if there is a table, or if the law is
+    /// complete.
     #[serde(default)]
     pub table_rejected_by: Option<Rule>,
     /// The test that would distinguish the candidates, if one is needed.
     pub separating_test: Option<String>,
-    /// The blocks of that test, amplitude in mm and frequency in Hz; empty if none is needed, or if no test would help.
+    /// The blocks of the separating test, amplitude in mm and frequency in Hz; empty if no test is needed, or if no test would
+    /// help.
     #[serde(default)]
     pub separating_blocks: Vec<TestBlock>,
-    /// The variables that the force beyond the law depends on: `displacement`, `velocity`, `history`, `time`, `cycle`,
+    /// The variables on which the force beyond the law depends: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,
-    /// The correction without a name, if there is one.
+    /// The residual table; null if there is none.
     pub correction: Option<CorrectionSummary>,
     /// Problems of the data, as sentences.
     pub warnings: Vec<String>,
-    /// Guesses made in reading the recordings' files, as sentences.
+    /// Guesses made while reading the files of the recordings, as sentences.
     #[serde(default)]
     pub guesses: Vec<String>,
-    /// The law of `model.json` in f64: with the effects found, if they were adopted.
+    /// Errors of the law of `model.json` in f64; the law includes the effects found if they were adopted.
     pub augmented: Errors,
-    /// The same for the embedded law in f32.
+    /// Error of the same law as embedded in f32.
     pub on_target: OnTarget,
     /// Whether the law of `model.json` contains the effects found. It is the law alone if nothing was found, or if the effects do
     /// not improve it on conditions that are held out in turn.
@@ -82,7 +85,7 @@ pub struct TraceResult {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OperatingConditions {
-    /// Offset subtracted from the recorded displacement, mm: the law's displacement is counted from there.
+    /// Offset subtracted from the recorded displacement, mm: the law's displacement starts there.
     pub displacement_zero: [f64; 2],
     /// Temperature, °C; null if a recording has none.
     pub temperature: Option<[f64; 2]>,
@@ -104,9 +107,9 @@ fn is_adopted() -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
-    /// In f64.
+    /// Errors in f64.
     pub augmented: Errors,
-    /// On the embedded law in f32.
+    /// Error of the embedded law in f32.
     pub on_target: OnTarget,
 }
 
@@ -117,31 +120,31 @@ pub struct Rejected {
 pub enum Verdict {
     /// The law explains the recordings down to their noise.
     None,
-    /// Named effects explain the part that the law lacks.
+    /// Named effects explain the part of the force that the law does not.
     Found,
-    /// Several effects explain it equally well.
+    /// Several effects explain that part equally well.
     Ambiguous,
-    /// No listed effect explains it.
+    /// No listed effect explains that part.
     Unlisted,
 }
 
-/// The law before anything is added.
+/// The law before any effect is added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Baseline {
     /// The law's name: `mixed_damping`, `linear` or `none`.
     pub law: String,
-    /// The families of known effects: they are in the law, whatever was found.
+    /// Families of known effects. They are part of the law, whatever the search finds.
     #[serde(default)]
     pub known: Vec<String>,
-    /// On the fitted samples.
+    /// NRMSE on the fitted samples.
     pub nrmse_fitted: f64,
-    /// On the held-out samples.
+    /// NRMSE on the held-out samples.
     pub nrmse_held_out: f64,
-    /// On the validation data, as for the candidates; null in an older result.
+    /// Error on the validation data, as for the candidates; null in an older result.
     #[serde(default)]
     pub nrmse_judged: Option<f64>,
-    /// The error of the same law with its coefficients identified in two stages as in the paper (eqs 14, 15) and not jointly; null
+    /// Errors of the same law with its coefficients identified in two stages as in the paper (eqs 14, 15) instead of jointly; null
     /// if that fails.
     pub staged: Option<Errors>,
 }
@@ -150,7 +153,7 @@ pub struct Baseline {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawEstimate {
-    /// mm; 0 if the coefficients hold for all amplitudes.
+    /// Amplitude, mm; 0 if the coefficients hold for all amplitudes.
     pub amplitude: f64,
     /// Linear stiffness, kN/mm.
     pub k1: Estimate,
@@ -168,17 +171,17 @@ pub struct LawEstimate {
 pub struct FoundEffect {
     /// The family's name, as in the model file.
     pub family: String,
-    /// Its parameters by name.
+    /// The effect's parameters by name.
     pub parameters: BTreeMap<String, Estimate>,
     /// Held-out error without this effect.
     pub nrmse_without: f64,
-    /// Held-out error with it.
+    /// Held-out error with this effect.
     pub nrmse_with: f64,
-    /// The reason why it is not confirmed, for an effect that was tested against conditions held out in turn; null if it is
-    /// confirmed, or if the error of the law is only noise.
+    /// The reason why the effect is not confirmed, if it was tested on conditions held out in turn. Null if it is confirmed, or if
+    /// the error of the law is only noise.
     #[serde(default)]
     pub unconfirmed_by: Option<Rule>,
-    /// Families that do equally well in its place, if it is not confirmed because of them.
+    /// Families that do equally well in place of the effect, if it is not confirmed because of them.
     #[serde(default)]
     pub rivals: Vec<String>,
 }
@@ -187,13 +190,13 @@ pub struct FoundEffect {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldCondition {
-    /// Its recording.
+    /// Recording of the condition.
     pub recording: String,
-    /// Its first sample and the one after its last, s.
+    /// Times of the condition's first sample and of the first sample after it, s.
     pub span: [f64; 2],
-    /// Its amplitude, mm; null for a motion without blocks.
+    /// Amplitude of the condition, mm; null for a motion without blocks.
     pub amplitude: Option<f64>,
-    /// Its frequency, Hz; null for a motion without blocks.
+    /// Frequency of the condition, Hz; null for a motion without blocks.
     pub frequency: Option<f64>,
     /// NRMSE of the law with all effects.
     pub nrmse_with: f64,
@@ -201,18 +204,18 @@ pub struct HeldCondition {
     pub nrmse_without: BTreeMap<String, f64>,
 }
 
-/// The error that a law leaves.
+/// The remaining error of a law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remainder {
-    /// Over the RMS of the force.
+    /// Error over the RMS of the force.
     pub nrmse: f64,
-    /// As a multiple of the noise.
+    /// Error as a multiple of the noise.
     pub times_noise: f64,
     /// Whether this is the error on held-out samples; otherwise it is on fitted ones.
     #[serde(default)]
     pub held_out: bool,
-    /// The variables that it depends on, by the names of [`TraceResult::depends_on`].
+    /// The variables on which the remainder depends, by the names of [`TraceResult::depends_on`].
     pub depends_on: Vec<String>,
 }
 
@@ -222,15 +225,15 @@ pub struct Remainder {
 pub struct Estimate {
     /// Best value, in the unit.
     pub value: f64,
-    /// Lower end, in the unit; if the data set no bound, null in the file, and −∞.
+    /// Lower end, in the unit. If the data set no bound: −∞, and null in the file.
     #[serde(deserialize_with = "low")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub low: f64,
-    /// Upper end, in the unit; null and ∞ without a bound.
+    /// Upper end, in the unit. If the data set no bound: ∞, and null in the file.
     #[serde(deserialize_with = "high")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub high: f64,
-    /// Unit of all three.
+    /// Unit of the value and of both ends.
     pub unit: String,
 }
 
@@ -248,22 +251,23 @@ fn high<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
 pub struct Candidate {
     /// The family's name.
     pub family: String,
-    /// Held-out error of the law with it. The most promising candidates were fitted; the others, and all candidates for a law near
-    /// the noise, have the parameters of the start of a fit.
+    /// Held-out error of the law with this family. The candidates with the largest expected gain were fitted. The others, and all
+    /// candidates for a law near the noise, have the parameters at which a fit would start.
     pub nrmse_held_out: f64,
-    /// Whether the data distinguish it from the best of its step.
+    /// Whether the data distinguish the family from the best candidate of its step.
     pub distinguishable: bool,
-    /// The step at which it was tried, from 1: in addition to the law and the effects from earlier steps.
+    /// The step at which the family was tried, counted from 1. Each step starts from the law and the effects of the earlier steps.
     pub step: usize,
-    /// Whether it was added to the law at that step.
+    /// Whether the family was added to the law at that step.
     pub added: bool,
-    /// Whether the effect is admissible. An effect that would be a source of energy is never added, nor is a drift that stands
-    /// still within blocks or that the measured temperature explains.
+    /// Whether the effect is admissible. Three effects are never added: a source of energy, a drift that does not progress within
+    /// blocks, and a drift that the measured temperature explains.
     pub admissible: bool,
-    /// The rule by which it is not in the law; null if it is, or if the data do not distinguish it from an effect in the law.
+    /// The rule by which the family is not in the law; null if it is, or if the data do not distinguish it from an effect in the
+    /// law.
     #[serde(default)]
     pub rejected_by: Option<Rule>,
-    /// Error on the cycles that chose among the candidates.
+    /// NRMSE on the validation cycles, by which the candidates were compared.
     pub nrmse_judged: f64,
 }
 
@@ -271,27 +275,27 @@ pub struct Candidate {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
-    /// On the fitted samples.
+    /// NRMSE on the fitted samples.
     pub nrmse_fitted: f64,
-    /// On the held-out samples.
+    /// NRMSE on the held-out samples.
     pub nrmse_held_out: f64,
 }
 
-/// The error of the law as shipped to the target.
+/// The error of the embedded law, in f32 as the target runs it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnTarget {
-    /// On the held-out samples.
+    /// NRMSE on the held-out samples.
     pub nrmse_held_out: f64,
 }
 
-/// A correction without a name.
+/// The residual table, in short.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CorrectionSummary {
-    /// The memory, or other variable, of its table, if there is one.
+    /// The axis of the table in place of speed: a memory, or another variable; null for a table over speed.
     pub remembers: Option<Remembered>,
-    /// Largest force of its table, kN; the force never exceeds it, wherever the motion goes.
+    /// Largest force of the table, kN. The table's force never exceeds it, at any motion.
     pub largest: f64,
 }
 

@@ -7,53 +7,53 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// Of a candidate: no effects are added to a law that is noise-limited.
+    /// For a candidate: the law is noise-limited, and no effect is added to such a law.
     NoiseLimited,
-    /// Of a candidate: one of its terms is a source of energy, or a mass or a spring that pushes.
+    /// For a candidate: one of its terms would be a source of energy, or a negative mass or stiffness.
     NotPassive,
-    /// Of a drift: the cycles within blocks do not show it.
+    /// For a drift: the cycles within blocks do not show it.
     StandsStill,
-    /// Of a tone: its frequency is a sum of frequencies of the motion, which a specimen produces from them.
+    /// For a tone: its frequency is a sum of frequencies of the motion, and a specimen produces such frequencies itself.
     InStepWithMotion,
-    /// Of a drift: the measured temperature does equally well in its place.
+    /// For a drift: the measured temperature explains the force equally well.
     Warmth,
-    /// Of a candidate: it promised too little for a fit, and with the parameters of the start of a fit its error was larger than
-    /// that of the best of the step.
+    /// For a candidate: its expected gain was too small for a fit, and its error with the parameters at the start of a fit was
+    /// larger than that of the best candidate of the step.
     LittlePromise,
-    /// Of a candidate: the best of the step predicts the validation data clearly better.
+    /// For a candidate: the best candidate of the step predicts the validation data clearly better.
     Worse,
-    /// Of a candidate: it does as well as the best of the step, which has the same families in another form.
+    /// For a candidate: it predicts as well as the best candidate of the step, which has the same families in another form.
     SameFamilies,
-    /// Of a candidate: it does as well as the best of the step, but one of its shapes has a value at which the effect is a simpler
-    /// one.
+    /// For a candidate: it predicts as well as the best candidate of the step, but one of its shape parameters is at a limit at
+    /// which the effect reduces to a simpler one.
     AtLimit,
-    /// Of a candidate: two simpler effects together predict as well in its place.
+    /// For a candidate: two simpler effects together predict equally well.
     SimplerOnes,
-    /// Of a candidate: it does not predict the judging cycles clearly better than the law before the step.
+    /// For a candidate: it does not predict the validation cycles clearly better than the law before the step.
     LittleGain,
-    /// Of a candidate that was added: the validation data is predicted as well without it.
+    /// For an added candidate: the law without it predicts the validation data equally well.
     Needless,
-    /// Of a candidate that was added: it vanishes in the fit to all open samples.
+    /// For an added candidate: fitted to all training and validation data, it vanishes.
     Vanishes,
-    /// Of the effects found: their error is larger than that of noise-limited laws.
+    /// For the effects found: their error is larger than that of noise-limited laws.
     LeavesTooMuch,
-    /// Of the effects found: their residual beyond the noise is too large a part of the law's.
+    /// For the effects found: their residual beyond the noise is too large a part of the law's residual.
     AccountsForTooLittle,
-    /// Of the effects found: they hardly improve the prediction of blocks left out of the fit.
+    /// For the effects found: they hardly improve the prediction of blocks left out of the fit.
     UnknownElsewhere,
-    /// Of the effects found: they predict the held-out samples less well than the fitted ones, by more than the noise explains.
+    /// For the effects found: they predict the held-out samples worse than the fitted samples, by more than the noise explains.
     SaysLess,
-    /// Of an effect of an incomplete law: it does not reduce the error on some held-out condition, or too few conditions show it.
+    /// For an effect of an incomplete law: it does not reduce the error on every held-out condition, or too few conditions show it.
     HelpsNotEverywhere,
-    /// Of an effect that conditions confirm: it does not reduce the error on the held-out samples.
+    /// For an effect that conditions confirm: it does not reduce the error on the held-out samples.
     GainsNothingElsewhere,
-    /// Of such an effect: its parameters differ between fits without one or another condition by more than their uncertainty.
+    /// For such an effect: its parameters differ between the fits without single conditions by more than their uncertainty.
     Unsteady,
-    /// Of such an effect: another one in its place predicts the held-out conditions equally well.
+    /// For such an effect: another effect in its place predicts the held-out conditions equally well.
     Rivalled,
-    /// Of a residual table: no table fits clearly better than the law.
+    /// For a residual table: no table fits clearly better than the law.
     TableWorthLittle,
-    /// Of a residual table: it does not clearly improve the prediction of blocks left out of the fit.
+    /// For a residual table: it does not clearly improve the prediction of blocks left out of the fit.
     TableUnknownElsewhere,
 }
 

@@ -14,12 +14,11 @@ pub struct EnergyBalance {
     pub input: f64,
     /// Increase of the kinetic energy of all moving masses, J.
     pub kinetic: f64,
-    /// Increase of the energy in the springs of the law, of stops and of a compliance, with the coefficients at the end, J.
+    /// Increase of the energy stored in the springs of the law, of stops and of a compliance, with the coefficients at the end, J.
     pub elastic: f64,
-    /// The rest of the work on the damper, J. It includes the energy that springs behind friction and in relaxation hold at the
-    /// end.
+    /// The rest of the work on the damper, J. It includes the energy that friction and relaxation springs store at the end.
     pub dissipated: f64,
-    /// Energy that the time steps lose or gain, J.
+    /// Energy error of the time steps, J.
     pub residual: f64,
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Specimen {
     pub left_out: Vec<LeftOut>,
 }
 
-/// An effect that is left out, or that acts differently than in a prediction.
+/// An effect that the integration leaves out or treats differently from a prediction.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {

@@ -30,29 +30,29 @@ pub struct SweepRange {
     pub points: usize,
 }
 
-/// A sine of the base, and the steady motion of the mass.
+/// A sine of the base, and the steady motion of the mass that follows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SweepPoint {
-    /// Hz
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// Of the base, mm.
+    /// Amplitude of the base, mm.
     pub base_amplitude: f64,
     /// Fundamental of the mass's displacement over that of the base.
     pub transmissibility: f64,
-    /// Phase of that fundamental ahead of the base's, degrees, −180…180.
+    /// Phase of that fundamental ahead of the base's fundamental, degrees, −180…180.
     pub phase: f64,
-    /// Largest displacement of the mass from its mean, over the base's amplitude.
+    /// Largest displacement of the mass from its mean, over the amplitude of the base.
     pub peak: f64,
-    /// Half of the range of the damper's displacement, mm.
+    /// Half of the peak-to-peak displacement of the damper, mm.
     pub damper_amplitude: f64,
     /// Largest speed of the damper, mm/s.
     pub damper_speed: f64,
-    /// Cycles until the motion was steady.
+    /// Number of cycles until the motion was steady.
     pub cycles: usize,
     /// Whether the motion became steady; false for a motion that does not repeat from cycle to cycle.
     pub steady: bool,
-    /// Change of the fundamental when the steps were halved, as a fraction of it.
+    /// Change of the fundamental when the time steps were halved, as a fraction of the fundamental.
     pub change: f64,
 }
 
@@ -60,7 +60,7 @@ pub struct SweepPoint {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sweep {
-    /// Amplitude by amplitude, each in order of frequency.
+    /// The points, amplitude by amplitude, in order of frequency at each.
     pub points: Vec<SweepPoint>,
     /// Mass of the model's own effect `inertia`, kg.
     pub model_mass: f64,

@@ -20,7 +20,7 @@ const WARM_LOSS: f64 = 0.004;
 const CHAMBER: (f64, f64) = (20.0, 600.0);
 const SWING: (f64, f64) = (5.0, 1000.0);
 
-/// Disturbances during the test. In all of them the specimen settles, and the chamber warms.
+/// Disturbances during the test. The specimen settles and the chamber warms in all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -31,7 +31,7 @@ pub enum Surroundings {
     Hum,
     /// Bursts of 2 ms on both channels, up to 1 % of their amplitudes, every other cycle.
     Bursts,
-    /// The rig is stopped in the middle of a block, and started again.
+    /// The rig is stopped in the middle of a block and started again.
     Pauses,
     /// Blocks of several amplitudes.
     Blocks,
@@ -102,17 +102,17 @@ pub struct Healthy {
     pub density: f64,
     /// Amplitude, mm.
     pub amplitude: f64,
-    /// RMS of the force channel's noise divided by that of the force.
+    /// RMS of the force channel's noise over the RMS of the force.
     pub noise: f64,
-    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
+    /// Largest adaptation to slow changes, as a fraction of the law's coefficients; 0 without adaptation.
     pub follow: f64,
     /// Disturbances during the test.
     pub surroundings: Surroundings,
     /// Number of cycles run.
     pub cycles: u32,
-    /// Faults reported and stops, each with its cycle.
+    /// Reported faults and stops, each with its cycle.
     pub false_alarms: Vec<(u32, String)>,
-    /// Other reports: run-in and temperature.
+    /// Other reports, which are no faults: run-in and temperature.
     pub noted: Vec<(u32, String)>,
 }
 

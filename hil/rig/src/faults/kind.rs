@@ -15,11 +15,11 @@ use crate::actuator::{SensorFault, ServoFault};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
-    /// Found within five cycles.
+    /// The specimen: its fault is found within five cycles.
     Specimen,
-    /// Found within one cycle.
+    /// A sensor: its fault is found within one cycle.
     Sensor,
-    /// Found within one cycle.
+    /// The actuator: its fault is found within one cycle.
     Actuator,
 }
 

@@ -29,14 +29,14 @@ const SOON: u32 = 5;
 /// Permitted distance of a change from the bound when it is reported: its statistic contains noise.
 const NEAR: f64 = 0.02;
 
-/// The changing quantity.
+/// The quantity that changes slowly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Changing {
     /// The whole force: wires break one by one, or harden.
     Force,
-    /// The friction alone.
+    /// Only the friction.
     Friction,
 }
 
@@ -46,13 +46,13 @@ pub enum Changing {
 pub struct SlowChange {
     /// The changing quantity.
     pub changing: Changing,
-    /// Its final relative change.
+    /// Final relative change.
     pub size: f64,
     /// Density, g/cm³.
     pub density: f64,
     /// Amplitude, mm.
     pub amplitude: f64,
-    /// RMS of the force channel's noise divided by that of the force.
+    /// RMS of the force channel's noise over the RMS of the force.
     pub noise: f64,
     /// Seed of the sensors' noise.
     pub seed: u64,
@@ -62,13 +62,13 @@ pub struct SlowChange {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlowOutcome {
-    /// The change.
+    /// The slow change.
     pub change: SlowChange,
-    /// Faults reported before the break, each with its cycle and the amount of the change at that time.
+    /// Faults reported before the break, each with its cycle and the size of the change at that time.
     pub named: Vec<(u32, String, f64)>,
-    /// Whether the first is that of the change.
+    /// Whether the first of these faults is the change.
     pub right: bool,
-    /// RMS of the law's error divided by that of the measured force before the change.
+    /// RMS of the law's error over the RMS of the measured force, before the change.
     pub before: f64,
     /// The law's error at the end with adaptation.
     pub followed: Left,
@@ -76,17 +76,17 @@ pub struct SlowOutcome {
     pub stayed: Left,
     /// Whether the change is reported without adaptation.
     pub stayed_named: bool,
-    /// Cycles from the break to its report, and its name, if nothing was reported before.
+    /// Number of cycles from the break to its report, and the name of the report, if nothing was reported before the break.
     pub broken: Option<(u32, String)>,
 }
 
-/// Error of a law on the specimen.
+/// Error of a law against the specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Left {
-    /// RMS of its error divided by that of the measured force.
+    /// RMS of the law's error over the RMS of the measured force.
     pub error: f64,
-    /// Its energy divided by the measured one, minus 1.
+    /// Dissipated energy of the law over the measured energy, minus 1.
     pub energy: f64,
 }
 

@@ -14,23 +14,23 @@ use super::trial::Outcome;
 pub struct KindSummary {
     /// The kind.
     pub kind: InjectedFault,
-    /// Its size, in the unit of the trials.
+    /// Size of the fault, in the unit of the trials.
     pub size: f64,
     /// The faulty part of the rig.
     pub group: Group,
     /// Number of trials.
     pub trials: usize,
-    /// Faults that were found.
+    /// Number of faults found.
     pub found: usize,
-    /// Faults found in time.
+    /// Number of faults found in time.
     pub in_time: usize,
-    /// Faults named correctly.
+    /// Number of faults named correctly.
     pub right: usize,
-    /// Faults reported with two causes, of which the second is correct.
+    /// Number of faults reported with two causes, the second of which is correct.
     pub both: usize,
-    /// Median of the cycles until a cause was reported, of the faults that were found.
+    /// Median number of cycles until a cause was reported, of the faults that were found.
     pub median_cycles: Option<f64>,
-    /// The largest number of cycles.
+    /// Largest number of these cycles.
     pub worst_cycles: Option<f64>,
 }
 
@@ -42,38 +42,38 @@ pub struct Summary {
     pub kinds: Vec<KindSummary>,
     /// Number of trials.
     pub trials: usize,
-    /// Faults that were found.
+    /// Number of faults found.
     pub found: usize,
-    /// Faults found in time.
+    /// Number of faults found in time.
     pub in_time: usize,
-    /// Faults named correctly.
+    /// Number of faults named correctly.
     pub right: usize,
-    /// Faults reported with two causes, of which the second is correct.
+    /// Number of faults reported with two causes, the second of which is correct.
     pub both: usize,
-    /// Causes reported before there was a fault.
+    /// Number of causes reported before there was a fault.
     pub early: usize,
-    /// Largest true displacement divided by its limit, in any trial.
+    /// Largest true displacement over its limit, in any trial.
     pub displacement: f64,
-    /// Largest true force divided by its limit.
+    /// Largest true force over its limit, in any trial.
     pub force: f64,
-    /// Largest number of successive ticks for which a limit was truly exceeded, by more than noise can hide, while the line was
-    /// high.
+    /// Largest number of successive ticks at which a quantity exceeded its limit by more than noise can hide, while the enable line
+    /// was high.
     pub ticks_beyond: u32,
     /// Number of rigs that stopped.
     pub stopped: usize,
-    /// Number of these that were at rest in time.
+    /// Number of these rigs that were at rest in time.
     pub stopped_in_time: usize,
     /// Number of healthy cycles.
     pub healthy_cycles: u64,
-    /// Faults reported in them.
+    /// Number of faults reported in healthy cycles.
     pub false_alarms: usize,
-    /// Specimen by specimen.
+    /// Healthy runs, specimen by specimen.
     pub healthy: Vec<Healthy>,
-    /// Slow change by slow change.
+    /// Slow changes, one by one.
     pub slow: Vec<SlowOutcome>,
-    /// Trial by trial.
+    /// Outcomes, trial by trial.
     pub outcomes: Vec<Outcome>,
-    /// Attacks.
+    /// Results of all attacks.
     pub attacks: AttackSummary,
     /// Diagnostic coverage by the element that fails.
     pub coverage: Vec<Coverage>,

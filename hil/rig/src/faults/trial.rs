@@ -21,7 +21,7 @@ use crate::{Bench, Controlled, RigSetup, SetupError, TICK_RATE};
 pub struct Trial {
     /// The kind.
     pub kind: InjectedFault,
-    /// Its size: a part, a ratio or rad, as [`InjectedFault::sizes`] describes.
+    /// Size of the fault: a fraction, a ratio or rad, as [`InjectedFault::sizes`] describes.
     pub size: f64,
     /// Density, g/cm³.
     pub density: f64,
@@ -29,11 +29,11 @@ pub struct Trial {
     pub amplitude: f64,
     /// Frequency, Hz.
     pub frequency: f64,
-    /// RMS of the force channel's noise divided by that of the force.
+    /// RMS of the force channel's noise over the RMS of the force.
     pub noise: f64,
-    /// Part of the cycle at which it begins.
+    /// Fraction of the cycle at which the fault begins.
     pub moment: f64,
-    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
+    /// Largest adaptation to slow changes, as a fraction of the law's coefficients; 0 without adaptation.
     pub follow: f64,
     /// Seed of the sensors' noise.
     pub seed: u64,
@@ -47,24 +47,24 @@ pub struct Outcome {
     pub trial: Trial,
     /// All reported causes in order.
     pub named: Vec<String>,
-    /// Cycles from the time when the fault counted as present to the first report; 0 if it was before.
+    /// Number of cycles from the time when the fault counts as present to the first report; 0 if the report came earlier.
     pub cycles: Option<f64>,
-    /// Whether the first cause is that of the fault.
+    /// Whether the first reported cause is the fault.
     pub right: bool,
-    /// Whether the first event reports two causes, of which the second is that of the fault.
+    /// Whether the first event reports two causes, the second of which is the fault.
     pub both: bool,
     /// Whether a cause was reported before there was a fault.
     pub false_alarm: bool,
     /// Trip cause, if the rig stopped.
     pub stopped: Option<String>,
-    /// Largest true displacement divided by its limit.
+    /// Largest true displacement over its limit.
     pub displacement: f64,
-    /// Largest true force divided by its limit.
+    /// Largest true force over its limit.
     pub force: f64,
-    /// Largest number of successive ticks for which displacement or force truly exceeded a limit, by more than noise can hide,
-    /// while the line was high.
+    /// Largest number of successive ticks at which displacement or force exceeded its limit by more than noise can hide, while the
+    /// enable line was high.
     pub ticks_beyond: u32,
-    /// Whether the command went back to 0, and the line had dropped, within the stated ticks.
+    /// Whether the command returned to 0 and the enable line dropped within the stated ticks.
     pub stopped_in_time: bool,
 }
 

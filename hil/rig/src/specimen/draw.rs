@@ -22,7 +22,7 @@ const SHARE_RATE: f64 = 1000.0;
 /// Mass of fixture and piston above which a machine for these specimens cannot move them at 10 Hz, kg.
 const LARGEST_MASS: f64 = 500.0;
 
-/// The effect that [`draw`] hid.
+/// The effect that [`draw`] hides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DrawnEffect {
@@ -30,7 +30,7 @@ pub struct DrawnEffect {
     pub density: f64,
     /// The effect.
     pub effect: HiddenEffect,
-    /// Its RMS force relative to that of eq 13, under [`PROTOCOL`].
+    /// RMS of its force over that of eq 13, under [`PROTOCOL`].
     pub share: f64,
 }
 

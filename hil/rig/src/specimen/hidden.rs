@@ -4,24 +4,24 @@ use serde::{Deserialize, Serialize};
 
 use super::unlisted::Unlisted;
 
-/// An effect that eq 13 does not contain. Sizes may have either sign where physics allows it.
+/// An effect that eq 13 does not contain. A size may have either sign where physics allows it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HiddenEffect {
     /// F = f0: a preload.
     Offset {
-        /// f0, kN.
+        /// Force f0, kN.
         force: f64,
     },
     /// F = k2·y²: a stiffness that differs between the directions.
     Asymmetry {
-        /// kN/mm².
+        /// Stiffness k2, kN/mm².
         k2: f64,
     },
-    /// F = k5·y⁵: wires that close up.
+    /// F = k5·y⁵: wires that close up under compression.
     Hardening {
-        /// kN/mm⁵.
+        /// Stiffness k5, kN/mm⁵.
         k5: f64,
     },
     /// Friction joints behind a spring.
@@ -33,16 +33,16 @@ pub enum HiddenEffect {
         /// The transition from sticking to slipping.
         shape: SlipShape,
     },
-    /// F = c·v.
+    /// F = c·v: viscous damping.
     Viscous {
-        /// kN·s/mm.
+        /// Damping c, kN·s/mm.
         c: f64,
     },
     /// A Maxwell branch: Ḟ = stiffness·v − F/time.
     Relaxation {
-        /// kN/mm.
+        /// Stiffness, kN/mm.
         stiffness: f64,
-        /// s.
+        /// Relaxation time, s.
         time: f64,
     },
     /// A spring and a dashpot in series: Ḟ = stiffness·(v − w) with F = force·tanh(w/rate) + c·w.
@@ -51,112 +51,112 @@ pub enum HiddenEffect {
         stiffness: f64,
         /// Force at which the dashpot yields, kN.
         force: f64,
-        /// Rate at which it has yielded, mm/s.
+        /// Rate of the dashpot at which it has yielded, mm/s.
         rate: f64,
-        /// kN·s/mm.
+        /// Damping c, kN·s/mm.
         c: f64,
     },
     /// F = m·a: a mass that the load cell carries.
     Inertia {
-        /// kg, that is 1e-6 kN·s²/mm.
+        /// Mass, kg, that is 1e-6 kN·s²/mm.
         mass: f64,
     },
-    /// F = k·(1 − e^(−n/N))·y with n cycles run: wires that bed in (k > 0) or break (k < 0).
+    /// F = k·(1 − e^(−n/N))·y after n cycles: wires that bed in (k > 0) or break (k < 0).
     Drift {
         /// The final change k, kN/mm.
         stiffness: f64,
-        /// N, cycles.
+        /// Number of cycles N.
         cycles: f64,
     },
-    /// F = −β·(T − T0)·(force of eq 13), in a chamber that warms from T0 = 20 °C as T0 + rise·(1 − e^(−t/time)).
+    /// F = −β·(T − T0)·(force of eq 13), in a chamber that warms as T0 + rise·(1 − e^(−t/time)) with T0 = 20 °C.
     Temperature {
         /// β, loss of force per degree, 1/°C.
         beta: f64,
-        /// °C.
+        /// Final rise of the temperature, °C.
         rise: f64,
-        /// s.
+        /// Time constant of the warming, s.
         time: f64,
     },
     /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop on one side.
     Stop {
         /// Stiffness of the contact, kN/mm.
         stiffness: f64,
-        /// Displacement at contact, mm: on the positive side if positive, else on the negative.
+        /// Displacement at contact, mm: on the positive side if positive, otherwise on the negative side.
         gap: f64,
     },
-    /// The specimen feels the displacement beyond ±half_width: play in the clamping.
+    /// Play in the clamping: the specimen feels only the displacement beyond ±half_width.
     Gap {
-        /// mm.
+        /// Half of the play, mm.
         half_width: f64,
-        /// Whether it does not feel the velocity inside either.
+        /// Whether the specimen does not feel the velocity inside the play either.
         loose: bool,
     },
     /// The force channel is delayed.
     Delay {
-        /// s.
+        /// Delay, s.
         time: f64,
     },
-    /// A spring holds the specimen: the sensor measures the motion of both.
+    /// A spring between specimen and clamping: the sensor measures the motion of both.
     Compliance {
         /// Compliance of the spring, mm/kN.
         compliance: f64,
     },
-    /// F = force·sin(2π·frequency·t + phase), t from the test's beginning: a tone from another source.
+    /// F = force·sin(2π·frequency·t + phase), with t from the beginning of the test: a tone from another source.
     Periodic {
-        /// kN.
+        /// Amplitude of the force, kN.
         force: f64,
-        /// Hz.
+        /// Frequency, Hz.
         frequency: f64,
-        /// rad.
+        /// Phase, rad.
         phase: f64,
     },
-    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v parallel to it, both multiplied by w, where an input u
-    /// sets w: lag·dw/dt = u − w.
+    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v parallel to it, both multiplied by w. An input u
+    /// controls w: lag·dw/dt = u − w.
     ControlInput {
         /// Stiffness of the spring at an input of 1, kN/mm.
         stiffness: f64,
         /// Force at which the dashpot yields at an input of 1, kN.
         force: f64,
-        /// Rate at which it has yielded, mm/s.
+        /// Rate of the dashpot at which it has yielded, mm/s.
         rate: f64,
         /// Viscosity at an input of 1, kN·s/mm.
         c: f64,
-        /// s.
+        /// Time constant of w, s.
         lag: f64,
-        /// u over time.
+        /// The input u over time.
         schedule: Schedule,
     },
     /// F = difference·|damping force of eq 13|: a damping that differs between the directions.
     Directional {
-        /// −1…1.
+        /// Difference between the directions, −1…1.
         difference: f64,
     },
-    /// A friction joint behind a spring, with play between the two that moves along with the joint.
+    /// A friction joint behind a spring, with play between the two that moves with the joint.
     Backlash {
-        /// kN/mm.
+        /// Stiffness of the spring, kN/mm.
         stiffness: f64,
         /// Stretch of the spring at which the joint slips, mm.
         slip_limit: f64,
-        /// The whole play, mm.
+        /// The full play, mm.
         slack: f64,
     },
-    /// F = stiffness·y/(1 + m/softening), m the largest displacement so far: contacts that a larger motion has opened.
+    /// F = stiffness·y/(1 + m/softening) with m the largest displacement so far: contacts that a larger motion has opened.
     Degradation {
-        /// kN/mm.
+        /// Stiffness without softening, kN/mm.
         stiffness: f64,
-        /// mm.
+        /// Displacement at which the stiffness is halved, mm.
         softening: f64,
     },
     /// An effect without a family in the tracer.
     Unlisted(Unlisted),
 }
 
-/// An input that is set from time to time to one of five levels, from 0 on.
+/// An input that takes one of five levels from 0 on and holds it for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
-    /// The highest level; a control input, as a part of its full range.
+    /// The highest level; for a control input, as a fraction of its full range.
     pub most: f64,
     /// Time for which each level is held, s.
     pub hold: f64,
@@ -184,14 +184,14 @@ impl Schedule {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SlipShape {
-    /// All at once: one Jenkins element.
+    /// Abrupt: one Jenkins element.
     Sharp,
-    /// Smoothly: Bouc–Wen, ẋ = v·(1 − |x/limit|^n·(1 + sgn(v·x))/2).
+    /// Smooth: Bouc–Wen, ẋ = v·(1 − |x/limit|^n·(1 + sgn(v·x))/2).
     Smooth {
-        /// The exponent n; the larger, the sharper.
+        /// The exponent n. A larger exponent gives a sharper transition.
         exponent: f64,
     },
-    /// One after another: sliders with limits spread evenly from 0 to twice the slip limit.
+    /// Gradual: sliders with limits spread evenly from 0 to twice the slip limit.
     Spread {
         /// Number of sliders.
         sliders: usize,

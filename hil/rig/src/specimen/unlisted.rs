@@ -25,77 +25,77 @@ const WALK_DURATION: f64 = 100.0;
 pub enum Unlisted {
     /// F = μ·|y|·sgn v: friction under a load that grows with displacement.
     LoadFriction {
-        /// kN/mm.
+        /// Coefficient of friction times load per displacement, μ, kN/mm.
         mu: f64,
     },
     /// F = f·e^(−(v/vs)²)·sgn v: friction that weakens with velocity (Stribeck).
     VelocityWeakening {
-        /// kN.
+        /// Force f, kN.
         force: f64,
-        /// vs, mm/s.
+        /// Velocity vs, mm/s.
         velocity: f64,
     },
     /// F = a·y·v.
     CrossLinear {
-        /// kN·s/mm².
+        /// Coefficient a, kN·s/mm².
         a: f64,
     },
     /// F = a·y²·v: a dashpot that grows with displacement.
     CrossSquare {
-        /// kN·s/mm³.
+        /// Coefficient a, kN·s/mm³.
         a: f64,
     },
     /// F = −f·ln(1 + t/t0): a preload that creeps.
     Creep {
-        /// kN.
+        /// Force f, kN.
         force: f64,
-        /// t0, s.
+        /// Time t0, s.
         time: f64,
     },
-    /// F = −k·(1 − e^(−m/m0))·y with m the largest past |y|: softening by the largest stretch (Mullins).
+    /// F = −k·(1 − e^(−m/m0))·y with m the largest |y| so far: softening by the largest stretch (Mullins).
     Mullins {
-        /// kN/mm.
+        /// Stiffness k, kN/mm.
         stiffness: f64,
-        /// m0, mm.
+        /// Stretch m0, mm.
         stretch: f64,
     },
-    /// F = c·v·|v|.
+    /// F = c·v·|v|: quadratic drag.
     QuadraticDrag {
-        /// kN·s²/mm².
+        /// Coefficient c, kN·s²/mm².
         c: f64,
     },
     /// F = c·v for v > 0 only: a damper that pulls in one direction.
     OneWayDamping {
-        /// kN·s/mm.
+        /// Damping c, kN·s/mm.
         c: f64,
     },
     /// F = c·v for y > 0 only: a damper with contact on one side.
     OneSidedDamping {
-        /// kN·s/mm.
+        /// Damping c, kN·s/mm.
         c: f64,
     },
     /// Relaxation on all time scales, with modulus ∝ t^−order (a spring-pot).
     Fractional {
-        /// kN/mm at 1 s.
+        /// Stiffness at 1 s, kN/mm.
         stiffness: f64,
-        /// 0…1.
+        /// Order of the spring-pot, 0…1.
         order: f64,
     },
-    /// F = k·ln(frequency/1 Hz)·y with the frequency of the running block, 1 Hz if it is not known.
+    /// F = k·ln(frequency/1 Hz)·y with the frequency of the running block; 1 Hz if the frequency is not known.
     FrequencyStiffness {
-        /// kN/mm.
+        /// Stiffness k, kN/mm.
         stiffness: f64,
     },
     /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one position.
     PlaceFriction {
-        /// kN.
+        /// Force f, kN.
         force: f64,
-        /// mm.
+        /// Place, mm.
         place: f64,
-        /// mm.
+        /// Width, mm.
         width: f64,
     },
-    /// A zero of the load cell that follows a random walk.
+    /// A zero of the load cell that drifts in a random walk.
     RandomWalk {
         /// RMS after 1 s, kN.
         force: f64,
@@ -104,11 +104,11 @@ pub enum Unlisted {
     },
     /// A mass on a spring and a dashpot, hung on the moving end.
     Resonance {
-        /// kg.
+        /// Mass, kg.
         mass: f64,
-        /// Hz.
+        /// Natural frequency, Hz.
         frequency: f64,
-        /// Ratio to critical damping.
+        /// Damping ratio.
         damping: f64,
     },
 }

@@ -40,15 +40,16 @@ const LOAD: usize = 3;
 const ELEMENTS: usize = 4;
 const WIDTH: usize = ELEMENTS + LIMITS;
 
-/// The terms of a law.
+/// The structure of a law: its terms.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Structure {
-    /// Friction that grows with |y|.
+    /// Whether the law has friction that grows with |y|.
     pub load_friction: bool,
-    /// Most Jenkins elements, up to [`MAX_STICK_SLIP_ELEMENTS`].
+    /// Largest number of Jenkins elements, up to [`MAX_STICK_SLIP_ELEMENTS`].
     pub elements: usize,
-    /// Penalty of a coefficient, in addition to the error: the square of its share of a loop's force, times this value squared.
+    /// Weight of the penalty on coefficients, which is added to the error. The penalty is the square of a coefficient's part of a
+    /// loop's force, times the square of this weight.
     pub ridge: f64,
 }
 
@@ -75,21 +76,21 @@ pub struct Loops {
     rows: Vec<usize>,
 }
 
-/// One set of coefficients.
+/// One set of coefficients of a law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedLaw {
-    /// kN/mm
+    /// Linear stiffness, kN/mm.
     pub k1: f64,
-    /// kN/mm³
+    /// Cubic stiffness, kN/mm³.
     pub k3: f64,
-    /// kN·(s/mm)^α
+    /// Damping coefficient, kN·(s/mm)^α.
     pub c: f64,
-    /// α, the exponent of the velocity.
+    /// Damping exponent α of the velocity, dimensionless.
     pub alpha: f64,
-    /// λ, 1/mm
+    /// Load coefficient λ of the friction, 1/mm.
     pub load: f64,
-    /// kN/mm and mm
+    /// Jenkins elements: stiffness, kN/mm, and slip limit, mm.
     pub elements: Vec<(f64, f64)>,
 }
 

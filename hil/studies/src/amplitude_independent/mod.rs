@@ -35,7 +35,7 @@ use compare::{interpolated, loop_between, of_surfaces};
 use fit::{Loops, structures};
 use loops::{BETWEEN, FITTED, HELD_OUT, amplitude};
 
-/// The law without amplitude for every density, and its errors.
+/// The amplitude-independent law at every density, and its errors.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Study {
@@ -43,25 +43,25 @@ pub struct Study {
     pub frequencies: Vec<f64>,
     /// The structure of the law.
     pub structure: Structure,
-    /// Every structure that was tried, with its mean NRMSE at 0.10 and 0.20 mm, each left out in turn.
+    /// Every structure that was tried, with its mean NRMSE at 0.10 and 0.20 mm, each of which was left out in turn.
     pub tried: Vec<(Structure, f64)>,
-    /// By density.
+    /// Results by density.
     pub densities: Vec<DensityResult>,
 }
 
-/// One density.
+/// The result for one density.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DensityResult {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// The law without amplitude.
+    /// The amplitude-independent law.
     pub law: FittedLaw,
-    /// NRMSE of one set of eq 13.
+    /// Coefficients of eq 13 that are the same for all amplitudes.
     pub equation_13: FittedLaw,
-    /// NRMSE of the law without amplitude on the fitted loops, by amplitude and frequency.
+    /// NRMSE of the amplitude-independent law on the fitted loops, by amplitude and frequency.
     pub fitted: Vec<f64>,
-    /// NRMSE at 0.15 mm by frequency.
+    /// NRMSE of each law at 0.15 mm, by frequency.
     pub held_out: Vec<HeldOut>,
 }
 
@@ -69,18 +69,18 @@ pub struct DensityResult {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldOut {
-    /// Hz
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// NRMSE of one set of eq 13.
+    /// NRMSE of eq 13 with the same coefficients for all amplitudes.
     pub equation_13: f64,
-    /// NRMSE of the tables, interpolated between the rows on either side.
+    /// NRMSE of the tables, interpolated between the rows on both sides.
     pub tables: f64,
     /// NRMSE of the published surfaces, eqs 16–19.
     pub surfaces: f64,
-    /// NRMSE of the measured loops, interpolated phase by phase. This is no law: it shows the limit that the scatter of the tables
-    /// sets.
+    /// NRMSE of the measured loops, interpolated phase by phase. This is no law: it shows the limit set by the scatter of the
+    /// tables.
     pub loops: f64,
-    /// The law without amplitude, computed by the crate in f32.
+    /// NRMSE of the amplitude-independent law, computed by the crate in f32.
     pub law: f64,
 }
 

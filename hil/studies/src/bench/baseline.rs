@@ -22,15 +22,15 @@ const GATE: f64 = 0.05;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
-    /// `mesh-damper bench-baseline`.
+    /// The format: `mesh-damper bench-baseline`.
     #[serde(default = "format")]
     format: String,
-    /// 1.
+    /// The version of the format, 1.
     #[serde(default = "version")]
     version: u32,
-    /// The tools of the counts.
+    /// The tools with which the counts were made.
     pub tools: Tools,
-    /// The crate's counts, without those of its peers.
+    /// The crate's counts, without the counts of its peers.
     pub counts: Vec<Entry>,
 }
 

@@ -11,14 +11,14 @@ use serde::{Deserialize, Serialize};
 /// Time limit for an image. Images take seconds; one that takes this long hangs.
 const LONGEST: Duration = Duration::from_secs(180);
 
-/// A core that counts.
+/// A core whose instructions are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Core {
-    /// With a floating-point unit of single precision.
+    /// Cortex-M4F, with a single-precision floating-point unit.
     #[serde(rename = "cortex-m4f")]
     CortexM4f,
-    /// Without one.
+    /// Cortex-M0, without a floating-point unit.
     #[serde(rename = "cortex-m0")]
     CortexM0,
 }
@@ -41,7 +41,7 @@ impl Core {
     }
 }
 
-/// The count of the calls of one region, in instructions.
+/// The counts of a group of calls, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Count {
@@ -49,7 +49,7 @@ pub struct Count {
     pub core: Core,
     /// The function that was called.
     pub name: String,
-    /// The kind of call: calls with different work are counted separately.
+    /// The kind of call. Calls with different work are counted separately.
     pub moment: String,
     /// The number of calls.
     pub calls: u64,

@@ -16,11 +16,11 @@ use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LargestError {
-    /// The function, as in [`Count::name`].
+    /// The function, named as in [`Count::name`].
     pub name: String,
-    /// Its result, and the reference of the error.
+    /// The result of the function and the reference of the error.
     pub of: &'static str,
-    /// The error, without a unit.
+    /// The error, dimensionless.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
 }

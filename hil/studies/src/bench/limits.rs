@@ -26,17 +26,17 @@ pub enum Side {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
-    /// The subject.
+    /// The name of the limit.
     pub name: Cow<'static, str>,
     /// The figure's unit.
     pub unit: &'static str,
-    /// The required side.
+    /// The side of the limit on which the figure has to be.
     pub side: Side,
     /// The limit, in the unit.
     pub limit: f64,
-    /// The figure, in the unit; none if it was not measured.
+    /// The measured figure, in the unit; null if it was not measured.
     pub figure: Option<f64>,
-    /// The reason why it does not count against a run, if there is one.
+    /// The reason why a figure beyond the limit does not fail the run; null if there is none.
     pub excuse: Option<&'static str>,
 }
 

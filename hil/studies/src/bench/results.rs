@@ -6,19 +6,19 @@ use super::count::{Core, Count};
 use super::judge::LargestError;
 use super::limits::Verdict;
 
-/// Everything that was counted, judged and measured.
+/// Everything that was counted, compared with limits and measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Results {
-    /// The tools.
+    /// The tools with which the counts were made.
     pub tools: Tools,
-    /// Instructions.
+    /// Instruction counts.
     pub counts: Vec<Count>,
-    /// Errors against f64.
+    /// Errors of results against f64.
     pub errors: Vec<LargestError>,
-    /// Bytes.
+    /// Sizes, bytes.
     pub sizes: Vec<Size>,
-    /// On this machine's clock: they differ from run to run.
+    /// Rates by this machine's clock, which differ from run to run.
     pub rates: Vec<Rate>,
     /// The limits, and whether they are met.
     pub limits: Vec<Verdict>,
@@ -26,13 +26,13 @@ pub struct Results {
     pub left_out: Vec<String>,
 }
 
-/// The tools on which the counts depend, in addition to the code.
+/// The tools on which the counts depend in addition to the code.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Tools {
-    /// The compiler of the images.
+    /// The Rust compiler of the images.
     pub rustc: String,
-    /// That of the peer in C, with its options.
+    /// The C compiler of the peer, with its options; null if there is none.
     pub c: Option<String>,
     /// The emulator.
     pub emulator: String,
@@ -58,7 +58,7 @@ pub struct Rate {
     pub name: &'static str,
     /// Operations per second.
     pub per_second: f64,
-    /// Relative to the rig's 10,000 ticks per second.
+    /// The rate over the 10,000 ticks per second of the rig.
     pub times_real_time: f64,
 }
 

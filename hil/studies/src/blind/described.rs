@@ -33,15 +33,15 @@ const VISIBLE: (f64, f64) = (5.0, 300.0);
 /// Draws before an effect is given up because no test shows it.
 const DRAWS: i32 = 50;
 
-/// An effect of the crate.
+/// An effect of the crate, drawn from the crate's description of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DescribedEffect {
-    /// Its family.
+    /// The family of the effect.
     pub family: &'static str,
-    /// Its own name.
+    /// The name of the effect.
     pub name: &'static str,
-    /// Its parameters in the order of its description, element by element.
+    /// The parameters in the order of the effect's description, element by element.
     pub parameters: Vec<f64>,
     #[serde(skip)]
     number: u8,

@@ -39,7 +39,7 @@ const SIZING_RATE: f64 = 500.0;
 /// Lowest rate at which the specimen is computed, Hz.
 const TRUTH_RATE: f64 = 4000.0;
 
-/// The right answer of the tracer.
+/// The correct answer of the tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -59,9 +59,9 @@ pub enum Class {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Hidden {
-    /// With separate physics.
+    /// The hidden effect uses separate physics.
     Specimen(HiddenEffect),
-    /// With the crate's physics.
+    /// The hidden effect uses the crate's physics.
     Described(DescribedEffect),
 }
 
@@ -89,9 +89,9 @@ impl Hidden {
 pub struct Sized {
     /// The effect.
     pub effect: Hidden,
-    /// RMS of its force in the training test over that of the noise.
+    /// RMS of the effect's force in the training test over the RMS of the noise.
     pub size: f64,
-    /// RMS of the residual of eq 13, fitted separately at each amplitude, over that of the noise.
+    /// RMS of the residual of eq 13, fitted separately at each amplitude, over the RMS of the noise.
     pub visible: f64,
 }
 
@@ -101,17 +101,17 @@ pub struct Sized {
 pub struct Secret {
     /// The seed.
     pub seed: u64,
-    /// The right answer of the tracer.
+    /// The correct answer of the tracer.
     pub class: Class,
-    /// g/cm³.
+    /// Density, g/cm³.
     pub density: f64,
     /// The hidden effects.
     pub effects: Vec<Sized>,
     /// The tests.
     pub programme: Programme,
-    /// Samples a second, Hz.
+    /// Sampling rate, Hz.
     pub rate: f64,
-    /// RMS of the force's noise over that of the force.
+    /// RMS of the force's noise over the RMS of the force.
     pub noise: f64,
     /// Whether the chamber warms although nothing depends on it.
     pub warms: bool,

@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use super::draw::{Class, Secret, Trial};
 
-/// A trial and its answer.
+/// A trial, its truth and its answer.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// The truth.
     pub secret: Secret,
-    /// The answer; if the trace was refused, the reason.
+    /// The answer of the trace, or the reason why it was refused.
     pub said: Result<Said, String>,
 }
 
@@ -21,11 +21,11 @@ pub struct Outcome {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Said {
-    /// Its verdict.
+    /// The verdict of the trace.
     pub verdict: Verdict,
-    /// The families that it named.
+    /// The families that the trace named.
     pub families: Vec<String>,
-    /// The memory of its residual table, if it has a table with one.
+    /// The memory of the residual table; null if there is no table, or if it has no memory.
     pub remembers: Option<Remembered>,
     /// Held-out error of eq 13 over the noise.
     pub before: f64,
@@ -33,16 +33,16 @@ pub struct Said {
     pub after: f64,
 }
 
-/// How well an answer fits the truth.
+/// The correctness of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
-    /// Exactly.
+    /// Correct.
     Right,
     /// The truth is among several effects that the trace could not distinguish.
     Among,
-    /// Another answer.
+    /// Any other answer.
     Wrong,
 }
 

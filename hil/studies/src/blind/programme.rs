@@ -13,11 +13,11 @@ use serde::Serialize;
 pub enum TestShape {
     /// Several amplitudes, each slowly and fast.
     Amplitudes,
-    /// One amplitude at several frequencies, and another.
+    /// One amplitude at several frequencies, and a second amplitude.
     Frequencies,
     /// One long block, which continues in the held-out part.
     Long,
-    /// One short block; the held-out test repeats it.
+    /// One short block, which the held-out test repeats.
     Single,
 }
 
@@ -25,11 +25,11 @@ pub enum TestShape {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Programme {
-    /// Its shape.
+    /// Shape of the tests.
     pub shape: TestShape,
     /// The fitted blocks.
     pub training: Vec<TestBlock>,
-    /// The held-out blocks; for [`TestShape::Long`] the training block with more cycles.
+    /// The held-out blocks. For [`TestShape::Long`], the training block with more cycles.
     pub held_out: Vec<TestBlock>,
 }
 

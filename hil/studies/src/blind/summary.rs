@@ -36,43 +36,43 @@ impl Rate {
     }
 }
 
-/// Held-out error of the embedded law over the noise.
+/// Held-out error of the embedded law over the noise, in quantiles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ratios {
-    /// Half of the ratios are below.
+    /// The median: half of the ratios are smaller.
     pub median: f64,
-    /// Nine ratios in ten are below.
+    /// The ninth decile: nine in ten ratios are smaller.
     pub ninth_decile: f64,
-    /// All other ratios are below.
+    /// The largest ratio.
     pub worst: f64,
 }
 
-/// The results of many trials. Rates of hidden effects count only effects at least three times above the noise.
+/// The results of many trials. Rates of hidden effects count only effects that are at least three times the noise.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// One listed effect, and only it named.
+    /// Trials with one listed effect, in which only that effect was named.
     pub listed: Rate,
-    /// The same, or named among several that cannot be distinguished.
+    /// Trials with one listed effect that was named, alone or among several indistinguishable effects.
     pub listed_or_among: Rate,
-    /// Nothing hidden, but an effect found.
+    /// Trials without an effect in which one was found.
     pub false_discoveries: Rate,
-    /// Two listed effects, both named.
+    /// Trials with two listed effects, both named.
     pub pairs: Rate,
-    /// The same, or named among several.
+    /// Trials with two listed effects, both named, alone or among several.
     pub pairs_or_among: Rate,
-    /// An unlisted effect, reported as unlisted.
+    /// Trials with an unlisted effect that was reported as unlisted.
     pub unlisted: Rate,
-    /// An unlisted effect with the name of another.
+    /// Trials with an unlisted effect that was given the name of another one.
     pub unlisted_named: Rate,
-    /// An unlisted effect that the law predicts to 1.5 times the noise or a tenth of eq 13's error.
+    /// Trials with an unlisted effect that the law predicts within 1.5 times the noise, or within a tenth of the error of eq 13.
     pub unlisted_mended: Rate,
-    /// By class.
+    /// Errors by class of trial.
     pub ratios: BTreeMap<Class, Ratios>,
-    /// For each truth, how often each answer was given. Unlisted truths are in brackets.
+    /// How often each answer was given for each truth. Unlisted truths are in brackets.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
-    /// Seeds whose effect no test shows.
+    /// Seeds of trials whose effect no test shows.
     pub not_shown: Vec<u64>,
     /// The trials.
     pub outcomes: Vec<Outcome>,

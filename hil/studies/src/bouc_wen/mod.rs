@@ -90,13 +90,13 @@ pub struct Records {
 pub struct Score {
     /// The test's name.
     pub test: &'static str,
-    /// RMS of the difference between the forces of model and record, over the RMS of the record's force.
+    /// RMS of the force difference between model and record, over the RMS of the record's force.
     pub force_nrmse: f64,
     /// RMS of the record's displacement, m.
     pub displacement_rms: f64,
-    /// RMS error of the simulated displacement, m; null if the model has no motion.
+    /// RMS error of the simulated displacement, m; null if the model gives no motion.
     pub displacement_error: Option<f64>,
-    /// The reason for having no motion.
+    /// The reason why the model gives no motion; null if it gives one.
     pub refused: Option<String>,
 }
 
@@ -104,15 +104,15 @@ pub struct Score {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BoucWenResult {
-    /// Seed of phases and noise.
+    /// Seed of the phases and the noise.
     pub seed: u64,
     /// Verdict of the trace.
     pub verdict: Verdict,
     /// Families that the trace named.
     pub families: Vec<String>,
-    /// Mass that it found, kg; the true mass is 2 kg.
+    /// Mass that the trace found, kg; the true mass is 2 kg.
     pub mass: Option<f64>,
-    /// Test by test.
+    /// Scores, test by test.
     pub scores: Vec<Score>,
 }
 

@@ -28,7 +28,7 @@ use serde::Serialize;
 
 use search::{Search, amplitudes_about};
 
-/// The requirements.
+/// The requirements of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wanted {
@@ -38,11 +38,11 @@ pub struct Wanted {
     pub loss_factor: f64,
     /// Frequency of the excitation, Hz. The tables are for 1 Hz; elsewhere they are extrapolated by |v|^α.
     pub frequency: f64,
-    /// The range of permitted amplitudes, mm; a single one if both are equal.
+    /// Smallest and largest permitted amplitude, mm; equal for a single amplitude.
     pub amplitudes: (f64, f64),
-    /// A solution may miss each figure by this fraction.
+    /// Largest miss of each figure in a solution, as a fraction of the required value.
     pub tolerance: f64,
-    /// The coefficients of the specimens.
+    /// The source of the specimens' coefficients.
     pub law: Source,
 }
 
@@ -128,13 +128,13 @@ impl Wanted {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Point {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// K, kN/mm.
+    /// Dynamic stiffness K, kN/mm.
     pub stiffness: f64,
-    /// η, the loss factor.
+    /// Loss factor η.
     pub loss_factor: f64,
 }
 
@@ -143,9 +143,9 @@ pub struct Point {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Meets {
-    /// Both figures, exactly.
+    /// Both figures are met exactly.
     Both,
-    /// Both within the tolerance: a near miss.
+    /// Both figures are within the tolerance: a near miss.
     WithinTolerance,
 }
 
@@ -153,17 +153,18 @@ pub enum Meets {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Solution {
-    /// The point where both figures are met or, if they can be met only within the tolerance, are nearest.
+    /// The point at which both figures are met. If they are met only within the tolerance, the nearest point.
     pub point: Point,
-    /// Which of the two.
+    /// How well the point meets the requirements.
     pub meets: Meets,
-    /// The result of the other set of coefficients there, from samples and eqs 3–7: it had no part in finding the point.
+    /// The figures at this point from the other set of coefficients, computed from samples and eqs 3–7. This set had no part in the
+    /// search.
     pub by_other_law: Figures,
-    /// The range of amplitudes around it at which this density keeps both within the tolerance, mm.
+    /// Smallest and largest amplitude around the point at which this density keeps both figures within the tolerance, mm.
     pub amplitudes: (f64, f64),
 }
 
-/// The figures that any density and amplitude can give.
+/// The figures that the available densities and amplitudes can reach.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reachable {
@@ -171,11 +172,11 @@ pub struct Reachable {
     pub stiffness: (f64, f64),
     /// Smallest and largest η.
     pub loss_factor: (f64, f64),
-    /// Smallest and largest η with the required K; `None` if no point has it.
+    /// Smallest and largest η at the required K; null if no point has it.
     pub loss_factor_at_stiffness: Option<(f64, f64)>,
-    /// Smallest and largest K with the required η, kN/mm.
+    /// Smallest and largest K at the required η, kN/mm; null if no point has it.
     pub stiffness_at_loss_factor: Option<(f64, f64)>,
-    /// The point where K and η are nearest to the required values, by the logarithms of their ratios.
+    /// The point at which K and η are nearest to the required values, by the logarithms of their ratios.
     pub nearest: Point,
 }
 
@@ -185,9 +186,9 @@ pub struct Reachable {
 pub struct Design {
     /// The requirements.
     pub wanted: Wanted,
-    /// Every solution, by density; empty if none is within the tolerance.
+    /// All solutions, by density; empty if no point is within the tolerance.
     pub solutions: Vec<Solution>,
-    /// The possible figures.
+    /// The figures that can be reached.
     pub reachable: Reachable,
 }
 

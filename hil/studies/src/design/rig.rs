@@ -17,21 +17,21 @@ const CYCLES: u32 = 6;
 /// Cycles of each ramp.
 const RAMP_CYCLES: u32 = 2;
 
-/// Means over the steady cycles of a run.
+/// Means over the steady cycles of a run on the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnRig {
-    /// Number of cycles.
+    /// Number of cycles averaged.
     pub cycles: usize,
     /// Amplitude that the actuator reached, mm.
     pub amplitude: f64,
-    /// K of the specimen, measured with the sensors' noise, kN/mm.
+    /// Dynamic stiffness K of the specimen, measured with the sensors' noise, kN/mm.
     pub stiffness: f64,
-    /// Loss factor η of the specimen, a ratio measured in the same way.
+    /// Loss factor η of the specimen, measured in the same way.
     pub loss_factor: f64,
-    /// K of the crate's law that ran in parallel on the measured motion, kN/mm.
+    /// K of the crate's law on the same measured motion, kN/mm.
     pub model_stiffness: f64,
-    /// η of the crate's law, in the same way.
+    /// η of the crate's law on the same measured motion.
     pub model_loss_factor: f64,
 }
 

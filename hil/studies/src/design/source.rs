@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use crate::surfaces::{self, Surfaces};
 
-/// Eq 13 over density and amplitude: one of two sets of coefficients of the same tests.
+/// A source of the coefficients of eq 13 over density and amplitude. Both sources come from the same tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
     /// Tables 6–9, interpolated linearly between their cells.
     Tables,
-    /// The surfaces fitted to their loops.
+    /// The surfaces fitted to the loops of the tables.
     Surfaces,
 }
 

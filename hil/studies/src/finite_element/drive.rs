@@ -29,21 +29,21 @@ pub(super) struct Drive {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StaticCurve {
-    /// mm, from 0.
+    /// Displacement, mm, from 0.
     pub displacement: Vec<f64>,
-    /// kN
+    /// Force, kN.
     pub force: Vec<f64>,
 }
 
-/// One cycle of a sine that begins at y = 0, in equal steps of time; the last sample is at the cycle's end.
+/// One cycle of a sine that begins at y = 0, in equal time steps. The last sample is at the end of the cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForceLoop {
-    /// mm
+    /// Displacement, mm.
     pub displacement: Vec<f64>,
-    /// mm/s
+    /// Velocity, mm/s.
     pub velocity: Vec<f64>,
-    /// kN
+    /// Force, kN.
     pub force: Vec<f64>,
     /// Number of the cycle from rest, from 1.
     pub cycle: usize,

@@ -25,7 +25,7 @@ pub const TABLE_5: Prony = Prony {
     times: [0.4, 0.2],
 };
 
-/// The meaning of D1 = 0.35.
+/// The interpretation of D1 = 0.35.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -34,7 +34,7 @@ pub enum VolumetricReading {
     Equation8,
     /// The program's incompressibility parameter, W = (J − 1)²/D1, in 1/MPa: a bulk modulus of 5.7 MPa.
     Incompressibility,
-    /// Poisson's ratio without deformation. In the other two readings the ratio is negative at 2.5, 3.5 and 4.0 g/cm³.
+    /// Poisson's ratio in the undeformed state. With the other two readings, the ratio is negative at 2.5, 3.5 and 4.0 g/cm³.
     PoissonRatio,
 }
 
@@ -45,7 +45,7 @@ pub enum VolumetricReading {
 pub enum SignReading {
     /// Negative: C01 makes the material softer.
     AsPrinted,
-    /// The same values as positive ones.
+    /// Positive: the same values without their sign.
     Positive,
 }
 
@@ -53,9 +53,9 @@ pub enum SignReading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reading {
-    /// Of D1.
+    /// The interpretation of D1.
     pub volumetric: VolumetricReading,
-    /// Of C01.
+    /// The sign of C01.
     pub sign: SignReading,
 }
 

@@ -33,10 +33,10 @@ const MANDREL_STIFFNESS: f64 = 1000.0;
 #[serde(rename_all = "snake_case")]
 pub enum Bore {
     /// Frictionless, and free to leave the mandrel, as in the paper. Only the motion presses the bore on, and 1.16 % of the
-    /// instantaneous stiffness remains. So the bore creeps away from the mandrel over some twenty cycles, until it hardly touches
-    /// it any more. Such a loop belongs to a cycle counted from rest, and is never the steady loop of a test.
+    /// instantaneous stiffness remains, so the bore creeps away from the mandrel over about twenty cycles, until it hardly touches
+    /// it. Such a loop belongs to one cycle counted from rest. It is never the steady loop of a test.
     Separable,
-    /// Frictionless, and never off the mandrel, as if the ring was pressed on to it: this simplification has a steady loop.
+    /// Frictionless, and never off the mandrel, as if the ring were pressed on to it. This simplification has a steady loop.
     Gliding,
     /// Bonded to it.
     Bonded,
@@ -46,11 +46,11 @@ pub enum Bore {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divisions {
-    /// Elements around half the circumference, ≥ 1.
+    /// Elements around half of the circumference, ≥ 1.
     pub around: usize,
-    /// Through the wall, ≥ 1.
+    /// Elements through the wall, ≥ 1.
     pub through: usize,
-    /// Along half the height, ≥ 1.
+    /// Elements along half of the height, ≥ 1.
     pub along: usize,
 }
 
@@ -67,20 +67,20 @@ impl Divisions {
 
 /// A finite-element model of the ring: a rigid fixture, bonded to the outer surface, moves it across a rigid mandrel.
 ///
-/// By symmetry a quarter represents the whole: half the circumference and half the height. Inertia is neglected: at 1 Hz it takes a
-/// ten-thousandth of a newton.
+/// By symmetry, a quarter represents the whole: half of the circumference and half of the height. Inertia is neglected: at 1 Hz it
+/// is a ten-thousandth of a newton.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RingModel {
-    /// g/cm³, one of Table 4's.
+    /// Density, g/cm³, one of those in Table 4.
     pub density: f64,
-    /// Of Table 4.
+    /// The reading of Table 4.
     pub reading: Reading,
-    /// Of the quarter.
+    /// The mesh of the quarter.
     pub divisions: Divisions,
-    /// Of the mandrel.
+    /// The contact between bore and mandrel.
     pub bore: Bore,
-    /// Steps of time in a cycle, ≥ 4.
+    /// Number of time steps in a cycle, ≥ 4.
     pub steps: usize,
 }
 

@@ -6,15 +6,16 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// The result of a blind trial in two counts.
+/// The score of a blind trial: two counts out of a total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
-    /// Trials with the right answer.
+    /// Number of trials with the right answer.
     pub right: usize,
-    /// Trials that count.
+    /// Number of trials that count.
     pub of: usize,
-    /// Trials with an unlisted effect that were predicted to 1.5 times the noise or a tenth of the law's error.
+    /// Number of trials with an unlisted effect that the law predicts within 1.5 times the noise, or within a tenth of the law's
+    /// error.
     pub mended: usize,
 }
 
@@ -38,25 +39,25 @@ impl Score {
     }
 }
 
-/// The scores of a number's variations; `None` if the number cannot be varied in that way, or the trial failed with it.
+/// The scores with a number doubled and halved. Null if the number cannot be varied in that way, or if the trial failed with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cost {
-    /// With half of the number.
+    /// The score with half of the number.
     pub halved: Option<Score>,
-    /// With twice the number.
+    /// The score with twice the number.
     pub doubled: Option<Score>,
 }
 
-/// The results of a study of the numbers.
+/// The results of a study of the policy's numbers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Costs {
     /// The seeds of the blind trial.
     pub seeds: Range<u64>,
-    /// With all numbers at their defaults; `None` if nothing was measured.
+    /// The score with all numbers at their defaults; null if it was not measured.
     pub default: Option<Score>,
-    /// By the number's path.
+    /// The costs by the path of the number.
     pub costs: BTreeMap<String, Cost>,
 }
 

@@ -32,13 +32,13 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Analysis {
-    /// The result.
+    /// The name of the result.
     pub response: String,
-    /// Its level sums and ranges by factor.
+    /// Level sums and ranges by factor.
     pub ranges: Vec<LevelSums>,
     /// The factors from the largest range to the smallest.
     pub order: Vec<String>,
-    /// Its analysis of variance.
+    /// Analysis of variance.
     pub variance: Variance,
 }
 

@@ -13,13 +13,13 @@ const HALF_DIGIT: f64 = 0.501e-4;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misprint {
-    /// `ΣK_1` to `ΣK_3`, or `R`.
+    /// The name of the figure: `ΣK_1` to `ΣK_3`, or `R`.
     pub figure: String,
-    /// Of this factor.
+    /// The factor that the figure belongs to.
     pub factor: &'static str,
-    /// As printed, in the result's unit.
+    /// The printed value, in the result's unit.
     pub printed: f64,
-    /// From the runs, in the same unit.
+    /// The value recomputed from the runs, in the same unit.
     pub recomputed: f64,
 }
 
@@ -27,15 +27,15 @@ pub struct Misprint {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AgainstPrint {
-    /// The result.
+    /// The name of the result.
     pub response: &'static str,
-    /// Figures that differ in the fourth decimal or before.
+    /// Figures that differ in the fourth decimal or earlier.
     pub misprints: Vec<Misprint>,
     /// The factors in the order of the ranges from the runs.
     pub order_of_runs: [&'static str; 4],
-    /// In the order of the ranges as printed.
+    /// The factors in the order of the printed ranges.
     pub order_of_printed_ranges: [&'static str; 4],
-    /// In the order that the text states.
+    /// The factors in the order stated in the text.
     pub order_in_text: [&'static str; 4],
 }
 

@@ -6,17 +6,17 @@ use serde::Serialize;
 use super::array::LEVELS;
 use super::experiment::{Factor, Response};
 
-/// The sums for the levels of one factor.
+/// Sums for the levels of one factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LevelSums {
     /// The factor.
     pub factor: String,
-    /// Its levels.
+    /// The levels of the factor.
     pub levels: [String; LEVELS],
-    /// ΣK for every level: the sum of the means of its three runs, in the result's unit.
+    /// Level sums ΣK: for each level, the sum of the means of its three runs, in the result's unit.
     pub sums: [f64; LEVELS],
-    /// R, the largest of the sums minus the smallest, in the result's unit.
+    /// Range R: the largest of the sums minus the smallest, in the result's unit.
     pub range: f64,
 }
 

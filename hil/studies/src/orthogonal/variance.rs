@@ -39,7 +39,7 @@ const FREEDOM: usize = LEVELS - 1;
 /// Sums of squares below this fraction of the squares themselves are rounding.
 const ROUNDING: f64 = 1e-24;
 
-/// The error that the factors are compared with.
+/// The error with which the factors are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -50,27 +50,27 @@ pub enum ErrorSource {
     FreeColumns,
     /// The factor with the smallest sum of squares: the array is saturated.
     SmallestColumn,
-    /// Nothing: the results do not scatter at all.
+    /// None: the results do not scatter.
     None,
 }
 
-/// One factor's line of the table.
+/// The line of one factor in the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
-    /// The factor, or `free columns` for the columns without a factor in repeated runs, which show interactions.
+    /// The factor, or `free columns` for the columns without a factor in repeated runs. Those columns show interactions.
     pub name: String,
-    /// In the square of the result's unit.
+    /// Sum of squares, in the square of the result's unit.
     pub sum_of_squares: f64,
     /// Degrees of freedom.
     pub freedom: usize,
     /// Fraction of the total sum of squares, 0…1.
     pub share: f64,
-    /// F: mean square over that of the error. `None` for the error itself, and without an error.
+    /// Ratio F of the mean square to that of the error; null for the error itself, and if there is no error.
     pub f: Option<f64>,
-    /// The probability that error alone gives such an F, from the F distribution.
+    /// The probability that error alone gives such an F, from the F distribution; null if there is no F.
     pub p_nominal: Option<f64>,
-    /// The same probability, accounting for the choice of the error; it differs only in a saturated array.
+    /// The same probability corrected for the choice of the error. It differs from `p_nominal` only in a saturated array.
     pub p: Option<f64>,
 }
 
@@ -78,19 +78,20 @@ pub struct Effect {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Variance {
-    /// One for each factor, in their order, and one for free columns if runs were repeated.
+    /// One effect for each factor, in their order, and one for the free columns if runs were repeated.
     pub effects: Vec<Effect>,
-    /// The error for comparison.
+    /// The error for the comparison.
     pub error: ErrorSource,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of the error.
     pub error_freedom: usize,
-    /// Its mean square, in the square of the result's unit.
+    /// Mean square of the error, in the square of the result's unit.
     pub error_mean_square: f64,
-    /// Sum of squares about the mean of everything, in the square of the result's unit.
+    /// Sum of squares about the overall mean, in the square of the result's unit.
     pub total: f64,
-    /// In a saturated array, the probability that error alone gives a largest column with this fraction of the total.
+    /// In a saturated array, the probability that error alone gives a largest column with this fraction of the total; null in other
+    /// arrays.
     pub p_largest: Option<f64>,
-    /// The factors distinct from error at [`SIGNIFICANCE`], largest first.
+    /// The factors distinguished from error at [`SIGNIFICANCE`], the largest first.
     pub told: Vec<String>,
 }
 

@@ -17,11 +17,11 @@ pub const FREQUENCY: f64 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dynamics {
-    /// K, kN/mm.
+    /// Dynamic stiffness K, kN/mm.
     pub stiffness: f64,
-    /// η_d, the dynamic loss factor.
+    /// Dynamic loss factor η_d.
     pub loss_factor: f64,
-    /// ΔW, J.
+    /// Dissipated energy ΔW, J.
     pub dissipated: f64,
 }
 
@@ -29,15 +29,15 @@ pub struct Dynamics {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cell {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// As printed.
+    /// The coefficients, as printed.
     pub coefficients: Coefficients,
-    /// Results of its loop at 1 Hz.
+    /// Results of the cell's loop at 1 Hz.
     pub dynamics: Dynamics,
-    /// How often the curvature of a branch of its loop changes sign; for an ellipse never.
+    /// Number of sign changes of the curvature on a branch of the loop; 0 for an ellipse.
     pub inflections: usize,
 }
 

@@ -12,9 +12,9 @@ use serde::Serialize;
 pub enum Verdict {
     /// The recomputation confirms the statement.
     Holds,
-    /// It gives another result.
+    /// The recomputation gives another result.
     Fails,
-    /// The paper does not give the data that it takes.
+    /// The paper does not give the data that the recomputation needs.
     CannotTell,
 }
 
@@ -38,17 +38,17 @@ impl Verdict {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Claim {
-    /// A short name, unique among the claims.
+    /// Short name, unique among the claims.
     pub name: &'static str,
-    /// Section, equation, table or figure.
+    /// Section, equation, table or figure of the paper.
     pub place: &'static str,
     /// The statement.
     pub says: &'static str,
     /// Whether it holds.
     pub verdict: Verdict,
-    /// The reason, in a line.
+    /// The reason for the verdict, in one line.
     pub reason: String,
-    /// The deciding numbers; units are in their names.
+    /// The numbers that decide. Their units are in their names.
     pub figures: BTreeMap<String, f64>,
 }
 

@@ -25,17 +25,17 @@ pub const JUDGED: usize = 1;
 /// Samples of a cycle for comparisons of the law alone.
 const SAMPLES: usize = 1000;
 
-/// The difference of a simulated loop from that of the tables.
+/// The difference between a simulated loop and the loop of the tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compared {
-    /// RMS of the error over that of the force.
+    /// NRMSE: RMS of the error over the RMS of the force.
     pub nrmse: f64,
     /// σ of eq 21 at each of [`GUARDS`].
     pub sigma: [f64; 4],
-    /// Its stiffness and loss factor.
+    /// Stiffness and loss factor of the simulated loop.
     pub dynamics: Dynamics,
-    /// RMS of the difference between the loop and its nearest ellipse, over the loop's RMS.
+    /// RMS of the difference between the simulated loop and its nearest ellipse, over the RMS of the loop.
     pub beside_ellipse: f64,
 }
 
@@ -43,23 +43,23 @@ pub struct Compared {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Condition {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// From the tables' loop.
+    /// Results of the loop from the tables.
     pub measured: Dynamics,
-    /// Fraction of the RMS of the tables' loop that an ellipse does not explain.
+    /// RMS of the part of the tables' loop that an ellipse does not explain, over the RMS of the loop.
     pub measured_beside_ellipse: f64,
-    /// Eq 20 as printed.
+    /// Eq 20 as printed, compared with the tables' loop.
     pub printed: Compared,
-    /// Eq 20 with eq 18 corrected.
+    /// Eq 20 with eq 18 corrected, compared with the tables' loop.
     pub corrected: Compared,
-    /// The crate's surfaces.
+    /// The crate's surfaces, compared with the tables' loop.
     pub surfaces: Compared,
-    /// Finite elements, or the reason for having none.
+    /// The finite elements, compared with the tables' loop, or the reason why there is no comparison.
     pub finite_elements: Result<Compared, String>,
-    /// Their loop.
+    /// The loop of the finite elements; null if there is none.
     #[serde(skip)]
     pub finite_element_loop: Option<ForceLoop>,
 }
@@ -68,11 +68,11 @@ pub struct Condition {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
-    /// At 0.1 mm, by density.
+    /// Conditions at 0.1 mm, by density.
     pub by_density: Vec<Condition>,
-    /// At 2.0 g/cm³, by amplitude.
+    /// Conditions at 2.0 g/cm³, by amplitude.
     pub by_amplitude: Vec<Condition>,
-    /// For [`Compared::sigma`].
+    /// The guards of [`Compared::sigma`].
     pub guards: [f64; 4],
 }
 

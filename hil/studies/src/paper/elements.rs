@@ -21,49 +21,49 @@ const MESHES: [usize; 4] = [1, 2, 3, 4];
 /// Displacement for the comparison of meshes, mm: the largest amplitude of the tests.
 const MESHES_AT: f64 = AMPLITUDES[4];
 
-/// The result of each choice.
+/// The results of the finite elements for each assumption.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementStudy {
-    /// Every reading of Table 4.
+    /// Results for every reading of Table 4.
     pub readings: Vec<TriedReading>,
-    /// Every bore.
+    /// Results for every contact of the bore.
     pub bores: Vec<TriedBore>,
-    /// From coarse to fine.
+    /// Results for every mesh, from coarse to fine.
     pub meshes: Vec<TriedMesh>,
-    /// By density.
+    /// Compressions, by density.
     pub compressions: Vec<Compression>,
 }
 
-/// A reading of Table 4.
+/// The result for a reading of Table 4.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedReading {
     /// The reading.
     pub reading: Reading,
-    /// Its steady loops at 0.1 mm compared to the tables', by density, or the reason for having none.
+    /// Comparison of its steady loops at 0.1 mm with the tables' loops, by density, or the reason why there is none.
     pub by_density: Vec<Result<Compared, String>>,
 }
 
-/// A bore, at 2.0 g/cm³ and 0.1 mm.
+/// The result for a bore, at 2.0 g/cm³ and 0.1 mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedBore {
-    /// The bore.
+    /// The contact between bore and mandrel.
     pub bore: Bore,
-    /// The cycle from rest; none for the steady loop.
+    /// The cycle counted from rest; null for the steady loop.
     pub cycle: Option<usize>,
-    /// The loop compared to the tables', or the reason for having none.
+    /// Comparison of the loop with the tables' loop, or the reason why there is none.
     pub found: Result<Compared, String>,
 }
 
-/// A mesh, at 2.0 g/cm³.
+/// The result for a mesh, at 2.0 g/cm³.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriedMesh {
     /// Elements through the wall.
     pub through: usize,
-    /// Force of a sudden compression to 0.25 mm, kN, or the reason for having none.
+    /// Force of a sudden compression to 0.25 mm, kN, or the reason why there is none.
     pub force: Result<f64, String>,
 }
 
@@ -71,9 +71,9 @@ pub struct TriedMesh {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compression {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// The curve, or the reason for having none.
+    /// The curve, or the reason why there is none.
     pub curve: Result<StaticCurve, String>,
 }
 

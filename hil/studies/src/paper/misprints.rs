@@ -25,17 +25,17 @@ pub enum Surface {
     Alpha,
 }
 
-/// A cell and a value.
+/// A cell and its fitted value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FreeCell {
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// As printed, in the table's unit.
+    /// The printed value, in the table's unit.
     pub printed: f64,
-    /// The value for which the printed surface would be the fit, in the table's unit.
+    /// The value at which the printed surface would be the fit, in the table's unit.
     pub fitted: f64,
     /// The remaining component in the span of the terms, in the table's unit.
     pub left: f64,
@@ -45,17 +45,17 @@ pub struct FreeCell {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitCheck {
-    /// The equation.
+    /// Name of the equation.
     pub equation: &'static str,
     /// R² of the printed surface against the printed table.
     pub r_squared: f64,
-    /// R² of the best surface of the same terms.
+    /// R² of the best surface with the same terms.
     pub best_r_squared: f64,
-    /// Norm of the residual's component in the span of the terms.
+    /// Norm of the residual's component in the span of the terms, in the table's unit.
     pub left: f64,
-    /// The same from the rounding of the printed coefficients alone: the root of its mean square, and its largest value.
+    /// The same norm from the rounding of the printed coefficients alone: root mean square, and largest value.
     pub rounding: (f64, f64),
-    /// Every cell made free, starting with the one with the smallest remainder.
+    /// Every cell with its value fitted, the cell with the smallest remainder first.
     pub free: Vec<FreeCell>,
 }
 
@@ -66,22 +66,22 @@ impl FitCheck {
     }
 }
 
-/// A cell compared to its prediction from the others of its table.
+/// A cell compared with its prediction from the other cells of its table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
-    /// The table's number, 6–9.
+    /// Number of the table, 6–9.
     pub table: usize,
-    /// g/cm³
+    /// Density, g/cm³.
     pub density: f64,
-    /// mm
+    /// Amplitude, mm.
     pub amplitude: f64,
-    /// As printed, in the table's unit.
+    /// The printed value, in the table's unit.
     pub printed: f64,
-    /// From the other cells, in the table's unit.
+    /// The value predicted from the other cells, in the table's unit.
     pub predicted: f64,
-    /// The difference over the standard deviation of the others' own differences (externally studentised): beyond 2.5 for one in
-    /// 42 cells by chance.
+    /// The difference over the standard deviation of the other cells' differences (externally studentised). By chance, one cell in
+    /// 42 is beyond 2.5.
     pub ratio: f64,
 }
 

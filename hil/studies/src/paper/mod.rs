@@ -32,43 +32,44 @@ use crate::orthogonal::Analysis;
 use crate::surfaces::{self, Surfaces};
 use cells::FREQUENCY;
 
-/// All results.
+/// All results of the study of the paper.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Paper {
     /// Every statement, in the order of the paper.
     pub claims: Vec<Claim>,
-    /// Every cell of Tables 6–9: rows are amplitudes, columns densities.
+    /// The cells of Tables 6–9: rows are amplitudes, columns densities.
     pub cells: [[Cell; 5]; 5],
-    /// Table 3 by ranges and variance: loss factor, stiffness.
+    /// Table 3 analysed by ranges and variance: first the loss factor, then the stiffness.
     pub orthogonal_test: Vec<Analysis>,
     /// Whether eqs 17–19 are the fits of their tables.
     pub fits: [FitCheck; 3],
-    /// Every cell compared to the others of its table, the farthest first.
+    /// Every cell compared with the other cells of its table, the farthest first.
     pub left_out: Vec<LeftOut>,
     /// The crate's surfaces.
     pub surfaces: Surfaces,
-    /// The errors of every set of surfaces.
+    /// Errors of each set of surfaces.
     pub surface_errors: Vec<SurfaceErrors>,
-    /// Law and finite elements.
+    /// Comparison of the law with finite elements.
     pub comparison: Comparison,
-    /// The dependence of the finite elements on their assumptions.
+    /// The influence of the assumptions on the finite elements.
     pub elements: ElementStudy,
 }
 
-/// The error of surfaces in every cell.
+/// The errors of a set of surfaces in each cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurfaceErrors {
-    /// The set of surfaces.
+    /// Name of the set.
     pub name: &'static str,
     /// NRMSE of the loop; rows are amplitudes, columns densities.
     pub loop_error: [[f64; 5]; 5],
-    /// Mean of the loop's error.
+    /// Mean of the loop errors.
     pub mean: f64,
-    /// Largest of the loop's errors.
+    /// Largest of the loop errors.
     pub largest: f64,
-    /// For k1, k3, c and α, each over the cell minus 1; none for surfaces fitted without the cell.
+    /// Error of k1, k3, c and α in each cell, as a fraction of the printed value; null for surfaces that were fitted without the
+    /// cell.
     pub coefficient_errors: Option<[[[f64; 4]; 5]; 5]>,
 }
 

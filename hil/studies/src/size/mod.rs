@@ -39,7 +39,7 @@ pub struct Measured {
     pub duration: f64,
     /// Processor time on all cores, s.
     pub processor: f64,
-    /// From start to end, s.
+    /// Elapsed time from start to end, s.
     pub elapsed: f64,
     /// Peak memory, bytes.
     pub memory: u64,

@@ -40,19 +40,19 @@ const SAMPLES: usize = 200;
 /// ω of the paper's test, rad/s.
 const OMEGA: f64 = TAU;
 
-/// The surfaces.
+/// Coefficients of the crate's surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Surfaces {
     /// Degree of the polynomials over the logarithm of the amplitude.
     pub degree: usize,
-    /// b of ln P, P in kN; by density of the tables and, within, by polynomial.
+    /// Coefficients b of ln P with P in kN, by density of the tables and, within it, by polynomial.
     pub elastic: Vec<Vec<f64>>,
-    /// b of logit s.
+    /// Coefficients b of logit s.
     pub cubic_share: Vec<Vec<f64>>,
-    /// b of ln D, D in kN.
+    /// Coefficients b of ln D with D in kN.
     pub damping: Vec<Vec<f64>>,
-    /// b of logit α.
+    /// Coefficients b of logit α.
     pub exponent: Vec<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! `hil amplitude-free`: one law for every amplitude, beside those that need the amplitude beforehand.
+//! `hil amplitude-free`: one law for every amplitude, compared with laws that need the amplitude beforehand.
 
 use std::path::{Path, PathBuf};
 
@@ -57,7 +57,7 @@ impl AmplitudeFreeCommand {
         let mut names: Vec<String> = names
             .chain(self.frequencies.iter().copied().map(picture_name))
             .collect();
-        // A frequency may be given twice; its picture is one.
+        // A frequency that is given twice has one picture.
         names.sort();
         names.dedup();
         let mut outputs = Plan::new()
@@ -132,7 +132,7 @@ fn row(name: &str, errors: &HeldOut) {
     ));
 }
 
-/// The held-out loops at `frequency` Hz, one chart to a density.
+/// Charts of the held-out loops at `frequency` Hz, one for each density.
 fn picture(study: &Study, frequency: f64) -> Result<String, mesh_damper_model::ModelError> {
     let mut panels = Vec::new();
     for one in &study.densities {

@@ -156,7 +156,7 @@ fn ignored(files: &[PathBuf]) -> String {
     )
 }
 
-/// How far it is, in words.
+/// The progress, in words.
 fn far(done: Done) -> String {
     let mut text = format!("{} of {}", done.done, done.total);
     if done.failed > 0 {
@@ -168,7 +168,7 @@ fn far(done: Done) -> String {
     text
 }
 
-/// A time in s, as long as it matters.
+/// A time in s, with the precision that matters.
 fn duration(seconds: f64) -> String {
     let whole = seconds.ceil() as u64;
     match whole {

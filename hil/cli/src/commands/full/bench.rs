@@ -1,4 +1,4 @@
-//! `hil bench`: instructions, errors and sizes, beside the peers'.
+//! `hil bench`: instructions, errors and sizes, compared with those of other libraries.
 
 use std::path::PathBuf;
 
@@ -108,7 +108,7 @@ impl BenchCommand {
     }
 }
 
-/// A limit that is known not to be reached is held against no run.
+/// A limit that is known to be exceeded fails no run.
 fn case_of(verdict: &Verdict) -> Case {
     match (verdict.failure(), verdict.figure, verdict.excuse) {
         (Some(failure), ..) => Case::Failed(failure),

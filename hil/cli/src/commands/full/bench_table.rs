@@ -1,4 +1,4 @@
-//! What `hil bench` prints.
+//! The output of `hil bench`.
 
 use std::borrow::Cow;
 
@@ -6,19 +6,19 @@ use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict, counted_effects}
 
 use crate::commands::say;
 
-/// Counts that belong together.
+/// Counts shown together.
 struct Section {
     core: Core,
     title: &'static str,
     rows: Vec<Row>,
 }
 
-/// A count as a line.
+/// A count as a line of the table.
 struct Row {
     name: Cow<'static, str>,
     moment: &'static str,
     label: Cow<'static, str>,
-    /// Ticks that a call does.
+    /// Number of ticks in a call.
     ticks: usize,
 }
 
@@ -130,7 +130,7 @@ fn sections() -> [Section; 7] {
     ]
 }
 
-/// The law with each effect of the crate, then with several.
+/// The law with each effect of the crate, then with several effects.
 fn effects() -> Vec<Row> {
     let mut rows = vec![
         row("effects/none", "call", "none"),
@@ -171,7 +171,7 @@ pub fn print(results: &Results) {
                 .errors
                 .iter()
                 .filter(|error| error.name == name && matches!(moment, "call" | "steady"))
-                // Judged where they are at home.
+                // Errors are shown on the core for which the function is made.
                 .filter(|_| core == Core::CortexM4f || name.starts_with("fixed/"))
                 .map(|error| format!("  {} {:.1e}", error.of, error.error))
                 .collect();

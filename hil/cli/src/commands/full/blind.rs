@@ -1,4 +1,4 @@
-//! `hil blind`: the tracer on trial.
+//! `hil blind`: the blind trial of the tracer.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -157,7 +157,7 @@ impl BlindCommand {
     }
 }
 
-/// A seed by itself is no check: the floors say how many of them may be called something else.
+/// A seed alone is no check. The floors limit how many seeds may be named wrongly.
 fn case_of(outcome: &Outcome) -> Case {
     match outcome.mark() {
         _ if !outcome.counts() => Case::Skipped(format!(
@@ -172,7 +172,7 @@ fn case_of(outcome: &Outcome) -> Case {
     }
 }
 
-/// What the recordings of a trial are called.
+/// File names of the recordings of a trial.
 const RECORDINGS: [&str; 2] = ["training.csv.gz", "held-out.csv.gz"];
 
 /// The outputs of a trial whose recordings go into `out`.
@@ -180,7 +180,7 @@ pub fn recordings(out: Option<&Path>) -> Result<Outputs, InputError> {
     Plan::new().fills(out, RECORDINGS).begin()
 }
 
-/// Adds both recordings of a trial, where they are asked for.
+/// Adds both recordings of a trial, if they were requested.
 pub fn add_recordings(outputs: &mut Outputs, out: Option<&Path>, both: [&Recording; 2]) {
     let Some(out) = out else { return };
     for (name, recording) in RECORDINGS.into_iter().zip(both) {
@@ -189,7 +189,7 @@ pub fn add_recordings(outputs: &mut Outputs, out: Option<&Path>, both: [&Recordi
     }
 }
 
-/// Parameters of an effect as (name, value, unit).
+/// Parameters of an effect, each with name, value and unit.
 pub fn in_words(parameters: &[(&'static str, f64, &'static str)]) -> String {
     let each = parameters.iter();
     let each = each.map(|(name, value, unit)| format!("{name} {value:.4} {unit}"));

@@ -1,4 +1,4 @@
-//! Where a board is.
+//! The address of a board.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};

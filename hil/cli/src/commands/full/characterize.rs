@@ -47,20 +47,20 @@ pub struct CharacterizeCommand {
     files: RecordingFiles,
 }
 
-/// What was found, of whichever kind.
+/// The results, by the kind of the recording.
 #[derive(JsonSchema, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum Found {
-    /// Load–unload curves.
+    /// Results of load–unload curves.
     Static(StaticTest),
-    /// Cycles.
+    /// Results of cycles.
     Dynamic(DynamicTest),
 }
 
 /// Stiffness and loss factor of a recording.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary {
-    /// The file.
+    /// Path of the recording.
     recording: String,
     #[serde(flatten)]
     found: Found,

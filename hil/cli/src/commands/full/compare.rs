@@ -75,7 +75,7 @@ impl CompareCommand {
         Ok(())
     }
 
-    /// What the pictures are over.
+    /// The label of the pictures' horizontal axis.
     fn axis(&self) -> String {
         match (&self.time_unit, self.times.is_empty()) {
             (Some(unit), _) => format!("time, {unit}"),
@@ -110,7 +110,7 @@ fn time(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "not a finite number; give one for each model: 0,61,153".to_owned())
 }
 
-/// The force of each model beside the first's, and each parameter that more than one model has.
+/// The force of each model relative to the first model's, and each parameter that more than one model has.
 fn panels(comparison: &Comparison) -> Vec<over_time::Panel> {
     let times: Vec<f64> = comparison.models.iter().map(|model| model.time).collect();
     let percent = |part: f64| 100.0 * part;
@@ -174,7 +174,7 @@ fn title(one: &ParameterChange) -> String {
     }
 }
 
-/// What is concluded of the specimen.
+/// The conclusion about the specimen.
 fn heading(comparison: &Comparison) -> &'static str {
     let nothing_known = comparison.forces.iter().any(|one| one.p.is_none());
     match (comparison.changed, comparison.undecided.is_empty()) {
@@ -189,7 +189,7 @@ fn heading(comparison: &Comparison) -> &'static str {
     }
 }
 
-/// What all models were compared under.
+/// The conditions under which all models were compared.
 fn common(motion: &CommonMotion) -> String {
     let [low, high] = motion.displacement_mm.map(text::number);
     let mut said = format!(
@@ -325,7 +325,7 @@ fn claim(changed: bool, p: Option<f64>) -> String {
 }
 
 fn chance(p: f64) -> String {
-    // Of less nobody can tell one from another.
+    // Probabilities below this cannot be distinguished.
     if p < 1e-12 {
         return "p < 1e−12".to_owned();
     }

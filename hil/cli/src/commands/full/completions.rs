@@ -1,4 +1,4 @@
-//! `hil completions` and `hil man`: what a shell and `man` know of the command.
+//! `hil completions` and `hil man`: descriptions of the commands for shells and for `man`.
 
 use std::path::PathBuf;
 
@@ -85,7 +85,7 @@ fn add_pages(
         .source(concat!("mesh-damper ", env!("CARGO_PKG_VERSION")))
         .manual("mesh-damper")
         .render(&mut page)?;
-    // What stands behind the options of each command is its examples.
+    // The section after the options contains the examples.
     let page = String::from_utf8_lossy(&page).replace("\n.SH EXTRA\n", "\n.SH EXAMPLES\n");
     pages.push((format!("{name}.1"), page.into_bytes()));
     Ok(())

@@ -1,4 +1,4 @@
-//! The option for a control input that holds throughout.
+//! The option for a control input that is constant for the whole recording.
 
 use clap::Args;
 use mesh_damper_model::Model;
@@ -25,10 +25,11 @@ fn named(text: &str) -> Result<(String, f64), String> {
 }
 
 impl Controls {
-    /// The control inputs of `model` in their order, `count` samples of each: as given here, or of the columns `known` of `file`.
+    /// The control inputs of `model` in their order, `count` samples each: the constant values given here, or the columns `known`
+    /// of `file`.
     ///
     /// # Errors
-    /// One that the model does not have, or one that it has and nobody gives.
+    /// A control input that the model does not have, or one that the model has and that is neither given nor in the file.
     pub fn of(
         &self,
         model: &Model,

@@ -1,4 +1,4 @@
-//! What every cycle of a run came to, as a table.
+//! The per-cycle results of a run, as a table.
 
 use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::Programme;
@@ -16,39 +16,39 @@ pub struct CycleRow {
     block: usize,
     /// Number of the cycle, from 0.
     cycle: u32,
-    /// Whether it is of a ramp between blocks.
+    /// Whether the cycle belongs to a ramp between blocks.
     ramp: bool,
-    /// Half of the displacement from end to end, mm.
+    /// Half of the peak-to-peak displacement, mm.
     amplitude_mm: f32,
     /// Mean of the displacement, mm.
     mean_displacement_mm: f32,
     /// Largest force, kN.
     force_max_kn: f32,
-    /// Least force, kN.
+    /// Smallest force, kN.
     force_min_kn: f32,
     /// Mean of the force, kN.
     mean_force_kn: f32,
     /// Energy dissipated in the cycle, J.
     energy_j: f32,
-    /// Largest elastic energy, J.
+    /// Largest stored elastic energy, J.
     elastic_energy_j: f32,
     /// Dynamic stiffness, kN/mm.
     stiffness_kn_per_mm: f32,
-    /// Loss factor, without a unit.
+    /// Loss factor, dimensionless.
     loss_factor: f32,
     /// Energy that the law dissipates, J.
     model_energy_j: f32,
     /// Dynamic stiffness of the law, kN/mm.
     model_stiffness_kn_per_mm: f32,
-    /// Loss factor of the law, without a unit.
+    /// Loss factor of the law, dimensionless.
     model_loss_factor: f32,
     /// RMS of the law's error over the RMS of the measured force.
     nrmse: f32,
-    /// Part of k1 by which the law followed the specimen.
+    /// Adaptation of k1 to the specimen, as a fraction of k1.
     followed_k1: f32,
-    /// The same of k3.
+    /// Adaptation of k3 to the specimen, as a fraction of k3.
     followed_k3: f32,
-    /// The same of c.
+    /// Adaptation of c to the specimen, as a fraction of c.
     followed_c: f32,
     #[serde(skip)]
     ticks: f32,
@@ -83,12 +83,12 @@ impl From<&CycleReport> for CycleRow {
 }
 
 impl CycleRow {
-    /// Whether it is one at full amplitude in `block`.
+    /// Whether the cycle is at full amplitude in `block`.
     pub fn is_steady_in(&self, block: usize) -> bool {
         self.block == block && !self.ramp
     }
 
-    /// By how much the law followed the specimen.
+    /// The adaptation of the law, in words.
     pub fn followed_in_words(&self) -> String {
         format!(
             "The law adapted k1 by {:+.1} %, k3 by {:+.1} % and c by {:+.1} %",
@@ -99,7 +99,7 @@ impl CycleRow {
     }
 }
 
-/// `cycles.csv`.
+/// The cycles as `cycles.csv`.
 pub fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
     let failed = |error: String| InputError::new("cycles.csv", error, "report this");
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -113,8 +113,8 @@ pub fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
         .map_err(|error| failed(error.to_string()))
 }
 
-/// Prints the means over each block's steady cycles, of a rig of `tick_rate` Hz. Amplitude and frequency are those of `programme`; without
-/// one, as measured.
+/// Prints the means over each block's steady cycles, for a rig of `tick_rate` Hz. Amplitude and frequency are those of `programme`;
+/// without a programme they are the measured ones.
 pub fn print_blocks(
     cycles: &[CycleRow],
     programme: Option<&Programme<MOST_BLOCKS>>,

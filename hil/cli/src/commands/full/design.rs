@@ -1,4 +1,4 @@
-//! `hil design`: which density gives a stiffness and a loss factor.
+//! `hil design`: the densities that give a stiffness and a loss factor.
 
 use std::path::{Path, PathBuf};
 
@@ -76,22 +76,22 @@ pub struct DesignCommand {
     json: Option<PathBuf>,
 }
 
-/// Designs of a damper for a stiffness and a loss factor, each with a run on the rig.
+/// Designs of a damper for a stiffness and a loss factor, each tested on the rig.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary {
     #[serde(flatten)]
     design: Design,
-    /// One for each solution.
+    /// The outcome of a run on the rig for each solution.
     on_rig: Vec<Outcome>,
 }
 
-/// What a run on the rig came to.
+/// The outcome of a run on the rig.
 #[derive(JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Outcome {
-    /// What was measured.
+    /// Measured means over the steady cycles.
     Measured(OnRig),
-    /// The limit that it stopped on.
+    /// The limit at which the rig tripped.
     Stopped(&'static str),
 }
 
@@ -167,7 +167,7 @@ fn refused(error: DesignError) -> InputError {
     }
 }
 
-/// `from..to`, mm.
+/// Parses `from..to`, in mm.
 fn range(text: &str) -> Result<(f64, f64), InputError> {
     let ends = text
         .split_once("..")
@@ -204,7 +204,7 @@ fn print(summary: &Summary) {
     for (solution, outcome) in design.solutions.iter().zip(&summary.on_rig) {
         let point = &solution.point;
         let (low, high) = solution.amplitudes;
-        // With how far it is from what is asked.
+        // The figures with their difference from the requirement.
         let figures = |stiffness: f64, loss_factor: f64| {
             let off = |value: f64, asked: f64| 100.0 * (value / asked - 1.0);
             let (k, eta) = (

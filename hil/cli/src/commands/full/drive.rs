@@ -1,4 +1,4 @@
-//! `hil run --drive`: a motion for the rig to follow, and how well it did.
+//! `hil run --drive`: a motion for the rig to follow, and the quality of the following.
 
 use std::path::PathBuf;
 
@@ -17,10 +17,10 @@ use super::programme::LONGEST;
 use super::run::refused;
 use crate::commands::say;
 
-/// What a random motion begins with; anything else is a file.
+/// The prefix of a random motion; any other text is a file.
 const RANDOM: &str = "random:";
 
-/// The motion that a rig is to follow in the place of blocks.
+/// The motion that a rig follows instead of blocks.
 #[derive(Args, Debug)]
 pub struct DriveOptions {
     /// Follow this motion instead of blocks: a recording, or a random motion
@@ -43,66 +43,66 @@ pub struct DriveOptions {
     shift: f64,
 }
 
-/// A motion, and where it came from.
+/// A motion and its source.
 pub struct Driven {
     pub motion: Motion,
     source: String,
     scale: f64,
     shift: f64,
-    /// mm RMS
+    /// RMS, mm
     left_out: f64,
 }
 
-/// How a rig followed a motion. Units are in the names.
+/// How well a rig followed a motion. Units are in the names.
 #[derive(JsonSchema, Serialize)]
 pub struct Followed {
-    /// The file, or how the motion is drawn.
+    /// The file, or the description of the random motion.
     source: String,
-    /// What the recorded displacement was multiplied by, a factor.
+    /// The factor by which the recorded displacement was multiplied.
     scale: f64,
-    /// What was taken off it, mm.
+    /// Offset subtracted from the recorded displacement, mm.
     shift_mm: f64,
-    /// With the ramps, s.
+    /// Duration with the ramps, s.
     duration_s: f64,
-    /// From rest to its begin, s.
+    /// Duration of the ramp from rest to the beginning of the motion, s.
     ramp_in_s: f64,
-    /// From its end to rest, s.
+    /// Duration of the ramp from the end of the motion to rest, s.
     ramp_out_s: f64,
-    /// RMS of the displacement without the ramps, mm.
+    /// RMS of the displacement, without the ramps, mm.
     rms_mm: f64,
-    /// RMS of what was taken for noise in the recorded displacement and not followed, mm.
+    /// RMS of the part of the recorded displacement that is treated as noise and not followed, mm.
     left_out_rms_mm: f64,
-    /// What it asked of the rig, as it was known before.
+    /// The demands of the motion on the rig, as computed before the run.
     asked: Demands,
-    /// RMS of the measured displacement from the demanded one, mm.
+    /// RMS of the difference between measured and demanded displacement, mm.
     following_error_rms_mm: f64,
-    /// RMS of the law's error over the RMS of the measured force, over all that was recorded; null without a force.
+    /// RMS of the law's error over the RMS of the measured force, over the whole recording; null without a measured force.
     law_nrmse: Option<f64>,
 }
 
 impl Followed {
-    /// The file, or how the motion is drawn.
+    /// The file, or the description of the random motion.
     pub fn source(&self) -> &str {
         &self.source
     }
 }
 
 impl DriveOptions {
-    /// Whether there is a motion, and the blocks do not count.
+    /// Whether a motion is given, so that the blocks do not count.
     pub fn is_given(&self) -> bool {
         self.drive.is_some()
     }
 
-    /// The file that it is read from.
+    /// The file from which the motion is read.
     pub fn file(&self) -> Option<PathBuf> {
         let drive = self.drive.as_ref()?;
         (!drive.starts_with(RANDOM)).then(|| PathBuf::from(drive))
     }
 
-    /// The motion at `tick_rate` Hz, where there is one.
+    /// The motion at `tick_rate` Hz, if one is given.
     ///
     /// # Errors
-    /// A file that cannot be read, a random motion that cannot be, a scale or shift that is none, a motion too long.
+    /// A file that cannot be read, a random motion that is not possible, an invalid scale or shift, a motion that is too long.
     pub fn motion(
         &self,
         files: &RecordingFiles,
@@ -114,7 +114,7 @@ impl DriveOptions {
         let option = |field: &str, problem: String, remedy: &str| {
             InputError::new("--drive", problem, remedy).at(Place::Field(field.into()))
         };
-        // What a grid is not made for.
+        // The grid of knots supports only these rates.
         if !(1.0..=1e6).contains(&tick_rate) {
             let problem = format!("{tick_rate} Hz is outside 1 to 1000000 Hz");
             return Err(option("--tick-rate", problem, "change it"));
@@ -157,12 +157,12 @@ impl DriveOptions {
 }
 
 impl Driven {
-    /// The amplitude of a sine of the same RMS, mm: that for which a law's coefficients are taken.
+    /// Amplitude of a sine with the same RMS, mm, for which the coefficients of a law are taken.
     pub fn amplitude(&self) -> f64 {
         2f64.sqrt() * self.motion.rms()
     }
 
-    /// What is said of it in the run's recording.
+    /// The comment on the motion in the recording of the run.
     pub fn comment(&self) -> String {
         let [ramp_in, ramp_out] = self.motion.ramps();
         format!(
@@ -171,10 +171,10 @@ impl Driven {
         )
     }
 
-    /// What it asks of the rig of `setup`.
+    /// The demands of the motion on the rig of `setup`.
     ///
     /// # Errors
-    /// The limit that it exceeds.
+    /// The limit that the motion exceeds.
     pub fn checked<const B: usize, const N: usize>(
         &self,
         setup: &RigSetup<Specimen, B, N>,
@@ -185,7 +185,7 @@ impl Driven {
         })
     }
 
-    /// How `run` followed it.
+    /// How well `run` followed the motion.
     pub fn followed(&self, run: &RigRun, asked: Demands) -> Followed {
         let samples = &run.samples;
         let rms = |values: &mut dyn Iterator<Item = f64>| {
@@ -215,7 +215,7 @@ impl Driven {
 }
 
 impl Followed {
-    /// Prints it.
+    /// Prints the results.
     pub fn print(&self) {
         say(&format!(
             "Motion: {:.4} mm RMS, at most {:.4} mm and {:.2} mm/s, over {:.2} s with ramps of {:.2} s before it and {:.2} s after",

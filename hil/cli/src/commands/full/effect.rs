@@ -4,18 +4,18 @@ use mesh_damper_recording::error::{InputError, quoted};
 use mesh_damper_rig::specimen::HiddenEffect;
 use serde_json::{Map, Value, json};
 
-/// The option that effects come from.
+/// The option with which effects are given.
 const OPTION: &str = "--effect";
 const FORM: &str =
     "write family:name=value,name=value, as in stick_slip:stiffness=1.2,slip_limit=0.03";
 
-/// The effect that `text` says; what the numbers mean stands at [`HiddenEffect`].
+/// Parses an effect. [`HiddenEffect`] describes its numbers.
 ///
-/// A control input is set to one of five levels from 0 to `most` A for `hold` s each, in an order by `seed`.
-/// Stick-slip is Bouc–Wen with an `exponent`, Iwan with so many `sliders`, and else one Jenkins element.
+/// A control input takes one of five levels from 0 to `most` A for `hold` s each, in an order by `seed`. Stick-slip is Bouc–Wen
+/// with an `exponent`, Iwan with a number of `sliders`, and otherwise one Jenkins element.
 ///
 /// # Errors
-/// A family or a parameter that there is not, one that lacks, and a value that no specimen can have.
+/// A family or a parameter that does not exist, a parameter that is missing, or a value that no specimen can have.
 pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
     let refused = |problem: String| InputError::new(OPTION, problem, FORM);
     let (family, parameters) = text.split_once(':').unwrap_or((text, ""));
@@ -24,7 +24,7 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
         let (name, value) = parameter
             .split_once('=')
             .ok_or_else(|| refused(format!("{} is not name=value", quoted(parameter))))?;
-        // A number or a truth, else a word.
+        // A number or a truth value, otherwise a word.
         let value = value.trim();
         let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
         fields.insert(name.trim().to_owned(), value);

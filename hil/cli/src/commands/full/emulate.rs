@@ -1,4 +1,4 @@
-//! `hil emulate`: a board without a board.
+//! `hil emulate`: a board in software.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -55,20 +55,20 @@ pub struct EmulateCommand {
     json: Option<PathBuf>,
 }
 
-/// An emulated board, as a harness has to know it.
+/// An emulated board, as a harness needs to know it.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Emulated {
-    /// The serial port that the board is at.
+    /// Serial port at which the board answers.
     port: PathBuf,
-    /// What is tested, in words.
+    /// The specimen under test, in words.
     specimen: String,
-    /// Of the specimen, g/cm³.
+    /// Density of the specimen, g/cm³.
     density_g_cm3: f64,
-    /// Displacement at the ends of its channel, mm.
+    /// Displacement at full scale of its channel, mm.
     displacement_range_mm: f64,
-    /// Force at the ends of the force channel, kN.
+    /// Force at full scale of the force channel, kN.
     force_range_kn: f64,
-    /// Displacement that the largest command asks for, mm.
+    /// Displacement at full scale of the command, mm.
     command_range_mm: f64,
 }
 
@@ -90,7 +90,7 @@ impl EmulateCommand {
         }
         let programme = programme::parse(&self.blocks, self.tick_rate)?;
         let (specimen, density, described) = self.specimen.specimen()?;
-        // The board has a law of its own: of this one nothing is used.
+        // The board has its own law; nothing of this one is used.
         let law = AugmentedLaw::<f32, 1>::new(PublishedLaw::Tables.at(density, SPECIMEN_AMPLITUDE));
         let setup = RigSetup::new(specimen, law, programme, self.specimen.seed);
         let plant = Plant::new(&setup).map_err(refused)?;

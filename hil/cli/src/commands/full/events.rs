@@ -1,4 +1,4 @@
-//! What the rig's monitor named, as rows of JSON and in words.
+//! Events of the rig's monitor, as rows of JSON and in words.
 
 use mesh_damper::health::{Channel, Event, HealthCause, Statistic};
 use schemars::JsonSchema;
@@ -7,22 +7,22 @@ use serde::Serialize;
 /// One event with its evidence.
 #[derive(Clone, Debug, JsonSchema, Serialize)]
 pub(super) struct EventRow {
-    /// Since the start, s.
+    /// Time since the start, s.
     time: f64,
     /// Cycles completed since the start.
     cycle: u32,
-    /// By the crate's names, as `hil faults` has them.
+    /// The cause, by the crate's name, as `hil faults` prints it.
     cause: String,
-    /// What it may be as well, where what is measured cannot tell the two apart.
+    /// Another possible cause, if the signals cannot distinguish the two; null otherwise.
     or: Option<String>,
-    /// Something is wrong; not so of a run-in or of the temperature.
+    /// Whether the event is a fault; false for a run-in and for the temperature.
     fault: bool,
-    /// What moved, by the crate's names.
+    /// The statistic that changed, by the crate's name.
     statistic: String,
-    /// By how much; a sample as it was. As a part, in mm or in kN, as the statistic says.
+    /// The value of the statistic: as a fraction, in mm or in kN, depending on the statistic. For a sample it is the sample itself.
     #[schemars(with = "Option<f32>")]
     value: f32,
-    /// What it may be, in the same unit.
+    /// The limit of the value, in the same unit.
     limit: f32,
     #[serde(skip)]
     event: Event,
@@ -43,7 +43,7 @@ impl EventRow {
         }
     }
 
-    /// In one line.
+    /// The event in one line.
     pub(super) fn in_words(&self) -> String {
         let kind = if self.fault { "Fault" } else { "Note" };
         format!(
@@ -99,7 +99,7 @@ impl EventRow {
         )
     }
 
-    /// As who looks on is told of it.
+    /// The event as the live page and the broker get it.
     pub(super) fn live(&self) -> mesh_damper_live::Event {
         mesh_damper_live::Event {
             time: self.time,

@@ -1,4 +1,4 @@
-//! `hil export`: a model as firmware or a simulation takes it.
+//! `hil export`: exports a model for firmware or a simulation.
 
 use std::path::{Path, PathBuf};
 

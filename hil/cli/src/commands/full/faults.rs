@@ -65,7 +65,7 @@ pub struct FaultsCommand {
     junit: Option<PathBuf>,
 }
 
-/// A campaign that could not be run to its end.
+/// The error of a campaign that was not completed.
 fn refused(error: SetupError) -> InputError {
     match error {
         SetupError::Link(error) => error,
@@ -73,7 +73,7 @@ fn refused(error: SetupError) -> InputError {
     }
 }
 
-/// What `run` makes of each of `all`, by as many at once as the machine has cores for.
+/// The result of `run` for each of `all`, on all cores of the machine.
 fn at_once<T: Sync, R: Send>(
     all: &[T],
     run: impl Fn(&T) -> Result<R, InputError> + Sync,
@@ -103,7 +103,7 @@ fn at_once<T: Sync, R: Send>(
     Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
-/// The faults and attacks of `chosen`, each on an image that has just started.
+/// Injects the faults and attacks of `chosen`, each into an image that was just started.
 fn on_image(chosen: &Campaign) -> Result<Summary, InputError> {
     say_where(&Sources::find()?, "the firmware's image", IMAGES);
     let trials = chosen.trials();

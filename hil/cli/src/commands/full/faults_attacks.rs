@@ -1,13 +1,13 @@
-//! What `hil faults` prints of attacks.
+//! The part of the output of `hil faults` about attacks.
 
 use mesh_damper_rig::faults::{AttackOutcome, AttackSummary, Counts, LossSummary, Naming, Summary};
 
 use crate::commands::say;
 
-/// Trials that are listed one by one, at most.
+/// Largest number of trials listed one by one.
 const LISTED: usize = 60;
 
-/// Kind by kind, then pairs and the adversary's, lost channels, and the coverage.
+/// By kind, then the pairs and the adversary's trials, lost channels, and the coverage.
 pub(super) fn print(summary: &Summary) {
     let attacks = &summary.attacks;
     if attacks.trials() > 0 {
@@ -21,7 +21,7 @@ pub(super) fn print(summary: &Summary) {
     }
 }
 
-/// Hazardous ones, then those that were not found or not called what they are.
+/// Hazardous trials, then attacks that were not found or not named correctly.
 fn print_failures(attacks: &AttackSummary) {
     let outcomes = &attacks.outcomes;
     let all = || {
@@ -44,7 +44,7 @@ fn list(title: &str, outcomes: &[&AttackOutcome]) {
         return;
     }
     say(&format!("\n{title}: {}", outcomes.len()));
-    // Spread over all of them, as neighbours are alike.
+    // The listed trials are spread over all, because neighbours are alike.
     let step = outcomes.len().div_ceil(LISTED);
     for one in outcomes.iter().step_by(step) {
         say(&format!("  {}", words(one)));

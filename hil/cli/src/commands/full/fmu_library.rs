@@ -1,4 +1,4 @@
-//! The library that an FMU carries, of the sources that this program holds.
+//! The library inside an FMU, built from the sources that this program contains.
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -10,10 +10,10 @@ use mesh_damper_sources::Sources;
 use super::image::say_where;
 use crate::commands::progress::Progress;
 
-/// The folders in which the library for this platform is. Where it is not beside this program, cargo builds it.
+/// The folders with the library for this platform. If the library is not next to this program, cargo builds it.
 ///
 /// # Errors
-/// Sources that cannot be unpacked, or what cargo says.
+/// Sources that cannot be unpacked, or the errors of cargo.
 pub fn folders() -> Result<Vec<PathBuf>, InputError> {
     let beside = fmu::beside_this_program();
     let name = fmu::file_name();
@@ -51,7 +51,7 @@ fn built(name: &str) -> Result<PathBuf, InputError> {
             "--target-dir",
         ])
         .arg(&target)
-        // As of the images: of what is unpacked the lock file names more than is there.
+        // As for the images: the lock file names more packages than the unpacked sources contain.
         .args(sources.is_repository().then_some("--locked"))
         .stdin(Stdio::null())
         .output()

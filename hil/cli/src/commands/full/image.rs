@@ -1,4 +1,4 @@
-//! The image for the commands that run on it.
+//! The image, for the commands that run on it.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
@@ -15,7 +15,7 @@ use serde::{Serialize, Serializer};
 use super::board::Port;
 use crate::commands::progress::Progress;
 
-/// Where the crate runs.
+/// The place where the crate runs.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum On {
@@ -26,7 +26,7 @@ pub enum On {
 }
 
 impl On {
-    /// As the command line has it.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Host => "host",
@@ -35,7 +35,7 @@ impl On {
     }
 }
 
-/// Where the crate runs, a board included.
+/// The place where the crate runs, including a board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
     /// In this process.
@@ -96,11 +96,11 @@ pub enum Linked {
 }
 
 impl Linked {
-    /// As `place` says; none in this process. The image's log goes to standard error with the time of ticks at `tick_rate` Hz; a board has a
-    /// log of its own.
+    /// The link that `place` needs; `None` for this process. The image's log goes to standard error with the time of ticks at
+    /// `tick_rate` Hz; a board has its own log.
     ///
     /// # Errors
-    /// No emulator, no board, or none that answers.
+    /// No emulator, no board, or no answer from the board.
     pub fn at(place: &Place, log: LogLevel, tick_rate: f64) -> Result<Option<Self>, InputError> {
         Ok(match place {
             Place::Host => None,
@@ -110,7 +110,7 @@ impl Linked {
     }
 }
 
-/// Which of the image's log messages are shown.
+/// The image's log messages to show.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum LogLevel {
     /// Trips only
@@ -132,10 +132,11 @@ impl LogLevel {
     }
 }
 
-/// Where an installed command builds images, among its sources.
+/// Folder in which an installed command builds images, among its sources.
 pub const IMAGES: &str = "target/mps2-an386";
 
-/// Says where an installed command builds `what`, and that this takes its time once: while there is no folder `built` among its sources.
+/// Prints where an installed command builds `what`, and that the first build takes its time, if there is no folder `built` among
+/// its sources.
 pub fn say_where(sources: &Sources, what: &str, built: &str) {
     if !sources.is_repository() && !sources.root().join(built).exists() {
         eprintln!(
@@ -145,10 +146,10 @@ pub fn say_where(sources: &Sources, what: &str, built: &str) {
     }
 }
 
-/// The firmware's image in the emulator, its log on standard error with the time of ticks at `tick_rate` Hz.
+/// Starts the firmware's image in the emulator, with its log on standard error and the time of ticks at `tick_rate` Hz.
 pub fn start_image(log: LogLevel, tick_rate: f64) -> Result<Image<Emulator>, InputError> {
     let board = Board::Mps2An386;
-    // Before anything is said of a build that cannot be.
+    // A build that is not possible fails before the note about it.
     board.check()?;
     say_where(&Sources::find()?, "the firmware's image", IMAGES);
     let progress = Progress::of(1);

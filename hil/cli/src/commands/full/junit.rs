@@ -8,13 +8,13 @@ use mesh_damper_recording::output::Outputs;
 use mesh_damper_rig::check::Check;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-/// How one check went.
+/// The result of one check.
 pub enum Case {
-    /// It holds.
+    /// The check passed.
     Passed,
-    /// It does not hold, and this was reached.
+    /// The check failed, with the value that was reached.
     Failed(String),
-    /// It was not made, or does not count, because of this.
+    /// The check was not made or does not count, with the reason.
     Skipped(String),
 }
 
@@ -25,7 +25,7 @@ pub struct Junit {
 }
 
 impl Junit {
-    /// Of the command `name`, which starts now.
+    /// The suite of the command `name`, which starts now.
     pub fn of(name: &str) -> Self {
         Self {
             suite: TestSuite::new(format!("hil {name}")),
@@ -33,12 +33,12 @@ impl Junit {
         }
     }
 
-    /// Something that the results depend on.
+    /// A property on which the results depend.
     pub fn property(&mut self, name: &str, value: impl ToString) {
         self.suite.add_property((name, value.to_string().as_str()));
     }
 
-    /// A check of the kind `class`; `time` is how long it took, where that is known.
+    /// A check of the class `class`; `time` is its duration, if known.
     pub fn case(&mut self, class: &str, name: &str, case: Case, time: Option<Duration>) {
         let status = match case {
             Case::Passed => TestCaseStatus::success(),
@@ -66,7 +66,7 @@ impl Junit {
         self.suite.add_test_case(case);
     }
 
-    /// Checks of the kind `class`.
+    /// Adds checks of the class `class`.
     pub fn checks(&mut self, class: &str, checks: impl IntoIterator<Item = Check>) {
         for Check {
             name,
@@ -83,10 +83,10 @@ impl Junit {
         }
     }
 
-    /// Adds the file to `outputs` under a `path` that was planned, if there is one.
+    /// Adds the file to `outputs` under the planned `path`, if there is one.
     ///
     /// # Errors
-    /// What XML cannot hold.
+    /// Text that XML cannot contain.
     pub fn add(mut self, outputs: &mut Outputs, path: Option<&Path>) -> Result<(), InputError> {
         let Some(path) = path else { return Ok(()) };
         let took = self.started.elapsed();

@@ -1,11 +1,11 @@
-//! The published law that a command takes.
+//! The published law as an option of a command.
 
 use clap::ValueEnum;
 use mesh_damper::law::Law;
 use mesh_damper::table::{PAPER, SMOOTHED};
 use mesh_damper_studies::design::Source;
 
-/// Where eq 13's coefficients come from.
+/// Source of the coefficients of eq 13.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum PublishedLaw {
     /// Tables 6–9 of the paper, with linear interpolation
@@ -15,7 +15,7 @@ pub enum PublishedLaw {
 }
 
 impl PublishedLaw {
-    /// As the crate carries it, at a density in g/cm³ and an amplitude in mm.
+    /// The law of the crate at a density in g/cm³ and an amplitude in mm.
     pub fn at(self, density: f64, amplitude: f64) -> Law<f32> {
         let (density, amplitude) = (density as f32, amplitude as f32);
         match self {
@@ -24,7 +24,7 @@ impl PublishedLaw {
         }
     }
 
-    /// In f64, from which a design is made.
+    /// The source of a design's coefficients, in f64.
     pub fn source(self) -> Source {
         match self {
             Self::Tables => Source::Tables,

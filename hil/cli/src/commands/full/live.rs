@@ -1,4 +1,4 @@
-//! Who looks on while a test runs: the live page and a broker. The test never waits for either.
+//! The live page and the MQTT broker of a running test. The test never waits for either.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::events::EventRow;
 use crate::commands::warn;
 
-/// How a test is shown while it runs.
+/// Options to show a test while it runs.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "While it runs")]
 pub(super) struct LiveOptions {
@@ -49,25 +49,25 @@ pub(super) struct LiveOptions {
     mqtt: Option<String>,
 }
 
-/// How long the end waits until pages and broker have everything.
+/// Longest wait at the end until pages and broker have all data.
 const TO_THE_END: Duration = Duration::from_secs(3);
-/// How long the start waits to hear whether there is a broker.
+/// Longest wait at the start for an answer of the broker.
 const FOR_A_BROKER: Duration = Duration::from_secs(2);
-/// The longest that may be waited for a page, s.
+/// Longest allowed wait for a page, s.
 const LONGEST_WAIT: f64 = 86_400.0;
 /// The environment variable with the password of the broker's user.
 const PASSWORD: &str = "HIL_MQTT_PASSWORD";
 
 impl LiveOptions {
-    /// Whether the page is asked for.
+    /// Whether the page is requested.
     pub(super) fn has_page(&self) -> bool {
         self.live.is_some()
     }
 
-    /// What was given, checked before anything moves.
+    /// Checks the options before anything moves.
     ///
     /// # Errors
-    /// A URL that is none, and times that are too long.
+    /// A URL that is not valid, or a time that is too long.
     pub(super) fn check(&self) -> Result<(), InputError> {
         for (option, seconds) in [
             ("--live-wait", self.live_wait),
@@ -91,17 +91,17 @@ impl LiveOptions {
             let broker = url.parse::<Broker>();
             broker.map(|broker| broker.with_password(password))
         };
-        // The URL is not said again: it may hold a password.
+        // The message does not contain the URL, because it may contain a password.
         self.mqtt.as_ref().map(parse).transpose().map_err(|said| {
             let remedy = "see docs/live.md for the parts of such a URL";
             InputError::new("--mqtt", said, remedy)
         })
     }
 
-    /// Opens the page and the connection, for a test that is `about` at `tick_rate` Hz. The rig may start then.
+    /// Opens the page and the connection for the test `about`, at `tick_rate` Hz. After that the rig may start.
     ///
     /// # Errors
-    /// As [`LiveOptions::check`], and a port that is taken. Without a broker that answers the test goes on, and a warning says so.
+    /// As [`LiveOptions::check`], and a port that is in use. If the broker does not answer, the test continues with a warning.
     pub(super) fn start(&self, about: About, tick_rate: f64) -> Result<Live, InputError> {
         self.check()?;
         let page = match self.live {
@@ -140,36 +140,36 @@ impl LiveOptions {
     }
 }
 
-/// Whoever looks on.
+/// The viewers of a test.
 pub(super) struct Live {
     page: Option<LivePage>,
     publisher: Option<MqttPublisher>,
     broker: Option<Broker>,
     tick_rate: f64,
-    /// The last that was measured, °C.
+    /// The last measured temperature, °C.
     temperature: f32,
     hold: Duration,
-    /// Once the connection is closed.
+    /// Known after the connection is closed.
     mqtt: Option<MqttRow>,
 }
 
-/// Of the page, as JSON.
+/// The live page, as JSON.
 #[derive(JsonSchema, Serialize)]
 pub(super) struct LiveRow {
-    /// Where the page is served, as a URL on this machine.
+    /// Address of the page, as a URL on this machine.
     address: String,
-    /// Pages that were opened until the test's end.
+    /// Number of pages that were opened until the end of the test.
     viewers: u64,
 }
 
-/// Of the broker, as JSON.
+/// The MQTT broker, as JSON.
 #[derive(Clone, JsonSchema, Serialize)]
 pub(super) struct MqttRow {
-    /// The broker that was published to, as its host and port.
+    /// Host and port of the broker.
     broker: String,
-    /// Messages that the broker has.
+    /// Number of messages that the broker received.
     delivered: u64,
-    /// Messages that it has not.
+    /// Number of messages that the broker did not receive.
     dropped: u64,
 }
 
@@ -226,7 +226,7 @@ impl Live {
         self.tell(|listener| listener.state(state));
     }
 
-    /// The test is over, as `state` says: the broker is told, and let go.
+    /// The test ended with `state`: sends the state to the broker and closes the connection.
     pub(super) fn end(&mut self, state: &State) {
         self.state(state);
         if let (Some(publisher), Some(broker)) = (self.publisher.take(), &self.broker) {
@@ -252,12 +252,12 @@ impl Live {
         })
     }
 
-    /// None before [`Live::end`].
+    /// `None` before [`Live::end`].
     pub(super) fn mqtt_row(&self) -> Option<MqttRow> {
         self.mqtt.clone()
     }
 
-    /// The results are written: serves the page for as long as was asked for, then lets the pages have what is left.
+    /// The results are written: serves the page for the requested time, then gives the pages the rest of the data.
     pub(super) fn close(self) {
         let Some(page) = self.page else { return };
         if !self.hold.is_zero() {

@@ -1,4 +1,4 @@
-//! Whether a model and what `hil run` tests can be meant for each other.
+//! Whether a model can belong to the specimen and the motion of `hil run`.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -13,27 +13,27 @@ use serde::Serialize;
 use super::drive::Driven;
 use super::programme::MOST_BLOCKS;
 
-/// A law that errs by more than this, RMS over the measured force's, is taken for that of another specimen. Derived: a law with half of
-/// the measured force throughout errs by this much, one with twice the force by twice as much. Laws that lack one effect err by up to
-/// 0.28 (`docs/errors.md`).
+/// Largest error of a law, RMS over the RMS of the measured force, at which the model is taken to describe the specimen. Derived: a
+/// law with half of the measured force everywhere has this error, and a law with twice the force has twice this error. Laws that
+/// lack one effect have errors of up to 0.28 (`docs/errors.md`).
 const MOST_ERROR: f64 = 0.5;
-/// Steady cycles over which that is taken. Convention: enough that one that is disturbed does not decide, and before anything has
-/// changed slowly.
+/// Number of steady cycles over which the error is averaged. Convention: enough that one disturbed cycle does not decide, and few
+/// enough that nothing has changed slowly.
 const FIRST_CYCLES: usize = 3;
 
-/// How far the law was off at first.
+/// The error of the law at the beginning of the run.
 #[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct FirstError {
-    /// Steady cycles that it is the mean of; 0 where none was told apart, and all that was recorded counts.
+    /// Number of steady cycles averaged; 0 if no cycle was separated, and the whole recording is used.
     cycles: usize,
     /// RMS of the law's error over the RMS of the measured force.
     nrmse: f64,
-    /// Above this NRMSE the model is taken for that of another specimen.
+    /// Largest NRMSE at which the model is taken to describe the specimen.
     limit: f64,
 }
 
 impl FirstError {
-    /// Of `run`; none where no force was measured.
+    /// The first error of `run`; `None` if no force was measured.
     pub fn of(run: &RigRun) -> Option<Self> {
         let steady = run.cycles.iter().filter(|cycle| !cycle.ramp);
         let errors: Vec<f64> = steady
@@ -51,7 +51,7 @@ impl FirstError {
         })
     }
 
-    /// What to warn of, where the law of the file `model` is too far off.
+    /// The warning if the law of the file `model` has too large an error.
     pub fn in_words(&self, model: &Path) -> Option<String> {
         let over = match self.cycles {
             0 => "the recording".to_owned(),
@@ -69,7 +69,7 @@ impl FirstError {
     }
 }
 
-/// RMS of the law's error over that of the measured force, over all samples.
+/// RMS of the law's error over the RMS of the measured force, over all samples.
 fn of_all(run: &RigRun) -> Option<f64> {
     let samples = &run.samples;
     let pairs = samples.model_force.iter().zip(&samples.force);
@@ -82,7 +82,7 @@ fn of_all(run: &RigRun) -> Option<f64> {
     (force > 0.0).then(|| f64::sqrt(error / force))
 }
 
-/// What of the motion that is asked for lies outside the operating range `range`.
+/// The part of the requested motion outside the operating range `range`.
 pub fn outside(
     range: &FittedRange,
     programme: Option<&Programme<MOST_BLOCKS>>,
@@ -100,7 +100,7 @@ pub fn outside(
     Extrapolation::of_motions(range, blocks.chain(knots))
 }
 
-/// The motion of a block: at its end or its beginning, whichever is faster.
+/// The motion of a block, at the faster of its beginning and end.
 fn of_block(block: &Block) -> FittedRange {
     let amplitude = block.amplitude();
     let speed = TAU * block.from().max(block.to()) * amplitude;

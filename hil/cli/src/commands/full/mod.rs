@@ -1,4 +1,4 @@
-//! The commands that `cargo demo` is built without: they need the image and the studies.
+//! The commands that `cargo demo` leaves out, because they need the image and the studies.
 
 mod amplitude_independent;
 mod batch;
@@ -52,7 +52,7 @@ use clap::Subcommand;
 
 use super::Failure;
 
-/// See [`super::Cli`]. In the order of `docs/commands.md`.
+/// See [`super::Cli`]. The order is that of `docs/commands.md`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     Inspect(inspect::InspectCommand),
@@ -81,7 +81,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Does what the command line asks for.
+    /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Self::Inspect(command) => command.run(),

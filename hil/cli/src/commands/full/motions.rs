@@ -1,4 +1,4 @@
-//! `hil blind --motions`: the trial over any motion.
+//! `hil blind --motions`: the blind trial over any motion.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
 
-/// Runs the trials of `seeds` and prints a table; a `check` fails where they reach less than was reached.
+/// Runs the trials of `seeds` and prints a table. With `check`, fails if a rate is below its floor.
 pub fn run(
     seeds: Range<u64>,
     json: &Option<PathBuf>,
@@ -57,7 +57,7 @@ pub fn run(
     Ok(())
 }
 
-/// As of the other trials: the floors are the checks.
+/// As in the other trials, the floors are the checks.
 fn case_of(outcome: &Outcome) -> Case {
     match outcome.mark {
         _ if !outcome.counts() => Case::Skipped("does not count".into()),
@@ -104,7 +104,7 @@ fn print(summary: &Summary) {
     );
 }
 
-/// One seed: what it hides, what is said of it, and its recordings into `out`.
+/// Prints the hidden effects and the answer of one seed, and writes its recordings into `out`.
 pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
     let mut outputs = recordings(out)?;
     let trial = motions::draw(seed);

@@ -46,9 +46,9 @@ pub struct OrthogonalCommand {
 /// An orthogonal test, analysed by ranges and by variance.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary {
-    /// An analysis of each result.
+    /// The analysis of each result.
     results: Vec<Analysis>,
-    /// Of the paper's own test: what the paper prints beside it.
+    /// Comparison with the printed results, for the paper's own test; absent otherwise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     against_print: Vec<AgainstPrint>,
 }
@@ -114,7 +114,7 @@ fn print(analysis: &Analysis) {
     }
 }
 
-/// What the analysis of variance can tell, and against what.
+/// The conclusion of the analysis of variance, and its reference.
 fn verdict(variance: &Variance) -> Vec<String> {
     let freedom = variance.error_freedom;
     let mut lines = vec![match variance.error {

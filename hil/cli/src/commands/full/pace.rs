@@ -1,20 +1,20 @@
-//! How fast a simulated rig runs beside the clock on the wall.
+//! The speed of a simulated rig relative to real time.
 
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-/// Slowest and fastest pace that may be given.
+/// Slowest and fastest speed that may be given.
 const RANGE: (f64, f64) = (1e-3, 1e3);
-/// Time that the rig may be ahead: shorter waits are inexact, s.
+/// Time by which the rig may be ahead, s. Shorter waits are inexact.
 const AHEAD: f64 = 5e-3;
 
-/// A pace: seconds of the test to a second of the wall's clock, or as fast as it goes.
+/// The speed of the test relative to real time, or as fast as possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Speed {
-    /// This many times as fast as the clock, at most.
+    /// At most this many times real time.
     Factor(f64),
-    /// As fast as it goes.
+    /// As fast as possible.
     Max,
 }
 
@@ -40,14 +40,14 @@ impl Display for Speed {
     }
 }
 
-/// Holds a rig back.
+/// Limits the speed of a rig.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
-    /// Seconds of the wall's clock to a second of the test; none to hold nothing back.
+    /// Seconds of real time for a second of the test; `None` for no limit.
     per_second: Option<f64>,
-    /// When the test was at `at`, had it not been faster.
+    /// Real time at which the test time `at` is due.
     due: Instant,
-    /// s of the test.
+    /// Test time, s.
     at: f64,
 }
 
@@ -63,7 +63,7 @@ impl Pace {
         }
     }
 
-    /// Waits until the test may be at `time`, s.
+    /// Waits until the test may continue at the test time `time`, s.
     pub(super) fn wait(&mut self, time: f64) {
         let Some(per_second) = self.per_second else {
             return;
@@ -77,7 +77,7 @@ impl Pace {
         let now = Instant::now();
         match self.due.checked_duration_since(now) {
             Some(ahead) => std::thread::sleep(ahead),
-            // What a busy machine has cost is not made up for.
+            // Delays by a busy machine are not made up for.
             None => self.due = now,
         }
     }

@@ -5,15 +5,15 @@ use std::path::Path;
 use mesh_damper::pack::PackInfo;
 use mesh_damper_recording::error::InputError;
 
-/// The bytes of the pack at `path`, whose header and checksum are right.
+/// The bytes of the pack at `path`, after a check of its header and checksum.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no pack.
+/// A file that cannot be read, or that is not a pack.
 pub fn read_pack(path: &Path) -> Result<Vec<u8>, InputError> {
     read_with_info(path).map(|(bytes, _)| bytes)
 }
 
-/// The same with what the pack says of itself.
+/// The same, with the information in the pack about itself.
 ///
 /// # Errors
 /// As [`read_pack`].

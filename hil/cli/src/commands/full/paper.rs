@@ -1,4 +1,4 @@
-//! `hil paper`: the source, recomputed.
+//! `hil paper`: the paper, recomputed.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The option of every command that puts other numbers that decide in the place of the default ones.
+//! The option of every command that replaces the default numbers of the policy.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use mesh_damper_recording::read_limit::{ReadLimit, read_json};
 use mesh_damper_studies::numbers::Policies;
 use serde::de::DeserializeOwned;
 
-/// Puts the numbers of the file at `path` in use; those that it leaves out stay as they are.
+/// Uses the numbers of the file at `path`; other numbers keep their defaults.
 pub fn install(path: &Path) -> Result<(), InputError> {
     let policies: Policies = read(path)?;
     policies.install().map_err(|error| {

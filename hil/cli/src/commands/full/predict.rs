@@ -1,4 +1,4 @@
-//! `hil predict`: the force that a model gives for a recording's motion.
+//! `hil predict`: the force of a model for the motion of a recording.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
@@ -67,13 +67,13 @@ pub struct Predict {
 
 #[derive(Clone, Debug, PartialEq)]
 enum On {
-    /// As it was fitted.
+    /// In double precision, as the law was fitted.
     F64,
-    /// The embedded law at the recording's tick.
+    /// The embedded law at the rate of the recording.
     F32,
-    /// The same inside the firmware's image, in an emulator.
+    /// The embedded law in the firmware's image, in an emulator.
     Image,
-    /// The same on a board.
+    /// The embedded law on a board.
     Serial(Port),
 }
 
@@ -122,55 +122,55 @@ impl Serialize for On {
 /// The error of a model's force over a recording.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary<'a> {
-    /// The file of the model.
+    /// Path of the model.
     model: &'a Path,
-    /// The file whose motion the model was given.
+    /// Path of the recording that gives the motion.
     recording: &'a Path,
     /// Where the law was evaluated.
     on: On,
-    /// Samples of the recording.
+    /// Number of samples in the recording.
     samples: usize,
     /// RMS of the error over the RMS of the measured force; null if no force was measured.
     nrmse: Option<f64>,
-    /// RMS of the band's half width over that of the measured force, or of the predicted one if no force was measured.
+    /// RMS of the band's half width over the RMS of the measured force, or of the predicted force if no force was measured.
     band: f64,
-    /// By how much the motion exceeds the operating range, as a part of it.
+    /// Excess of the motion over the operating range, as a fraction of the range.
     beyond_fitted_range: f64,
-    /// The part of the samples outside, and how far, of displacement and velocity.
+    /// The fraction of the samples outside the operating range, and their distance from it, in displacement and velocity.
     outside_operating_range: Extrapolation,
 }
 
-/// The motion that a law was given at each sample of the uniform time base, and its force.
+/// The motion that the law was given at each sample of the uniform time base, and its force.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Seen<'a> {
     /// Where the law was evaluated.
     on: On,
-    /// Between two samples, s.
+    /// Time between two samples, s.
     tick: f64,
-    /// Sample by sample, mm.
+    /// Displacement of each sample, mm.
     displacement: &'a [f64],
-    /// Sample by sample, mm/s.
+    /// Velocity of each sample, mm/s.
     velocity: &'a [f64],
-    /// Sample by sample, mm/s².
+    /// Acceleration of each sample, mm/s².
     acceleration: &'a [f64],
-    /// Of the cycle that a sample is in, mm.
+    /// Amplitude of the cycle of each sample, mm.
     amplitude: &'a [f64],
-    /// Since the recording's begin.
+    /// Number of cycles since the beginning of the recording.
     cycles: &'a [f64],
-    /// Sample by sample, °C.
+    /// Temperature of each sample, °C.
     temperature: Vec<f64>,
     /// Control inputs in the order of the model.
     controls: Vec<Input<'a>>,
-    /// That the law gives, kN.
+    /// Force of the law, kN.
     force: &'a [f64],
 }
 
 /// A control input.
 #[derive(JsonSchema, Serialize)]
 struct Input<'a> {
-    /// With its unit, as `current_A`.
+    /// Name of the input with its unit, for example `current_A`.
     name: &'a str,
-    /// Sample by sample, in the unit of the name.
+    /// Value of each sample, in the unit of the name.
     values: &'a [f64],
 }
 
@@ -216,7 +216,7 @@ impl Predict {
             ));
         }
         say_guesses(recording.named_guesses());
-        // As a trace has it: the same faults are mended, and the same samples count.
+        // The same faults are repaired as in a trace, and the same samples count.
         let mut mended = recording.repaired();
         let model = file.model();
         let known = (recording.name.as_str(), mended.controls.as_slice());
@@ -230,7 +230,7 @@ impl Predict {
             On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
             On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
             On::Image => {
-                // The ticks of a law alone are not counted.
+                // Ticks are not counted for a law alone.
                 let mut image = start_image(self.log, 1.0)?;
                 predict_on(&mut image, &model, &trajectory)
             }
@@ -245,7 +245,7 @@ impl Predict {
         })?;
         let band = band(&model, &trajectory)
             .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
-        // A channel that never changes is no measured force.
+        // A constant channel is no measured force.
         let is_measured = recording.force.iter().any(|f| *f != recording.force[0]);
         let error = is_measured.then(|| {
             nrmse(&force, &trajectory.force, |sample| {
@@ -314,7 +314,7 @@ impl Predict {
     }
 }
 
-/// Which part of the samples is outside the operating range, and how far at most.
+/// The fraction of the samples outside the operating range, and the largest distance from it.
 fn in_words(outside: &Extrapolation) -> String {
     if outside.part > 0.0 {
         let most = outside.most();

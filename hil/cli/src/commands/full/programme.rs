@@ -8,14 +8,14 @@ use mesh_damper_recording::error::{InputError, Place, quoted};
 use mesh_damper_recording::read_limit::{ReadLimit, read_json};
 use serde::Deserialize;
 
-/// Most blocks of a programme.
+/// Largest number of blocks in a programme.
 pub const MOST_BLOCKS: usize = 64;
-/// The longest programme, s: at 10 kHz, 36 million ticks.
+/// Longest duration of a programme, s: 36 million ticks at 10 kHz.
 pub const LONGEST: f64 = 3600.0;
-/// Cycles of each ramp unless told otherwise.
+/// Default number of cycles of each ramp.
 pub const RAMP_CYCLES: u32 = 2;
 
-/// The option that blocks as text come from.
+/// The option with which blocks are given as text.
 const OPTION: &str = "--blocks";
 const BLOCK_FORM: &str = "write amplitude in mm, frequency in Hz and cycles, as in 0.1:1:6,0.2:5:10, \
     or 0.1:1-20:50 for a sweep";
@@ -49,11 +49,11 @@ struct BlockFields {
     cycles: u32,
 }
 
-/// The programme that `text` says in blocks `amplitude:frequency:cycles` (mm, Hz), at `tick_rate` Hz.
+/// Parses a programme of blocks `amplitude:frequency:cycles` (mm, Hz), at `tick_rate` Hz.
 ///
 /// # Errors
-/// The block that is not so or that the crate refuses, by its number from 1; a programme without blocks, with too many,
-/// or longer than [`LONGEST`].
+/// The first block that is not of this form or that the crate rejects, by its number from 1; a programme without blocks, with too
+/// many, or longer than [`LONGEST`].
 pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, InputError> {
     let blocks = text.split(',').enumerate().map(|(index, block)| {
         let place = format!("block {}", index + 1);
@@ -75,7 +75,7 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
             .parse()
             .map_err(|_| refused(format!("{} is not a number of cycles", quoted(cycles))))?;
         let amplitude = number(amplitude)?;
-        // A minus is of an exponent before it is a sweep's.
+        // A minus sign belongs to an exponent if the text is a number, otherwise to a sweep.
         let block = match (frequency.parse::<f64>(), frequency.split_once('-')) {
             (Err(_), Some((from, to))) => {
                 Block::sweep(amplitude, number(from)?, number(to)?, cycles)
@@ -91,10 +91,10 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
     build(OPTION, RAMP_CYCLES, blocks, tick_rate)
 }
 
-/// The programme in a JSON file, at `tick_rate` Hz.
+/// Reads the programme from a JSON file, at `tick_rate` Hz.
 ///
 /// # Errors
-/// As [`parse`], naming the file and the field; a file beyond the limit.
+/// As for [`parse`], with the file and the field; a file beyond the limit.
 pub fn read(
     path: &Path,
     limit: ReadLimit,

@@ -127,42 +127,42 @@ pub struct RecordCommand {
 pub(in crate::commands) struct Summary {
     /// The board, as `serial:PORT`.
     from: Port,
-    /// Ticks a second of the rig, Hz.
+    /// Tick rate of the rig, Hz.
     tick_rate: f64,
-    /// Ticks from the first row to the last.
+    /// Number of ticks from the first row to the last.
     ticks: u64,
-    /// Rows recorded.
+    /// Number of rows recorded.
     rows: usize,
-    /// What the board sent and did not arrive.
+    /// Data that the board sent but that did not arrive.
     lost: LostRow,
-    /// Ticks that came too late.
+    /// Number of ticks that were late.
     late_ticks: u32,
-    /// Cycle by cycle.
+    /// Per-cycle results.
     cycles: Vec<CycleRow>,
-    /// What the monitor named.
+    /// Events of the monitor.
     events: Vec<EventRow>,
-    /// Where the rig stopped before its end; null where it did not.
+    /// The trip of the rig; null if it did not trip.
     stopped: Option<Stop>,
-    /// Null without --live.
+    /// The live page; null without --live.
     live: Option<LiveRow>,
-    /// Null without --mqtt.
+    /// The MQTT broker; null without --mqtt.
     mqtt: Option<MqttRow>,
 }
 
-/// What did not arrive.
+/// Data that did not arrive.
 #[derive(JsonSchema, Serialize)]
 struct LostRow {
-    /// Rows.
+    /// Number of lost rows.
     rows: u64,
-    /// Results of cycles, events and the like.
+    /// Number of lost notes: results of cycles, events and similar.
     notes: u64,
-    /// Frames that arrived broken.
+    /// Number of frames that arrived damaged.
     frames: u64,
 }
 
-/// Of the simulated actuator, s, as the rig of `hil run` has it.
+/// Lead of the simulated actuator, s, the same as for the rig of `hil run`.
 const LEAD: f64 = 9e-3;
-/// Rows wait for this long at most until they are sent, s.
+/// Longest time for which rows wait before they are sent, s.
 const WITHIN: f64 = 0.05;
 
 impl RecordCommand {
@@ -229,7 +229,7 @@ impl RecordCommand {
             progress,
             journal: Journal::at(partial, comments.clone()).with_controls(self.control.clone()),
             live,
-            // The board has a clock.
+            // The board runs on its own clock.
             pace: Pace::new(Speed::Max),
         };
         let config = TelemetryConfig {
@@ -257,7 +257,7 @@ impl RecordCommand {
             ..
         } = watched;
         drop(progress);
-        // At once; what came of it is said once the recording is written.
+        // Stops the rig at once. A failure is reported after the recording is written.
         let rested = match self.join || self.keep_running || recorded.is_err() {
             true => Ok(()),
             false => board.stop_rig().map_err(InputError::from),
@@ -318,7 +318,7 @@ impl RecordCommand {
         summary.stopped.map_or(Ok(()), |stop| Err(stop.failure()))
     }
 
-    /// Where the recording is while it is under way.
+    /// Path of the partial recording during the test.
     fn partial(&self) -> PathBuf {
         let mut name = self.out.as_os_str().to_owned();
         name.push(".partial.csv");
@@ -326,7 +326,7 @@ impl RecordCommand {
     }
 
     fn check(&self) -> Result<(), InputError> {
-        // The harness asks the board five times a second.
+        // The harness sends a message to the board five times a second.
         let silence = Some(self.silence).filter(|silence| *silence != 0.0);
         for (field, unit, value, low, high) in [
             ("--silence", "s", silence, 0.5, 100.0),
@@ -353,7 +353,7 @@ impl RecordCommand {
         self.check_controls()
     }
 
-    /// Whether a recording with these columns is read as it is meant.
+    /// Checks that a recording with these columns is read as intended.
     fn check_controls(&self) -> Result<(), InputError> {
         let refused = |problem: String| {
             let remedy = "name another quantity with its unit, each once, such as current_A";
@@ -382,7 +382,7 @@ impl RecordCommand {
         Ok(())
     }
 
-    /// The tick rate of the rig that runs already, Hz.
+    /// Tick rate of the running rig, Hz.
     fn joined_rate(&self, about: &About) -> Result<f64, InputError> {
         if about.tick_rate > 0.0 && about.state == State::Running {
             return Ok(about.tick_rate.into());
@@ -398,7 +398,7 @@ impl RecordCommand {
         ))
     }
 
-    /// The board restarted, with a rig that is to run `programme`.
+    /// Restarts the board and sets up a rig that runs `programme`.
     fn wired(
         &self,
         programme: &Programme<MOST_BLOCKS>,
@@ -427,7 +427,7 @@ impl RecordCommand {
                     .to_vec()
             }
         };
-        // Only the ranges and the settings count: the specimen is the board's.
+        // Only the ranges and the settings matter: the specimen is the board's.
         let specimen = Specimen::of_density(3.0, SPECIMEN_AMPLITUDE);
         let mut setup = RigSetup::new(specimen, law, programme.clone(), 0);
         setup.displacement_sensor.full_scale = self.displacement_range;
@@ -465,7 +465,7 @@ impl RecordCommand {
     }
 }
 
-/// Tells this recording's telemetry from that of one before, which may still be on its way.
+/// Distinguishes this recording's telemetry from that of an earlier one, which may still be in transit.
 fn session() -> u8 {
     std::process::id() as u8
 }

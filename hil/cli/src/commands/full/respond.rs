@@ -21,7 +21,8 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::{Failure, say, warn};
 
-/// A base is to be smoothed where its velocity is noise to more than this part: the friction of the damper would follow the noise.
+/// Largest fraction of noise in the velocity of a base without a warning to smooth it. The damper's friction would follow the
+/// noise.
 const NOISY: f64 = 0.1;
 
 /// Compute the motion of a mass on a damper, under a force or on a moving base
@@ -74,65 +75,65 @@ pub struct RespondCommand {
     files: RecordingFiles,
 }
 
-/// What drives the mass.
+/// The excitation of the mass.
 #[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Drive {
-    /// A force on it.
+    /// A force on the mass.
     Force,
-    /// The motion of its base.
+    /// The motion of the base.
     Base,
 }
 
 /// The motion of a mass on a damper.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary<'a> {
-    /// The file of the model.
+    /// Path of the model.
     model: &'a Path,
-    /// The file of the force or of the motion.
+    /// Path of the recording with the force or the motion.
     excitation: &'a Path,
-    /// What drives the mass.
+    /// The excitation of the mass.
     drive: Drive,
-    /// Fastened to the damper, kg.
+    /// Mass on the damper, kg.
     mass: f64,
-    /// Of the model's effect `inertia`, kg.
+    /// Mass of the model's effect `inertia`, kg.
     model_mass: f64,
-    /// Samples of the motion.
+    /// Number of samples of the motion.
     samples: usize,
-    /// From the first sample to the last, s.
+    /// Duration from the first sample to the last, s.
     duration: f64,
-    /// Of the integration, s.
+    /// Time step of the integration, s.
     step: f64,
-    /// RMS over RMS by which the displacements changed when the steps were halved last.
+    /// RMS of the change of the displacements over their RMS, when the steps were halved last.
     change_on_halving: f64,
-    /// Whether that is less than `--tolerance`.
+    /// Whether that change is smaller than `--tolerance`.
     settled: bool,
-    /// Of the mass, mm.
+    /// Displacement of the mass, mm.
     displacement: Size,
-    /// Of the mass, mm/s.
+    /// Velocity of the mass, mm/s.
     velocity: Size,
-    /// Of the mass, mm/s².
+    /// Acceleration of the mass, mm/s².
     acceleration: Size,
-    /// Of the damper, mm.
+    /// Displacement of the damper, mm.
     relative_displacement: Size,
-    /// Of the damper, kN.
+    /// Force of the damper, kN.
     force: Size,
-    /// Where the energy went, J.
+    /// Energy balance, J.
     energy: EnergyBalance,
-    /// By how much the motion exceeds the operating range, as a part of it.
+    /// Excess of the motion over the operating range, as a fraction of the range.
     beyond_fitted_range: f64,
-    /// The part of the samples outside the operating range, and how far they are.
+    /// The fraction of the samples outside the operating range, and their distance from it.
     outside_operating_range: Extrapolation,
-    /// Effects of the model that the integration leaves out.
+    /// Effects of the model that the integration leaves out or treats differently.
     left_out: &'a [LeftOut],
 }
 
-/// Of a channel.
+/// Size of a channel.
 #[derive(JsonSchema, Serialize)]
 struct Size {
-    /// Largest, whatever its sign, in the channel's unit.
+    /// Largest magnitude, in the unit of the channel.
     peak: f64,
-    /// Root of the mean square, in the channel's unit.
+    /// Root mean square, in the unit of the channel.
     rms: f64,
 }
 
@@ -249,7 +250,7 @@ impl RespondCommand {
     }
 }
 
-/// The damper's motion and force in the columns of a recording, and the mass's beside them.
+/// Writes the damper's motion and force in the columns of a recording, and the motion of the mass in further columns.
 fn to_file(out: &Path, input: &InputSignal, drive: Drive, response: &Response) -> Vec<u8> {
     let of = |channel: fn(&Moment) -> f64| response.moments.iter().map(channel).collect();
     let driving = match drive {
@@ -323,7 +324,7 @@ pub fn warn_of_left_out(model: &Path, left_out: &[LeftOut]) {
     }
 }
 
-/// Of `samples`, as they are called, beyond the operating range of the model in a file.
+/// Warns of `samples` beyond the operating range of the model in a file.
 pub fn warn_of_range(model: &Path, outside: &Extrapolation, samples: &str) {
     if let Some(words) = outside.in_words(samples, &model.display().to_string()) {
         warn(&words);

@@ -19,7 +19,7 @@ use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
 
-/// Which sines.
+/// The sines of a sweep.
 #[derive(Args, Debug)]
 pub struct SweepOptions {
     /// Amplitudes of the base in mm, 1e-9 to 10000
@@ -58,20 +58,20 @@ pub struct SweepOptions {
 /// The transmissibility of a damper with a mass over frequency and amplitude.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary<'a> {
-    /// The file of the model.
+    /// Path of the model.
     model: &'a Path,
-    /// Fastened to the damper, kg.
+    /// Mass on the damper, kg.
     mass: f64,
-    /// By how much a motion exceeds the operating range at most, as a part of it.
+    /// Largest excess of a motion over the operating range, as a fraction of the range.
     beyond_fitted_range: f64,
-    /// The part of the points outside the operating range, and how far they are.
+    /// The fraction of the points outside the operating range, and their distance from it.
     outside_operating_range: Extrapolation,
     #[serde(flatten)]
     sweep: &'a Sweep,
 }
 
 impl SweepOptions {
-    /// Of the model in a file that is read within a limit; CSV and JSON go to `outputs`.
+    /// Runs the sweep for the model in a file that is read within a limit, and adds CSV and JSON to `outputs`.
     pub fn run(
         &self,
         (model, limit): (&Path, ReadLimit),
@@ -87,7 +87,7 @@ impl SweepOptions {
         WriteAs::of(out)?;
         let file = ModelFile::read_within(model, limit)?;
         let range = SweepRange {
-            // The command line asks for both.
+            // The parser requires both.
             from: self.from.unwrap_or_default(),
             to: self.to.unwrap_or_default(),
             points: self.points,
@@ -163,7 +163,7 @@ fn to_file(out: &Path, points: &[SweepPoint]) -> Vec<u8> {
     )
 }
 
-/// Of each amplitude the largest transmissibility, and from where on the mass moves less than the base.
+/// Prints, for each amplitude, the largest transmissibility and the frequency above which the mass moves less than the base.
 fn print(points: &[SweepPoint]) {
     say("base, mm   largest   at, Hz   below 1 from, Hz   steps' change");
     for curve in points.chunk_by(|a, b| a.base_amplitude == b.base_amplitude) {

@@ -1,4 +1,4 @@
-//! `hil run`: the rig in the loop with the simulated actuator and specimen.
+//! `hil run`: a test on the rig controller with a simulated actuator and specimen.
 
 use std::path::PathBuf;
 
@@ -115,61 +115,62 @@ pub struct RunCommand {
     files: RecordingFiles,
 }
 
-/// A test on the rig in the loop.
+/// A test on the rig.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Summary {
-    /// Where the crate ran.
+    /// The place where the crate ran.
     pub(super) on: Place,
-    /// What was tested, in words.
+    /// The specimen under test, in words.
     pub(super) specimen: String,
-    /// Of the specimen and of the sensors' noise.
+    /// Seed of the specimen and of the sensors' noise.
     pub(super) seed: u64,
-    /// Ticks a second of the crate, Hz.
+    /// Tick rate of the crate, Hz.
     pub(super) tick_rate: f64,
-    /// Ticks that the rig ran for.
+    /// Number of ticks that the rig ran.
     pub(super) ticks: u64,
-    /// Why the model cannot be meant for the specimen or the motion, in words.
+    /// Reasons why the model cannot belong to the specimen or the motion, as sentences.
     warnings: Vec<String>,
-    /// The part of the blocks or of the motion's knots outside the operating range, before the run; null without a model.
+    /// The fraction of the blocks, or of the motion's knots, outside the operating range, as computed before the run; null without
+    /// a model.
     asked_outside_operating_range: Option<Extrapolation>,
-    /// Ticks outside the operating range of the model; null without a model.
+    /// Ticks outside the model's operating range; null without a model.
     outside_operating_range: Option<OutsideTicks>,
-    /// How far the model was off at first; null without a model.
+    /// The error of the model at the beginning; null without a model.
     first_error: Option<FirstError>,
-    /// The motion that was followed; null of a programme.
+    /// The motion that was followed; null for a programme.
     pub(super) drive: Option<Followed>,
-    /// Cycle by cycle; none of a motion.
+    /// Per-cycle results; empty for a motion.
     pub(super) cycles: Vec<CycleRow>,
-    /// What the monitor named, each cause once.
+    /// Events of the monitor, once for each cause.
     events: Vec<EventRow>,
-    /// Where the rig stopped before its end; null where it did not.
+    /// The trip of the rig; null if it did not trip.
     pub(super) stopped: Option<Stop>,
-    /// Null without --live.
+    /// The live page; null without --live.
     live: Option<LiveRow>,
-    /// Null without --mqtt.
+    /// The MQTT broker; null without --mqtt.
     mqtt: Option<MqttRow>,
 }
 
-/// Ticks beyond the operating range of the model by more than [`RANGE_MARGIN`].
+/// Ticks that exceed the model's operating range by more than [`RANGE_MARGIN`].
 #[derive(Clone, Copy, JsonSchema, Serialize)]
 pub(super) struct OutsideTicks {
-    /// How many.
+    /// Number of ticks.
     ticks: u64,
-    /// Of all ticks, 0…1.
+    /// Fraction of all ticks, 0…1.
     part: f64,
 }
 
-/// Why and when the rig stopped before its end.
+/// The time and the cause of a trip.
 #[derive(JsonSchema, Serialize)]
 pub(super) struct Stop {
-    /// Since the start, s.
+    /// Time since the start, s.
     pub(super) time: f64,
     /// The trip cause, in words.
     pub(super) fault: String,
 }
 
 impl Stop {
-    /// For `fault` at `time`, s.
+    /// The stop by `fault` at `time`, s.
     pub(super) fn new((time, fault): (f64, TripCause)) -> Self {
         Self {
             time,
@@ -230,7 +231,7 @@ impl RunCommand {
         if let (Some(path), Some(beyond)) = (&self.model, &beyond) {
             warnings.extend(beyond.in_words(samples, &path.display().to_string()));
         }
-        // Before what may take long.
+        // The warnings come before work that may take long.
         warnings.iter().for_each(|warning| warn(warning));
 
         let junit = Junit::of("run");
@@ -334,7 +335,7 @@ impl RunCommand {
             run.recording(recording.display().to_string()),
             &summary.stopped,
         ) {
-            // A rig that stopped at once has recorded nothing: why it stopped is the message then.
+            // A rig that trips at once has recorded nothing. The message then is the trip cause.
             (Err(_), Some(stop)) => {
                 journal.remove();
                 if self.junit.is_some() {
@@ -384,8 +385,8 @@ impl RunCommand {
         }
     }
 
-    /// The test of `specimen`, of a density in g/cm³, under either `programme` or the motion that is `driven`, and the motion that the
-    /// model was fitted on, where there is one.
+    /// Sets up the test of `specimen` with a density in g/cm³, for `programme` or the motion `driven`. Also returns the model's
+    /// operating range, if there is a model.
     fn setup(
         &self,
         specimen: Specimen,
@@ -485,23 +486,23 @@ impl RunCommand {
     }
 }
 
-/// What runs beside the specimen.
+/// The law that runs in parallel to the specimen.
 struct Laws {
     law: AugmentedLaw<f32, MAX_EFFECTS>,
-    /// Eq 13 of each block.
+    /// Eq 13 for each block.
     block_laws: Vec<Law<f32>>,
-    /// Of the model.
+    /// The motion that the model was fitted on.
     fitted_range: Option<FittedRange>,
-    /// That of the model, with [`RANGE_MARGIN`].
+    /// The operating range of the model, with [`RANGE_MARGIN`].
     operating_range: Option<OperatingRange<f32>>,
 }
 
-/// Shows how far a run is, keeps what it has recorded, and tells who looks on.
+/// Shows the progress of a run, stores its recording, and passes the data to the viewers.
 pub(super) struct Watched {
     pub(super) progress: Progress,
     pub(super) journal: Journal,
     pub(super) live: Live,
-    /// Of a rig whose time is not the clock's.
+    /// Pace of a rig without its own clock.
     pub(super) pace: Pace,
 }
 
@@ -525,7 +526,7 @@ impl Watch for &mut Watched {
     }
 }
 
-/// How a run has ended, for who looks on.
+/// The end of a run, for the viewers.
 pub(super) fn ended(run: Result<&RigRun, &InputError>) -> State {
     match run {
         Ok(run) => match run.faults.first() {
@@ -543,7 +544,7 @@ pub(super) fn ended(run: Result<&RigRun, &InputError>) -> State {
     }
 }
 
-/// What a part of the rig refuses.
+/// The error for a part of the rig that rejects the setup.
 pub(super) fn refused(error: SetupError) -> InputError {
     match error {
         SetupError::Link(error) | SetupError::Watch(error) | SetupError::Drive(error) => error,
@@ -558,7 +559,7 @@ fn broken_off(error: SetupError, journal: &Journal) -> InputError {
     with_journal(refused(error), journal)
 }
 
-/// `error`, and where to find what was recorded before it.
+/// Adds to `error` the path of the recording up to it.
 pub(super) fn with_journal(mut error: InputError, journal: &Journal) -> InputError {
     if journal.has_begun() && journal.path().exists() {
         let path = journal.path().display();
@@ -570,7 +571,7 @@ pub(super) fn with_journal(mut error: InputError, journal: &Journal) -> InputErr
     error
 }
 
-/// Why the rig stopped.
+/// The trip cause, in words.
 pub(super) fn in_words(fault: TripCause) -> &'static str {
     match fault {
         TripCause::AdcBus => "the ADC did not answer",

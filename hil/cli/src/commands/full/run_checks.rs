@@ -1,4 +1,4 @@
-//! The checks of a run, for a build server: its blocks, and that it did not stop before its end.
+//! The checks of a run for a build server: one for each block, and one for the trip.
 
 use mesh_damper::sine::{Block, Programme};
 
@@ -7,7 +7,7 @@ use super::programme::MOST_BLOCKS;
 use super::run::Summary;
 
 impl Summary {
-    /// Adds to `junit` a case for each block of `programme`, or one for a motion, and one for a trip.
+    /// Adds to `junit` a case for each block of `programme` (or one for a motion), and one for a trip.
     pub(super) fn checked(
         &self,
         mut junit: Junit,

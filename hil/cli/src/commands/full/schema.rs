@@ -1,4 +1,4 @@
-//! `hil schema`: the JSON schemas of what the commands write.
+//! `hil schema`: the JSON schemas of the commands' documents.
 
 use std::borrow::Cow;
 use std::marker::PhantomData;
@@ -59,24 +59,24 @@ pub struct SchemaCommand {
 /// The documents that the commands write as JSON.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Schemas {
-    /// Each of them.
+    /// The documents.
     schemas: Vec<Listed>,
 }
 
 /// A document that commands write.
 #[derive(JsonSchema, Serialize)]
 struct Listed {
-    /// What `hil schema` is given.
+    /// Name of the document, as `hil schema` takes it.
     name: &'static str,
-    /// Of the document.
+    /// Version of the document.
     schema_version: u32,
     /// The commands that write it.
     written_by: &'static str,
-    /// What it is.
+    /// Description of the document.
     description: String,
 }
 
-/// A schema, and what it is of.
+/// A schema and its document.
 struct Entry {
     name: &'static str,
     version: u32,
@@ -84,7 +84,7 @@ struct Entry {
     schema: fn() -> Schema,
 }
 
-/// A type gets its name as a document here, and only here: so no command writes JSON that has no schema.
+/// A type gets its name as a document only here, so no command writes JSON without a schema.
 macro_rules! documents {
     (named elsewhere { $($known:ty, $known_by:literal;)* } $($type:ty, $name:literal by $label:ident, $by:literal;)*) => {
         $(impl Document for $type {
@@ -150,7 +150,7 @@ fn schema_of<T: Document + JsonSchema>() -> Schema {
     schema
 }
 
-/// Takes the links to code out of what is said of the fields, and the ends of the code's lines: a reader of JSON has no code.
+/// Replaces links to code and line ends in descriptions with plain text, because a reader of the JSON has no code.
 fn without_code(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
         let plain = text.replace("[`", "`").replace("`]", "`");
@@ -160,7 +160,7 @@ fn without_code(schema: &mut Schema) {
     transform_subschemas(&mut without_code, schema);
 }
 
-/// A document with what it says of itself.
+/// A document with its label.
 pub(super) struct Whole<T>(PhantomData<T>);
 
 impl<T: Document + JsonSchema> JsonSchema for Whole<T> {

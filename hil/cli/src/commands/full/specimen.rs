@@ -6,10 +6,10 @@ use mesh_damper_rig::specimen::{DamperForce as _, Specimen, draw};
 
 use super::effect;
 
-/// The amplitude whose row of the paper's tables a specimen of given density follows, mm.
+/// Amplitude of the paper's table row that gives a specimen of a given density its coefficients, mm.
 pub const SPECIMEN_AMPLITUDE: f64 = 0.1;
 
-/// Which specimen is simulated.
+/// The simulated specimen.
 #[derive(Args, Debug)]
 pub struct SpecimenOptions {
     /// Density of the simulated specimen in g/cm³, 2 to 4
@@ -27,7 +27,7 @@ pub struct SpecimenOptions {
 }
 
 impl SpecimenOptions {
-    /// The specimen, its density in g/cm³ and what is said of it in the recording.
+    /// The specimen, its density in g/cm³, and its description in the recording.
     pub fn specimen(&self) -> Result<(Specimen, f64, String), InputError> {
         if self.drawn {
             let (specimen, drawn) = draw(self.seed);

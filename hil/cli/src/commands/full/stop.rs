@@ -1,4 +1,4 @@
-//! `hil stop`: a rig that runs on a board's own timer.
+//! `hil stop`: stops a rig that runs on a board's own timer.
 
 use clap::Args;
 use mesh_damper::rig::State;

@@ -112,7 +112,7 @@ impl NumbersCommand {
         Ok(())
     }
 
-    /// What was measured before.
+    /// The results of an earlier run.
     fn known(&self) -> Result<Costs, Failure> {
         let seeds = self.first..self.first + self.seeds;
         let Some(path) = &self.known else {
@@ -162,7 +162,7 @@ impl NumbersCommand {
         Ok(())
     }
 
-    /// Of the blind trial with these numbers; `None` where it fails with them.
+    /// The score of the blind trial with these numbers; `None` if the trial fails.
     fn score(&self, policies: &Policies) -> Result<Option<Score>, Failure> {
         let failed = |error: std::io::Error| InputError::io(Path::new("hil blind"), "run", &error);
         let mut file = tempfile::NamedTempFile::new().map_err(failed)?;

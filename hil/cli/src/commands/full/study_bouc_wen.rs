@@ -1,4 +1,4 @@
-//! `hil study bouc-wen`: the benchmark of nonlinear identification.
+//! `hil study bouc-wen`: a benchmark of nonlinear identification.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ pub struct BoucWenCommand {
     json: Option<PathBuf>,
 }
 
-/// What the folder is filled with.
+/// The files in the folder.
 const FILES: [&str; 4] = [
     "training.csv.gz",
     "test-multisine.csv.gz",

@@ -1,4 +1,4 @@
-//! `hil study size`: what a trace takes.
+//! `hil study size`: time and memory of a trace.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -41,9 +41,9 @@ pub struct SizeCommand {
     check: bool,
 }
 
-/// What traces took, one after another.
+/// The cost of the traces, one after another.
 ///
-/// An array from the start, so that each of its elements says which document it is.
+/// The JSON is an array from the start, so that each element can state its document.
 pub(in crate::commands) struct Sizes<'a>(&'a [Measured]);
 
 impl Serialize for Sizes<'_> {
@@ -106,7 +106,7 @@ impl SizeCommand {
             let rows = self.rows.iter();
             rows.map(move |&rows| (motion, rows))
         });
-        // Most of the time goes to the longest, and grows as the rows do.
+        // Most of the time goes to the longest recordings, and grows in proportion to the rows.
         let total = Motion::ALL.len() * self.rows.iter().sum::<usize>();
         let progress = Progress::of(total as u64);
         let mut done = 0;
@@ -126,7 +126,7 @@ fn rows(text: &str) -> Result<usize, String> {
     let rows: f64 = text
         .parse()
         .map_err(|_| "write a number such as 100000 or 1e5")?;
-    // Fewer have not one cycle to each block; of more the recording is larger than what is read.
+    // Fewer rows give less than one cycle to each block. More rows exceed the read limit.
     if (1e4..=1e7).contains(&rows) {
         Ok(rows as usize)
     } else {

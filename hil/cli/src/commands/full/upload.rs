@@ -1,4 +1,4 @@
-//! `hil upload`: a coefficient pack onto a rig that runs.
+//! `hil upload`: sends a coefficient pack to a running rig.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -36,26 +36,26 @@ pub struct UploadCommand {
     json: Option<PathBuf>,
 }
 
-/// A pack that was put onto a running rig.
+/// A coefficient pack that was sent to a running rig.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Uploaded {
     /// The board, as `serial:PORT`.
     to: Port,
-    /// Of the pack; null of one that has none.
+    /// Name of the pack; null if the pack has none.
     name: Option<String>,
-    /// Of the model, 16 hexadecimal digits; null of a pack that does not say.
+    /// Identity of the model, 16 hexadecimal digits; null if the pack does not give it.
     identity: Option<String>,
-    /// Of the pack; null of one that does not say.
+    /// Revision of the pack; null if the pack does not give it.
     revision: Option<u32>,
-    /// Of the pack, bytes.
+    /// Size of the pack, bytes.
     bytes: usize,
-    /// Of the rig that has it, Hz.
+    /// Tick rate of the rig, Hz.
     tick_rate: f32,
-    /// Whether the law is in force; not so where the rig does not run, which takes it at its start.
+    /// Whether the law is in use. False if the rig does not run: it then uses the law from its start on.
     in_force: bool,
-    /// From the pack's last byte to the swap, or to the answer of a rig that does not run, s.
+    /// Time from the pack's last byte to the swap, or to the answer of a rig that does not run, s.
     seconds: f64,
-    /// Ticks that came too late meanwhile.
+    /// Number of ticks that were late in this time.
     late_ticks: u32,
 }
 

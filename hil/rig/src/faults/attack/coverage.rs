@@ -15,13 +15,13 @@ pub struct Coverage {
     pub element: Element,
     /// Faults injected into it, one per trial.
     pub injected: usize,
-    /// Number of these that were found.
+    /// Number of these faults that were found.
     pub found: usize,
-    /// Dangerous faults injected into it.
+    /// Number of dangerous faults injected into it.
     pub dangerous: usize,
-    /// Number of these that were detected: a cause was reported, or the rig stopped, or it refused.
+    /// Number of dangerous faults that were detected: a cause was reported, or the rig stopped, or it refused its settings.
     pub detected: usize,
-    /// Dangerous faults that cannot be observed; they count as injected.
+    /// Number of dangerous faults that cannot be observed. They count as injected.
     pub hidden: usize,
 }
 

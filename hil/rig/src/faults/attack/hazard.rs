@@ -13,9 +13,9 @@ use crate::signals::Sensed;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// mm.
+    /// True displacement, mm.
     Displacement,
-    /// kN.
+    /// True force, kN.
     Force,
     /// True displacement minus the demanded one, mm.
     Tracking,
@@ -36,15 +36,15 @@ impl Quantity {
 #[serde(rename_all = "snake_case")]
 pub enum Behind {
     /// The single channel of the quantity showed the true value with a constant gain and a constant offset, exactly and at every
-    /// sample, from one cycle before the hazard on. With these every shown value was within the limit, or beyond it for no longer
-    /// than the trip time. A single channel cannot observe this.
+    /// sample, from one cycle before the hazard on. With these, every shown value was within the limit, or beyond it for no longer
+    /// than the trip time. A single channel cannot detect this.
     ConstantGain,
     /// The same, but the gain changed by up to a few percent in that time.
     DriftingGain,
-    /// The rig had dropped the enable line, and it stayed high at the servo.
+    /// The rig had dropped the enable line, but the line stayed high at the servo.
     LineHigh,
-    /// The single channel of the quantity was lost and showed hardly any of the excess, and the excess came within the 2.25 cycles
-    /// that it takes to detect a loss. This needs two attacks at once: a single attack is not excused by it.
+    /// The single channel of the quantity was lost, so it hardly showed the excess, and the excess came within the 2.25 cycles that
+    /// the detection of a loss takes. This needs two attacks at once and excuses no single attack.
     JustLost,
     /// The controller was not called for longer than the trip time, and the rest of the excess lasted no longer than the trip time.
     /// Only an external watchdog of the controller can act.
@@ -59,13 +59,13 @@ pub enum Behind {
 pub struct Hazard {
     /// The quantity beyond its limit.
     pub quantity: Quantity,
-    /// Its largest value divided by its limit.
+    /// Largest value of the quantity divided by its limit.
     pub factor: f64,
-    /// Largest number of successive steps of the plant beyond the limit.
+    /// Largest number of successive plant steps beyond the limit.
     pub steps: u32,
-    /// Tick of the trial at which it was beyond the limit for longer than the trip time for the first time.
+    /// Tick of the trial at which the quantity had first been beyond the limit for longer than the trip time.
     pub tick: u64,
-    /// Reason for it.
+    /// The reason for the hazardous state.
     pub behind: Behind,
 }
 

@@ -39,7 +39,7 @@ impl Element {
     ];
 }
 
-/// A kind of attack. It acts on signals or on the plant, and does not know what the monitor looks for. [`AttackKind::sizes`]
+/// A kind of attack on the signals or the plant. It is defined without knowledge of what the monitor detects. [`AttackKind::sizes`]
 /// describes its size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -7,15 +7,15 @@ use serde::Serialize;
 
 use crate::TICK_RATE;
 
-/// A word of a rig's settings that was replaced by another.
+/// A word of a rig's settings that was replaced with an invalid one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forgery {
-    /// Index of the word, from the first on.
+    /// Index of the word, from the first word of the settings on.
     pub word: usize,
-    /// The word in its place: NaN, infinities, and values that no count may have.
+    /// The replacement: NaN, an infinity, or a value that no count may have.
     pub bits: u32,
-    /// Whether the rig rejects it.
+    /// Whether the rig rejects the settings.
     pub refused: bool,
 }
 

@@ -12,15 +12,15 @@ use super::trial::{AttackOutcome, Naming};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hazards {
-    /// Behind a channel with a constant gain or offset only, which a single channel cannot observe.
+    /// Hidden by a channel with a constant gain or offset, which a single channel cannot detect.
     pub constant_gain: usize,
     /// The enable line stayed high at the servo after the rig had dropped it.
     pub line_high: usize,
-    /// The controller was not called, which only an external watchdog can end.
+    /// The controller was not called. Only an external watchdog can end this.
     pub not_called: usize,
-    /// Behind a channel that was lost shortly before, together with another attack.
+    /// Hidden by a channel that was lost shortly before, together with another attack.
     pub just_lost: usize,
-    /// Behind a channel whose gain drifts.
+    /// Hidden by a channel whose gain drifts.
     pub drifting_gain: usize,
     /// All other reasons.
     pub others: usize,
@@ -59,25 +59,25 @@ impl Hazards {
 pub struct Counts {
     /// Trials with an attack that can be observed.
     pub trials: usize,
-    /// Number of these in which it was found.
+    /// Number of these trials in which the attack was found.
     pub found: usize,
-    /// Number of these in which it was found in time.
+    /// Number of these trials in which the attack was found in time.
     pub in_time: usize,
-    /// Trials whose first reported cause cannot be distinguished from the attack.
+    /// Number of trials whose first reported cause cannot be distinguished from the attack.
     pub right: usize,
-    /// Trials whose first event reports two causes, of which the second is such a one.
+    /// Number of trials whose first event reports two causes, the second of which cannot be distinguished from the attack.
     pub both: usize,
-    /// Trials in which each attack was reported at some time, or the rig stopped before it had to be.
+    /// Number of trials in which each attack was reported at some time, or the rig stopped before it had to be.
     pub all_named: usize,
-    /// Causes reported before there was an attack, of all trials.
+    /// Number of causes reported before there was an attack, in all trials.
     pub early: usize,
-    /// Trials with a hazardous state, of all trials.
+    /// Number of trials with a hazardous state, of all trials.
     pub hazards: Hazards,
-    /// Trials none of whose attacks can be observed.
+    /// Number of trials in which no attack can be observed.
     pub hidden: usize,
-    /// Median of the cycles from the time when the attack counts as present until it was found.
+    /// Median number of cycles from the time when the attack counts as present until it was found.
     pub median_cycles: Option<f64>,
-    /// The largest number of cycles.
+    /// Largest number of these cycles.
     pub worst_cycles: Option<f64>,
 }
 
@@ -111,42 +111,42 @@ impl Counts {
 pub struct AttackKindSummary {
     /// The kind.
     pub kind: AttackKind,
-    /// Its size, in the unit of the trials.
+    /// Size of the attack, in the unit of the trials.
     pub size: f64,
     /// The element that fails.
     pub element: Element,
-    /// Why it cannot be observed, if it cannot.
+    /// The reason why the attack cannot be observed, if it cannot.
     pub hidden: Option<&'static str>,
     /// The findings.
     pub counts: Counts,
 }
 
-/// How soon the rig stopped for the loss of a channel that a limit depends on.
+/// Time until the rig stopped after the loss of a channel that a limit depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LossSummary {
-    /// The channel.
+    /// The lost channel.
     #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
     /// Number of trials.
     pub trials: usize,
     /// Number of trials in which the rig stopped.
     pub stopped: usize,
-    /// Median of the cycles until then.
+    /// Median number of cycles until the rig stopped.
     pub median_cycles: Option<f64>,
-    /// The largest number of cycles.
+    /// Largest number of cycles until the rig stopped.
     pub worst_cycles: Option<f64>,
 }
 
-/// A hazardous state of a trial that should not have occurred.
+/// A hazardous state in a trial that should not have occurred.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorstHazard {
     /// The true quantity.
     pub quantity: Quantity,
-    /// Its largest value divided by its limit.
+    /// Largest value of the quantity divided by its limit.
     pub factor: f64,
-    /// Largest number of successive steps.
+    /// Largest number of successive plant steps beyond the limit.
     pub steps: u32,
 }
 
@@ -158,17 +158,17 @@ pub struct AttackSummary {
     pub kinds: Vec<AttackKindSummary>,
     /// All attacks, one per trial.
     pub singles: Counts,
-    /// All pairs.
+    /// All pairs of attacks.
     pub pairs: Counts,
     /// All trials drawn by the adversary.
     pub adversary: Counts,
     /// Lost channels, in trials of their own.
     pub losses: Vec<LossSummary>,
-    /// By quantity, the worst trials with a hazardous state.
+    /// The worst trials with a hazardous state, by quantity.
     pub worst: Vec<WorstHazard>,
-    /// Invalid settings.
+    /// Invalid settings that the rig was given.
     pub forgeries: Vec<Forgery>,
-    /// Single trials: of attacks alone, of pairs, of the adversary.
+    /// Outcomes trial by trial: single attacks, pairs, and the adversary's.
     pub outcomes: Outcomes,
 }
 

@@ -20,29 +20,30 @@ use crate::{RigSetup, SetupError, TICK_RATE};
 /// Most blocks of a trial's programme.
 pub const BLOCKS: usize = 4;
 
-/// An attack and its time.
+/// An attack, its size and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Attack {
     /// The kind.
     pub kind: AttackKind,
-    /// Its size: a part, a ratio, °C, kN/mm or a number of samples or ticks, as [`AttackKind::sizes`] describes.
+    /// Size of the attack: a fraction, a ratio, °C, kN/mm or a number of samples or ticks, as [`AttackKind::sizes`] describes.
     pub size: f64,
-    /// When it begins, in cycles from the end of the first ramp; an attack before the start begins with the trial.
+    /// Beginning of the attack, in cycles from the end of the first ramp. An attack that begins before the start begins with the
+    /// trial.
     pub begins: f64,
-    /// Number of cycles after which it ends; `None` if it stays.
+    /// Duration of the attack, cycles; null if it stays.
     pub lasts: Option<f64>,
 }
 
-/// Ratio of the limits to the values of the healthy rig.
+/// Ratios of the limits to the values of the healthy rig.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Headroom {
-    /// Relative to the amplitude, a ratio.
+    /// Limit of the displacement over the amplitude.
     pub displacement: f64,
-    /// Relative to the largest force, a ratio.
+    /// Limit of the force over the largest force.
     pub force: f64,
-    /// Relative to [`TRACKING`] of the amplitude, a ratio.
+    /// Limit of the tracking error over [`TRACKING`] of the amplitude.
     pub tracking: f64,
 }
 
@@ -61,7 +62,7 @@ impl Headroom {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AttackTrial {
-    /// In no particular order.
+    /// The attacks, in no particular order.
     pub attacks: Vec<Attack>,
     /// Density, g/cm³.
     pub density: f64,
@@ -69,34 +70,34 @@ pub struct AttackTrial {
     pub amplitude: f64,
     /// Frequency, Hz.
     pub frequency: f64,
-    /// RMS of the force channel's noise divided by that of the force.
+    /// RMS of the force channel's noise over the RMS of the force.
     pub noise: f64,
-    /// Largest adaptation to slow changes, as a part of the law's coefficients; 0 without adaptation.
+    /// Largest adaptation to slow changes, as a fraction of the law's coefficients; 0 without adaptation.
     pub follow: f64,
-    /// Cycles of each block, at most [`BLOCKS`] of them.
+    /// Number of cycles in each block, with at most [`BLOCKS`] blocks.
     pub blocks: Vec<u32>,
-    /// Cycles within which a slow change is the run-in.
+    /// Number of cycles in which a slow change counts as the run-in.
     pub run_in: u32,
-    /// Ratio of the limits to the values of the healthy rig.
+    /// Ratios of the limits to the values of the healthy rig.
     pub headroom: Headroom,
-    /// Full scale of the force channel divided by the force's limit.
+    /// Full scale of the force channel over the limit of the force.
     pub range: f64,
     /// Seed of the sensors' noise and of random parts of the attacks.
     pub seed: u64,
 }
 
-/// Relation of a reported cause to the attack, from worst to best.
+/// Relation of a reported cause to the attack, from the worst to the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// No cause was reported.
     Nothing,
-    /// It can be distinguished from the attack.
+    /// The reported cause is distinguishable from the attack.
     Wrong,
-    /// The event reports two causes, and the second is a correct one.
+    /// The event reports two causes, and the second is correct.
     Both,
-    /// It is a correct one.
+    /// The reported cause is correct.
     Right,
 }
 
@@ -107,7 +108,7 @@ pub struct Loss {
     /// The channel.
     #[cfg_attr(feature = "schema", schemars(with = "crate::schema::ChannelName"))]
     pub channel: Channel,
-    /// Cycles until the rig had stopped, if it did.
+    /// Number of cycles until the rig stopped, if it did.
     pub stopped_after: Option<f64>,
 }
 
@@ -117,15 +118,16 @@ pub struct Loss {
 pub struct AttackOutcome {
     /// The trial.
     pub trial: AttackTrial,
-    /// Reported causes and the trip cause, in order, each with its cycle as [`Attack::begins`] counts.
+    /// Reported causes and the trip cause, in order, each with its cycle, counted as in [`Attack::begins`].
     pub named: Vec<(f64, String)>,
-    /// Whether a cause was reported, or the rig stopped, from the first attack on.
+    /// Whether a cause was reported, or the rig stopped, after the first attack began.
     pub found: bool,
-    /// Cycles until that, from the time when the first attack that must be found counts as present; 0 if it was before.
+    /// Number of cycles to that report or stop, from the time when the first attack that must be found counts as present; 0 if the
+    /// report came earlier.
     pub cycles: Option<f64>,
-    /// Whether it was found in time.
+    /// Whether the attack was found in time.
     pub in_time: bool,
-    /// Relation of the first cause to the attacks.
+    /// Relation of the first reported cause to the attacks.
     pub naming: Naming,
     /// Whether each observable attack was correctly named at some time, also as the second cause, or the rig stopped before it had
     /// to be.
@@ -138,7 +140,7 @@ pub struct AttackOutcome {
     pub hazards: Vec<Hazard>,
     /// Loss of a channel.
     pub lost: Option<Loss>,
-    /// Why it cannot be observed, if none of its attacks can.
+    /// The reason why the attack cannot be observed, if none of the attacks can.
     pub hidden: Option<&'static str>,
 }
 

@@ -15,18 +15,18 @@ use super::Trial;
 use super::path::Kind;
 use super::sensors::Flaw;
 
-/// How well an answer fits the truth.
+/// The correctness of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
-    /// Exactly.
+    /// Correct.
     Right,
     /// The truth is among several effects that the trace could not distinguish.
     Among,
-    /// "Something is missing", although that is untrue or has a name.
+    /// "Something is missing", although nothing is, or although the missing effect has a name.
     Honest,
-    /// An effect that is not there.
+    /// An effect that is not present.
     False,
     /// "Nothing is missing", although an effect is visible.
     Missed,
@@ -44,31 +44,31 @@ pub struct Outcome {
     pub kind: Kind,
     /// Flaw of the sensors.
     pub flaw: Flaw,
-    /// Samples a second, Hz.
+    /// Sampling rate, Hz.
     pub rate: f64,
-    /// Families hidden.
+    /// Families of the hidden effects.
     pub hidden: Vec<&'static str>,
-    /// Residual of eq 13 for them, over the error of the true law.
+    /// Residual of eq 13 over the error of the true law.
     pub visible: f64,
-    /// The answer.
+    /// The answer; null if the trace was refused.
     pub verdict: Option<Verdict>,
-    /// Families named.
+    /// Families that the trace named.
     pub named: Vec<String>,
-    /// How well the answer fits.
+    /// Correctness of the answer.
     pub mark: Mark,
-    /// Held-out error of the embedded law over that of the true law.
+    /// Held-out error of the embedded law over the held-out error of the true law.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub error: f64,
     /// Duration of the trace, s; trials run in parallel.
     pub seconds: f64,
-    /// The same over the duration of both recordings.
+    /// Duration of the trace over the duration of both recordings.
     pub time: f64,
-    /// The reason why there is no trace.
+    /// The reason why there is no trace; null if there is one.
     pub refused: Option<String>,
-    /// How many of the 90 % intervals of the law's coefficients contain the true value, and how many there are. It is counted if
-    /// the hidden effect was found and one set of coefficients holds for all amplitudes.
+    /// How many of the 90 % intervals of the law's coefficients contain the true value, and how many intervals there are. Both are
+    /// counted only if the hidden effect was found and one set of coefficients holds for all amplitudes.
     pub intervals: [usize; 2],
-    /// For the training test.
+    /// Error of the estimated velocity in the training test.
     pub velocity: VelocityError,
 }
 
@@ -76,10 +76,10 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityError {
-    /// RMS of its error over the error of cubics in windows alone.
+    /// RMS of the error over the RMS of the error of cubics in windows alone.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
-    /// Fraction of the samples whose error is within 1.645 of its stated deviations: 0.9 if those are correct.
+    /// Fraction of the samples whose error is within 1.645 of its stated standard deviation. It is 0.9 if those are correct.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }

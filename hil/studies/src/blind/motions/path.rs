@@ -15,13 +15,13 @@ use super::super::families::log_uniform;
 pub enum Kind {
     /// Band-limited noise.
     Random,
-    /// Band-limited noise that grows quickly and dies away.
+    /// Band-limited noise that rises quickly and decays, as an earthquake.
     Quake,
-    /// Bursts of it with pauses, in which the displacement stands still.
+    /// Bursts of band-limited noise with pauses, in which the displacement stands still.
     Field,
-    /// Odd multiples of one frequency, all of equal size.
+    /// Odd multiples of one frequency, all with the same size.
     Multisine,
-    /// A sine with a little noise on it.
+    /// A sine with a little noise added.
     SineOnRandom,
     /// A sine with a varying amplitude.
     Modulated,
@@ -33,11 +33,11 @@ pub enum Kind {
     Sine,
     /// One slow sine.
     QuasiStatic,
-    /// Smooth steps to random places, with long holds.
+    /// Smooth steps to random places with long holds.
     Steps,
-    /// Constant speeds with short holds in between.
+    /// Constant speeds with short holds between them.
     Trapezoid,
-    /// Constant speeds back and forth.
+    /// Constant speeds, back and forth.
     Triangle,
     /// A staircase up and down.
     Staircase,

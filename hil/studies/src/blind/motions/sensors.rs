@@ -11,24 +11,24 @@ use serde::Serialize;
 
 use super::super::families::log_uniform;
 
-/// A deviation from a laboratory's sensors.
+/// A deviation from laboratory sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Flaw {
     /// White noise on both channels, 16 bits.
     None,
-    /// A force with hardly any noise.
+    /// Force noise that is nearly zero.
     Quiet,
-    /// A force whose noise has equal power in every octave.
+    /// Force noise with equal power in every octave.
     Pink,
-    /// 10 bits in both channels.
+    /// A resolution of 10 bits on both channels.
     Coarse,
-    /// Ten times the noise on the displacement.
+    /// Ten times the displacement noise.
     Shaky,
-    /// The mains on both channels.
+    /// Mains hum on both channels.
     Hum,
-    /// A velocity differentiated from the displacement.
+    /// A velocity that is differentiated from the displacement.
     Differentiated,
 }
 
@@ -50,11 +50,11 @@ impl Flaw {
     ];
 }
 
-/// How a test is recorded.
+/// The recording of a test.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensors {
-    /// The deviation from a laboratory's sensors.
+    /// The deviation from laboratory sensors.
     pub flaw: Flaw,
     /// RMS of the force's noise, kN.
     pub force_noise: f64,

@@ -4,35 +4,35 @@ use serde::Serialize;
 
 use super::judge::{Mark, Outcome};
 
-/// The results of some trials.
+/// The results of a group of trials.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// Their name.
+    /// Name of the group.
     pub of: String,
-    /// How many count.
+    /// Number of trials that count.
     pub count: usize,
-    /// Their number for each [`Mark`], in order.
+    /// Number of trials for each [`Mark`], in order.
     pub marks: [usize; 6],
-    /// Held-out error over that of the true law: half of them are below,
+    /// Median of the held-out error over that of the true law.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub median: f64,
-    /// and nine in ten, as a ratio.
+    /// Ninth decile of the held-out error over that of the true law.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub ninth_decile: f64,
-    /// Duration of a trace, s: half of them took less.
+    /// Median duration of a trace, s.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seconds: f64,
-    /// The largest duration of a trace over that of its recordings.
+    /// Largest duration of a trace over that of its recordings.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub time: f64,
-    /// The fraction of the 90 % intervals of the law's coefficients that contain the true value.
+    /// Fraction of the 90 % intervals of the law's coefficients that contain the true value.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub intervals: f64,
-    /// Error of the estimated velocity over that of cubics in windows alone, the geometric mean.
+    /// Geometric mean of the error of the estimated velocity over that of cubics in windows alone.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub over_cubics: f64,
-    /// The fraction of the samples at which that error is within its 90 % interval.
+    /// Fraction of the samples at which the velocity error is within its 90 % interval.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub covered: f64,
 }
@@ -90,13 +90,13 @@ impl Row {
     }
 }
 
-/// Rows for all trials, by kind of motion, by sensors and by hidden effect.
+/// Results for all trials, by kind of motion, by sensors and by hidden effect.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Summary {
-    /// All that count.
+    /// The results of all trials that count.
     pub all: Row,
-    /// By each property in turn.
+    /// Results by each property in turn.
     pub rows: Vec<Row>,
     /// The trials.
     pub outcomes: Vec<Outcome>,
