@@ -230,7 +230,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::Null,
         c"MD_ERROR_NULL",
-        c"a pointer is null: pass the address of what the header names",
+        c"a pointer is null: pass an address of the type that the header states",
     ),
     (
         Error::Misaligned,
@@ -250,7 +250,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::PackVersion,
         c"MD_ERROR_PACK_VERSION",
-        c"this format version is not read: export the model with the mesh-damper that this library is of",
+        c"this format version is not read: export the model with the version of mesh-damper that this library was built from",
     ),
     (
         Error::PackTickRate,
@@ -345,7 +345,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::Other,
         c"MD_ERROR_OTHER",
-        c"it is refused for a reason that this library has no code for",
+        c"it is refused for a reason for which this library has no code",
     ),
     // A number from C that is no code.
     (Error::Other, c"?", c"this number is no error code"),

@@ -6,7 +6,7 @@ use cbindgen::{Config, DocumentationStyle, EnumConfig, Language, LayoutConfig, R
 
 /// The beginning of the header: it selects between the two constants for this target, and the alignment of a struct.
 const BEFORE: &str = r#"
-/* Which sizes are this target's. */
+/* The sizes of this target. */
 #if UINTPTR_MAX == 0xFFFFFFFFu
 #define MD_POINTERS_OF_32_BITS
 #elif UINTPTR_MAX == 0xFFFFFFFFFFFFFFFFu
@@ -15,7 +15,7 @@ const BEFORE: &str = r#"
 #error "mesh_damper.h: a target's pointers have 32 or 64 bits"
 #endif
 
-/* Another compiler may define its own. */
+/* For another compiler, define it before this header. */
 #ifndef MD_ALIGNED
 #define MD_ALIGNED(bytes) __attribute__((aligned(bytes)))
 #endif"#;
@@ -26,7 +26,7 @@ const HEADER: &str = "\
  * Generated from bindings/c of mesh-damper: change that instead. docs/c.md is its page.
  *
  * Units are mm, s, kN and J = kN*mm. All memory is the caller's. No function is called from two contexts at once with the same
- * memory. What runs every tick cannot fail but for memory that was never initialised, and is finite for every finite input.
+ * memory. A function that runs every tick fails only on memory that was never initialised, and its result is finite for every finite input.
  */";
 
 /// Types of the crate and their names in C.

@@ -32,7 +32,7 @@ def trace_all(paths: list[str], rows: Rows, under_way: int) -> int:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder")
-    parser.add_argument("rows", help="a line a row; what is in it is not made again")
+    parser.add_argument("rows", help="one line per row; finished rows are not traced again")
     parser.add_argument("outcomes", help="the table, as Parquet")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()

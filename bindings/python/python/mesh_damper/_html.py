@@ -67,8 +67,8 @@ def _firsts(items: Any) -> Any:
 def _errors(found: Trace) -> str:
     rows = [
         (BEFORE, "law alone", found.baseline.nrmse_held_out),
-        (AFTER, "with what was found", found.augmented.nrmse_held_out),
-        (AFTER, "the same in firmware, f32", found.on_target.nrmse_held_out),
+        (AFTER, "augmented model", found.augmented.nrmse_held_out),
+        (AFTER, "augmented model in firmware, f32", found.on_target.nrmse_held_out),
         (MEASURED, "noise", found.noise_floor),
     ]
     most = max(value for *_, value in rows) or 1.0
@@ -102,11 +102,11 @@ def _loop(found: Trace) -> str:
         lines.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{thick}"{dashed}/>')
     key = " · ".join(
         f'<span style="color:{colour}">{mark}</span> {name}'
-        for colour, mark, name in ((MEASURED, "━", "measured"), (BEFORE, "╍", "law alone"), (AFTER, "━", "found"))
+        for colour, mark, name in ((MEASURED, "━", "measured"), (BEFORE, "╍", "law alone"), (AFTER, "━", "augmented model"))
     )
     return (
         f'<figure><svg viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" height="{height:.0f}" role="img" '
-        f'aria-label="Force over displacement, {escape(what)}: measured, law alone, with what was found">{"".join(lines)}</svg>'
+        f'aria-label="Force over displacement, {escape(what)}: measured, law alone, augmented model">{"".join(lines)}</svg>'
         f"<figcaption>force over displacement, {escape(what)}<br>{key}</figcaption></figure>"
     )
 

@@ -11,7 +11,7 @@ from ._errors import InputError
 
 #: These colours are distinguishable with any colour vision, on a light and a dark background.
 MEASURED, BEFORE, AFTER = "#8a8a8a", "#d55e00", "#0072b2"
-_NAMES = {"before": ("law alone", BEFORE), "after": ("with what was found", AFTER)}
+_NAMES = {"before": ("law alone", BEFORE), "after": ("augmented model", AFTER)}
 
 
 def _pyplot() -> Any:

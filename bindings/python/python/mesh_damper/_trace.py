@@ -223,7 +223,7 @@ class Trace:
                 lines.append(f"  {effect['family']} {name} = {value} ({low} … {high}) {unit_in_words(estimate['unit'])}".rstrip())
         lines.append(
             f"  error of the force, held out: law alone {percent(self.baseline.nrmse_held_out)}, "
-            f"with what was found {percent(self.augmented.nrmse_held_out)}, noise {percent(self.noise_floor)}"
+            f"augmented model {percent(self.augmented.nrmse_held_out)}, noise {percent(self.noise_floor)}"
         )
         return "\n".join(lines + [f"  note: {text}" for text in [*self.assumed, *self.warnings]])
 

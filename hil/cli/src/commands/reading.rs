@@ -1,4 +1,4 @@
-//! The options of every command that reads files: how much of them, and what is in those of recordings.
+//! The options of every command that reads files: the largest file, and the columns of recordings.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::files;
 use mesh_damper_recording::read_limit::ReadLimit;
 
-/// How much of each file is read.
+/// The limit on the size of a file.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Reading {
     /// Largest file to read, such as 800MB or 2GiB
@@ -19,7 +19,7 @@ pub struct Reading {
     pub limit: ReadLimit,
 }
 
-/// How recordings are read. `hil inspect FILE` says what a file holds.
+/// The columns of recordings. `hil inspect FILE` shows the contents of a file.
 #[derive(Args, Clone, Debug)]
 pub struct RecordingFiles {
     /// Column of a quantity, such as force='Axial Force'; give it once for each quantity
@@ -44,7 +44,7 @@ pub struct RecordingFiles {
 }
 
 impl RecordingFiles {
-    /// What the user said about the files.
+    /// The user's statements about the files.
     pub fn said(&self) -> files::Reading {
         files::Reading {
             limit: self.reading.limit,
@@ -56,7 +56,7 @@ impl RecordingFiles {
         }
     }
 
-    /// The same as it is typed.
+    /// The options as typed.
     pub fn as_options(&self) -> Vec<String> {
         let pairs = |option: &'static str, pairs: &[(String, String)]| -> Vec<String> {
             let each = pairs.iter();
@@ -75,7 +75,7 @@ impl RecordingFiles {
         options
     }
 
-    /// Reads the channels of a recording, and says what was guessed.
+    /// Reads the channels of a recording, and prints the guesses.
     pub fn channels(&self, path: &Path) -> Result<Recording, InputError> {
         let recording = Recording::read_channels(path, &self.said())?;
         say_guesses(recording.named_guesses());
@@ -83,7 +83,7 @@ impl RecordingFiles {
     }
 }
 
-/// Says to standard error what a file was taken for.
+/// Prints the guesses about a file to standard error.
 pub fn say_guesses(guesses: impl IntoIterator<Item = String>) {
     for guess in guesses {
         eprintln!("note: {guess}");

@@ -62,7 +62,7 @@ impl Rule {
     pub fn says(self) -> &'static str {
         match self {
             Self::NoiseLimited => "the law is noise-limited, so nothing is added",
-            Self::NotPassive => "a term would deliver energy, or act as no mass or spring can",
+            Self::NotPassive => "a term would deliver energy, or has a negative mass or stiffness",
             Self::StandsStill => "the cycles within a block show no such drift",
             Self::InStepWithMotion => {
                 "its frequency is one that a specimen can generate from the motion"

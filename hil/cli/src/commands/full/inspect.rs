@@ -1,4 +1,4 @@
-//! `hil inspect`: what a file holds, what it is taken for, and what would be asked.
+//! `hil inspect`: the contents of a file, their interpretation, and the questions that remain.
 
 use std::path::{Path, PathBuf};
 
@@ -37,90 +37,90 @@ pub struct InspectCommand {
     files: RecordingFiles,
 }
 
-/// What files hold, and what they are taken for.
+/// Contents of files and their interpretation.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::commands) struct Report<'a> {
-    /// File by file.
+    /// One entry per file.
     files: &'a [Inspected],
 }
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Inspected {
-    /// As it was named.
+    /// Its path as given.
     pub file: PathBuf,
     /// The file's format.
     pub file_format: &'static str,
     /// Its tables.
     pub tables: Vec<InspectedTable>,
-    /// The recording that is read of it; null where something must be said first.
+    /// The recording in it; null if a question is open.
     pub recording: Option<InspectedRecording>,
-    /// What must be said first, each with the option that says it.
+    /// Open questions, each with the option that answers it.
     pub questions: Vec<String>,
-    /// What is wrong with its samples, so that no recording is read; null where nothing is, or where something must be said first.
+    /// The defect of its samples, because of which no recording is read; null if there is none, or if a question is open.
     pub problem: Option<String>,
-    /// What was guessed, in words.
+    /// Guesses, in words.
     pub notes: Vec<String>,
-    /// The command that traces it.
+    /// The command that traces it. A word in capitals stands for an answer.
     pub command: String,
 }
 
 /// A table of a file.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedTable {
-    /// Its name; empty where it has none.
+    /// Its name; empty if it has none.
     pub name: String,
-    /// Samples, where they are known.
+    /// Number of samples; null if unknown.
     pub rows: Option<u64>,
     /// Its columns.
     pub columns: Vec<InspectedColumn>,
-    /// What is not read, in words.
+    /// Contents that are not read, in words.
     pub skipped: Vec<String>,
 }
 
 /// A column of a table.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedColumn {
-    /// As the file has it.
+    /// Its name in the file.
     pub name: String,
-    /// The unit that the file says beside the name.
+    /// Its unit, if the file states it apart from the name.
     pub unit: Option<String>,
-    /// Whether it holds numbers.
+    /// Whether it contains numbers.
     pub numeric: bool,
-    /// What it is used as: a channel or a control input.
+    /// Its use, a channel or a control input; null if it is not used, or if a question is open.
     pub used_as: Option<String>,
-    /// What it may be, or why it is not used.
+    /// Its probable meaning, or the reason why it is not used.
     pub taken_for: String,
     /// Its first values, in the file's unit.
     pub first: Vec<Option<f64>>,
-    /// The least and the largest of its values, in the file's unit, where all were read.
+    /// Smallest and largest value, in the file's unit; null if not all were read.
     pub range: Option<[f64; 2]>,
 }
 
-/// What a recording is like.
+/// Properties of a recording.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct InspectedRecording {
-    /// Samples that are read.
+    /// Number of samples.
     pub samples: usize,
     /// Time of the first and of the last one, s.
     pub time_s: [f64; 2],
-    /// Samples a second, where the times keep a rate.
+    /// Sampling rate, Hz; null if it is not constant.
     pub rate_hz: Option<f64>,
-    /// RMS by which the times are off their rate, in steps; none where that is rounding.
+    /// RMS deviation of the times from a constant rate, as a fraction of a step; null if it is due to rounding.
     pub jitter_steps: Option<f64>,
-    /// Least and largest displacement, mm.
+    /// Smallest and largest displacement, mm.
     pub displacement_mm: [f64; 2],
-    /// Least and largest force, kN.
+    /// Smallest and largest force, kN.
     pub force_kn: [f64; 2],
-    /// Control inputs.
+    /// Names of the control inputs.
     pub controls: Vec<String>,
     /// Channel faults, in words.
     pub faults: Vec<String>,
 }
 
-/// First values that are shown of a column.
+/// Number of first values shown for a column.
 const FIRST: usize = 5;
-/// Columns of which all values are read to count them, where no recording is read.
+/// Largest number of columns whose values are all read to count them, if no recording is read.
 const MOST_READ: usize = 64;
 
 impl InspectCommand {
@@ -147,12 +147,12 @@ impl InspectCommand {
             inspected.iter().for_each(|file| say(&words::of(file)));
         }
         outputs.write()?;
-        // Whatever the other files are, this one could not be read.
+        // One unreadable file makes the command fail, whatever the others are.
         failed.map_or(Ok(()), |error| Err(error.into()))
     }
 }
 
-/// Looks at one file, and says what is wrong with its samples. What must be said is no error.
+/// Inspects one file, and returns the defect of its samples. An open question is no error.
 fn inspect(
     path: &Path,
     said: &Reading,
@@ -164,7 +164,7 @@ fn inspect(
     let (format, opened) = match files::open(path, &said) {
         Ok(opened) => opened,
         Err(error) => {
-            // The decimal sign is asked for before there are columns.
+            // This question comes before the columns are known.
             if said.decimal.is_some() {
                 return Err(error);
             }
@@ -210,13 +210,13 @@ fn inspect(
         |_| *most_like_one(&tables).1.first().unwrap_or(&0),
         |chosen| chosen.table,
     );
-    // Values that cannot be read are what is wrong, where nothing else is.
+    // Values that cannot be read are the problem if there is no other.
     problem = problem.or(count(path, &said, index, &mut file).err());
     file.problem = problem.as_ref().map(words::question);
     Ok((file, problem))
 }
 
-/// Everything that would be asked: the table, and what each channel of it needs. `first` is what is asked first.
+/// All open questions: the table, and the column and unit of each channel. `first` is the question that a trace would ask first.
 fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
     if first.answer.is_none() {
@@ -249,13 +249,13 @@ fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Ve
         }
     }
     if questions.is_empty() {
-        // It is not about a channel.
+        // The question is not about a channel.
         questions.push(first.clone());
     }
     questions
 }
 
-/// How many columns could be channels in the tables that have most of them, and which tables these are.
+/// The largest number of columns in a table that could be channels, and the tables with that number.
 fn most_like_one(tables: &[Table]) -> (usize, Vec<usize>) {
     let like = |table: &Table| {
         let columns = table.columns.iter();
@@ -278,7 +278,7 @@ fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
     }
 }
 
-/// A table of which `chosen` are read, if any.
+/// A table, with the columns `chosen` from it.
 fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
     table_with(table, &|index, column| {
         let used_as = chosen.and_then(|chosen| used_as(chosen, index));
@@ -302,7 +302,7 @@ fn open(table: &Table, said: &Reading) -> InspectedTable {
     })
 }
 
-/// A table with what each column is used as, and what it is taken for.
+/// A table, with the use and the interpretation of each column.
 fn table_with(
     table: &Table,
     meaning: &dyn Fn(usize, &Column) -> (Option<String>, String),
@@ -332,7 +332,7 @@ fn table_with(
     }
 }
 
-/// What a column is used as, and how surely.
+/// The use of a column, and the certainty of the choice.
 fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
     let used = chosen.used.iter().find(|used| used.column == column);
     if let Some(used) = used {
@@ -355,7 +355,7 @@ fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
     control.map(|control| format!("control input {}", control.name))
 }
 
-/// Counts the values of the columns that could be something, and finds their range.
+/// Counts the values of the numeric columns, and finds their ranges.
 fn count(
     path: &Path,
     said: &Reading,
@@ -427,7 +427,7 @@ fn like(recording: &Recording) -> InspectedRecording {
     }
 }
 
-/// The command that traces the file, with what was said and with what answers each question.
+/// The command that traces the file, with the given options and those that answer the questions.
 fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
     let answers = || {
         questions
@@ -435,7 +435,7 @@ fn command(path: &Path, options: &[String], questions: &[InputError]) -> String 
             .filter_map(|question| question.answer.as_deref())
     };
     let answer = |own: &str| match own.split_once('=') {
-        // One column is not two channels: then nobody but the user knows which is which.
+        // One column cannot be two channels, so only the user knows which is which.
         Some((what, column)) if answers().filter(|other| names(other, column)).count() > 1 => {
             format!("{what}=NAME")
         }

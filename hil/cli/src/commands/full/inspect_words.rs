@@ -1,4 +1,4 @@
-//! What `hil inspect` prints.
+//! The output of `hil inspect`.
 
 use mesh_damper_recording::columns;
 use mesh_damper_recording::error::InputError;
@@ -6,12 +6,12 @@ use mesh_damper_recording::files::Column;
 
 use super::inspect::{Inspected, InspectedColumn, InspectedRecording, InspectedTable};
 
-/// Columns that are shown of a table.
+/// Number of columns shown for a table.
 const SHOWN: usize = 40;
-/// Characters of a name, and of first values.
+/// Longest name shown, in characters.
 const NAME: usize = 36;
 
-/// Everything about a file.
+/// All lines about a file.
 pub fn of(file: &Inspected) -> String {
     let mut lines = vec![format!("{}: {}", file.file.display(), file.file_format)];
     for table in &file.tables {
@@ -33,7 +33,7 @@ pub fn of(file: &Inspected) -> String {
             .map(|question| format!("  question: {question}")),
     );
     if file.problem.is_some() {
-        // It is mended before anything is traced.
+        // The file must be corrected before a trace.
         return lines.join("\n");
     }
     let how = if file.questions.is_empty() {
@@ -96,7 +96,7 @@ fn of_table(table: &InspectedTable) -> Vec<String> {
     lines
 }
 
-/// Name with unit, first values, range and meaning of a column.
+/// Name with unit, first values, range and interpretation of a column.
 fn cells(column: &InspectedColumn) -> [String; 4] {
     let unit = column
         .unit
@@ -148,8 +148,8 @@ fn of_recording(recording: &InspectedRecording) -> String {
     )
 }
 
-/// What a column may be, or why it is nothing, as far as its name and its first values say. While a question is open, no column is
-/// used yet.
+/// The probable meaning of a column, or the reason why it has none, by its name and first values. While a question is open, no column
+/// is used yet.
 pub fn why_not(column: &Column, is_open: bool) -> String {
     let why = match columns::described(column) {
         Some(what) if is_open => return format!("could be {what}"),

@@ -176,11 +176,11 @@ impl<T: Document + JsonSchema> JsonSchema for Whole<T> {
             LabelField::Own => return schema,
         };
         let labels = [
-            (field, json!(T::LABEL.text()), "Which document this is."),
+            (field, json!(T::LABEL.text()), "Type of the document."),
             (
                 "version",
                 json!(T::LABEL.version),
-                "Its version: another one where a field has gone, or has another type or meaning.",
+                "Version of the document. It changes if a field is removed, or gets another type or meaning.",
             ),
         ];
         let object = schema.ensure_object();
