@@ -105,16 +105,16 @@ fn predicted(
 ) -> Result<(Vec<f64>, Vec<String>), InputError> {
     let model = file.model();
     // As in a trace, the same faults are repaired.
-    let mut mended = recording.repaired();
-    let known = (recording.name.as_str(), mended.controls.as_slice());
-    let held = model.held_controls(known, controls, mended.len())?;
+    let mut repaired = recording.repaired();
+    let known = (recording.name.as_str(), repaired.controls.as_slice());
+    let held = model.held_controls(known, controls, repaired.len())?;
     let mut warnings: Vec<String> = (held.iter().zip(&model.controls))
         .filter_map(|(channel, control)| control.beyond(&channel.values))
         .collect();
-    if held != mended.controls {
-        mended.to_mut().controls = held;
+    if held != repaired.controls {
+        repaired.to_mut().controls = held;
     }
-    let uniform = mended.uniform()?;
+    let uniform = repaired.uniform()?;
     let known = match has_force {
         true => Known::default(),
         false => Known {
@@ -122,7 +122,7 @@ fn predicted(
             is_off: Some(false),
         },
     };
-    let trajectory = Trajectory::knowing(&mended, known)?;
+    let trajectory = Trajectory::knowing(&repaired, known)?;
     let force = match is_embedded {
         true => predict_embedded(&model, &trajectory),
         false => predict(&model, &trajectory),
@@ -140,7 +140,7 @@ fn predicted(
             trajectory.temperature_at(0)
         ));
     }
-    Ok((uniform.at_samples_of(&mended, &force), warnings))
+    Ok((uniform.at_samples_of(&repaired, &force), warnings))
 }
 
 /// The value as JSON, in the form that the commands write.

@@ -102,7 +102,7 @@ impl Outcome {
             Class::Pair => said.verdict == Verdict::Found && all_named,
             Class::Unlisted => {
                 said.verdict == Verdict::Unlisted
-                    || (said.verdict == Verdict::Found && all_named && self.repaired())
+                    || (said.verdict == Verdict::Found && all_named && self.mended())
             }
         };
         if right {

@@ -401,12 +401,12 @@ fn range(values: &[f64]) -> Option<[f64; 2]> {
 
 fn like(recording: &Recording) -> InspectedRecording {
     let ends = |values: &[f64]| range(values).unwrap_or_default();
-    let mended = recording.repaired();
-    let uniform = mended.uniform().ok();
+    let repaired = recording.repaired();
+    let uniform = repaired.uniform().ok();
     let jitter = recording
         .faults()
         .iter()
-        .chain(mended.faults())
+        .chain(repaired.faults())
         .find_map(|fault| match fault.kind {
             ChannelFaultKind::Jitter { rms, .. } => Some(rms),
             _ => None,
@@ -423,7 +423,7 @@ fn like(recording: &Recording) -> InspectedRecording {
             .iter()
             .map(|control| control.name.clone())
             .collect(),
-        faults: mended.faults().iter().map(ToString::to_string).collect(),
+        faults: repaired.faults().iter().map(ToString::to_string).collect(),
     }
 }
 

@@ -217,15 +217,15 @@ impl Predict {
         }
         say_guesses(recording.named_guesses());
         // The same faults are repaired as in a trace, and the same samples count.
-        let mut mended = recording.repaired();
+        let mut repaired = recording.repaired();
         let model = file.model();
-        let known = (recording.name.as_str(), mended.controls.as_slice());
-        let controls = self.controls.of(&model, known, mended.len())?;
-        if controls != mended.controls {
-            mended.to_mut().controls = controls;
+        let known = (recording.name.as_str(), repaired.controls.as_slice());
+        let controls = self.controls.of(&model, known, repaired.len())?;
+        if controls != repaired.controls {
+            repaired.to_mut().controls = controls;
         }
-        let uniform = mended.uniform()?;
-        let trajectory = Trajectory::of(&mended)?;
+        let uniform = repaired.uniform()?;
+        let trajectory = Trajectory::of(&repaired)?;
         let force = match &self.on {
             On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
             On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
@@ -255,7 +255,7 @@ impl Predict {
         if let Some(path) = &self.motion {
             outputs.add_document(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
         }
-        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&mended, &values));
+        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&repaired, &values));
 
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
@@ -280,7 +280,7 @@ impl Predict {
             nrmse: error,
             band: rms(&band)
                 / rms(if error.is_some() {
-                    &mended.force
+                    &repaired.force
                 } else {
                     &force
                 }),
