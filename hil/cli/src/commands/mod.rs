@@ -19,6 +19,12 @@ use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
 use mesh_damper_recording::error::InputError;
 
+#[cfg(feature = "full")]
+const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz";
+/// A build for the demo has no other commands.
+#[cfg(not(feature = "full"))]
+const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil trace demo-out/recording.csv.gz";
+
 /// Test metal mesh dampers on a rig, find what a force law lacks, and predict forces
 ///
 /// Exit codes: 0: done. 1: the work is done, but a check failed or the rig tripped. 2: bad usage or bad input.
@@ -26,7 +32,7 @@ use mesh_damper_recording::error::InputError;
 #[command(
     name = "hil",
     version,
-    after_help = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz"
+    after_help = EXAMPLES
 )]
 pub struct Cli {
     /// Numbers that decide, as JSON, in the place of the default ones

@@ -26,24 +26,35 @@ pub(super) fn apart(
     if places.iter().all(|(_, index, _)| *index == first) {
         return None;
     }
-    let each = places.iter().map(|(channel, _, table)| {
-        let times = [
-            rate(table).map(|rate| format!("{rate} Hz")),
-            table.rows.map(|rows| format!("{rows} samples")),
-        ];
-        let times: Vec<String> = times.into_iter().flatten().collect();
-        let name = quoted(&table.name);
-        format!(
-            "{} is in table {name} ({})",
-            channel.name(),
-            times.join(", ")
-        )
-    });
+    let starts = places
+        .iter()
+        .map(|(.., table)| table.clock.map(|clock| clock.start));
+    let starts: Vec<Option<f64>> = starts.collect();
+    let differ = starts.windows(2).any(|pair| pair[0] != pair[1]);
+    let each = places
+        .iter()
+        .zip(&starts)
+        .map(|((channel, _, table), start)| {
+            let times = [
+                rate(table).map(|rate| format!("{rate} Hz")),
+                table.rows.map(|rows| format!("{rows} samples")),
+                start
+                    .filter(|_| differ)
+                    .map(|start| format!("from {} s", crate::decimal(start))),
+            ];
+            let times: Vec<String> = times.into_iter().flatten().collect();
+            let name = quoted(&table.name);
+            format!(
+                "{} is in table {name} ({})",
+                channel.name(),
+                times.join(", ")
+            )
+        });
     let each: Vec<String> = each.collect();
     Some(InputError::new(
         file,
         format!("{}: they were sampled at different times", each.join(", ")),
-        "write them at one rate with the program that recorded them (asammdf: MDF(NAME).resample(RASTER), pandas: merge_asof)",
+        "write all channels at the same times into one table, with the program that recorded them or with pandas' merge_asof",
     ))
 }
 

@@ -33,21 +33,42 @@ impl Choice<'_> {
         .answered_by(format!("--channel {channel}=NAME"))
     }
 
-    /// The unit of a channel's column is not known.
-    pub(super) fn no_unit(&self, channel: Channel, column: usize, problem: String) -> InputError {
+    /// The unit of a channel's column is not known; it may be one of `either`.
+    pub(super) fn no_unit(
+        &self,
+        channel: Channel,
+        column: usize,
+        problem: String,
+        either: &[&str],
+    ) -> InputError {
         let name = self.table.columns[column].name.as_str();
         let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
         let quantity = channel.name();
+        let offered = if either.is_empty() {
+            &units[..2]
+        } else {
+            either
+        };
+        let options: Vec<String> = (offered.iter())
+            .map(|unit| format!("--unit {quantity}={unit}"))
+            .collect();
         let remedy = format!(
-            "use one of {}, or give it: --unit {quantity}={} or --unit {quantity}={}; units are {}",
+            "use one of {}, or give it: {}; units are {}",
             channel.column_names(),
-            units[0],
-            units[1],
+            options.join(" or "),
             units.join(", ")
         );
         InputError::new(self.file, problem, remedy)
             .at(Place::Column(name.into()))
             .answered_by(unit_option(channel))
+    }
+
+    /// The unit of a channel's column has a factor, which no option states.
+    pub(super) fn scaled_unit(&self, channel: Channel, column: usize, written: &str) -> InputError {
+        let name = self.table.columns[column].name.as_str();
+        let problem = format!("unit {} has a factor, which is not read", quoted(written));
+        let remedy = format!("write the column in one of {}", channel.column_names());
+        InputError::new(self.file, problem, remedy).at(Place::Column(name.into()))
     }
 
     /// No column matches a channel.
@@ -77,7 +98,7 @@ impl Choice<'_> {
         };
         let is_time = channel == Channel::Time;
         let mut options =
-            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(_)));
+            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(..)));
         let mut answer = match &options[..] {
             [only] => only.clone(),
             _ => format!("--channel {name}=NAME"),

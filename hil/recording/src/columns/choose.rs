@@ -71,11 +71,14 @@ pub fn choose(
     };
     if meant.is_empty() {
         let wanted = reading.table.as_deref().unwrap_or_default();
-        return Err(InputError::new(
-            file,
-            format!("there is no table {}", quoted(wanted)),
-            format!("give --table one of {}", names(&mut tables.iter())),
-        ));
+        let remedy = match tables {
+            [only] if only.name.is_empty() => {
+                "leave out --table: the file is one table without a name".into()
+            }
+            _ => format!("give --table one of {}", names(&mut tables.iter())),
+        };
+        let problem = format!("there is no table {}", quoted(wanted));
+        return Err(InputError::new(file, problem, remedy));
     }
     let tried: Vec<(usize, Result<Chosen, InputError>)> = meant
         .iter()
@@ -198,6 +201,13 @@ fn of_table(
     let candidates: Vec<Vec<Candidate>> = table.columns.iter().map(taken::candidates).collect();
     for channel in Channel::ALL {
         if channel == Channel::Time && reading.rate.is_some() {
+            let times = table.columns.iter().find(|column| taken::is_time(column));
+            chosen.guesses.extend(times.map(|column| {
+                format!(
+                    "the times in column {} are not used, because --rate replaces them",
+                    quoted(&column.name)
+                )
+            }));
             continue;
         }
         let Some((column, rank)) = choice.column(
@@ -298,14 +308,17 @@ impl Choice<'_> {
             return Ok(None);
         };
         found.retain(|&(_, rank, _)| rank == best);
-        // A unit that the channel cannot have means another column, if there is a better one.
+        // A unit that the channel cannot have means another column, if there is a better one. In a name of our own form it is a
+        // mistake, unless another quantity has this unit: `force_V` is the raw signal beside `force_kN`.
+        let is_another = |written: &str| best < Rank::Own || super::spelling::is_unit(written);
         if found.len() > 1
-            && best < Rank::Own
             && found
                 .iter()
                 .any(|(.., unit)| matches!(unit, UnitFound::Known(_)))
         {
-            found.retain(|(.., unit)| !matches!(unit, UnitFound::Unknown(_)));
+            found.retain(
+                |(.., unit)| !matches!(unit, UnitFound::Unknown(written) if is_another(written)),
+            );
         }
         let name = |column: usize| self.table.columns[column].name.as_str();
         let rivals = match found[..] {
@@ -378,12 +391,12 @@ impl Choice<'_> {
         column: usize,
         guesses: &mut Vec<String>,
     ) -> Result<Option<Unit>, InputError> {
-        let fail = |problem: String| self.no_unit(channel, column, problem);
+        let fail = |problem: String| self.no_unit(channel, column, problem, &[]);
         let told = &self.table.columns[column];
         let found = unit_found::unit_for(told, channel);
         if let Some(written) = said(&self.reading.units, channel.name()) {
             let unit = super::spelling::unit_of(channel, written)
-                .ok_or_else(|| fail(format!("unknown unit {}", quoted(written))))?;
+                .ok_or_else(|| no_such_unit(channel, written))?;
             if !super::spelling::is_as_spelt(channel, unit, written) {
                 guesses.push(format!(
                     "unit {} of {} is read as {}",
@@ -417,14 +430,33 @@ impl Choice<'_> {
                         quoted(&told.name)
                     ));
                 }
-                _ => {}
+                UnitFound::Unknown(other) | UnitFound::Unclear(other, _) => guesses.push(format!(
+                    "column {} is read in {}, as --unit says; its own unit, {}, is not understood",
+                    quoted(&told.name),
+                    unit.symbol,
+                    quoted(&other)
+                )),
+                UnitFound::Known(_) | UnitFound::None => {}
             }
             return Ok(Some(unit));
         }
         match found {
             UnitFound::Known(unit) => Ok(Some(unit)),
-            UnitFound::Unknown(written) => Err(fail(format!("unknown unit {}", quoted(&written)))),
-            UnitFound::Unclear(written) => Err(fail(format!("the unit is not clear: {written}"))),
+            UnitFound::Unknown(written) if has_factor(&written) => {
+                Err(self.scaled_unit(channel, column, &written))
+            }
+            UnitFound::Unknown(written) if super::spelling::is_quantity(&written) => Err(fail(
+                format!("{written} is no unit of a {}", channel.name()),
+            )),
+            UnitFound::Unknown(written) => {
+                let either = longer(channel, &written);
+                let problem = format!("unknown unit {}", quoted(&written));
+                Err(self.no_unit(channel, column, problem, &either))
+            }
+            UnitFound::Unclear(written, either) => {
+                let problem = format!("the unit is not clear: {written}");
+                Err(self.no_unit(channel, column, problem, &either))
+            }
             UnitFound::None => Ok(None),
         }
     }
@@ -439,10 +471,13 @@ impl Choice<'_> {
         match &self.needs.unmarked {
             Unmarked::Refused => {
                 let problem = match unit_found::unknown_unit(&self.table.columns[column]) {
+                    Some(written) if has_factor(&written) => {
+                        return Err(self.scaled_unit(channel, column, &written));
+                    }
                     Some(written) => format!("unknown unit {}", quoted(&written)),
                     None => "the name carries no unit".into(),
                 };
-                Err(self.no_unit(channel, column, problem))
+                Err(self.no_unit(channel, column, problem, &[]))
             }
             Unmarked::Said(units) => Ok(channel.unit_in(units)),
             Unmarked::Assumed(units) => {
@@ -482,6 +517,35 @@ impl Choice<'_> {
             }
         }
     }
+}
+
+/// A unit in an option that the channel cannot have.
+fn no_such_unit(channel: Channel, written: &str) -> InputError {
+    let quantity = channel.name();
+    let problem = if super::spelling::is_quantity(written) {
+        format!("{written} is no unit of a {quantity}")
+    } else {
+        format!("unknown unit {}", quoted(written))
+    };
+    let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+    InputError::new(
+        format!("--unit {quantity}={written}"),
+        problem,
+        format!("give one of {}", units.join(", ")),
+    )
+}
+
+/// Whether a unit is written with a factor: `1/100 mm`, `10 N`. An exponent is none: `mm^2`.
+fn has_factor(written: &str) -> bool {
+    written
+        .trim_start()
+        .starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// The units that begin with the written one: `kgf` for `kg`.
+fn longer(channel: Channel, written: &str) -> Vec<&'static str> {
+    let units = channel.units().iter().map(|unit| unit.symbol);
+    units.filter(|symbol| symbol.starts_with(written)).collect()
 }
 
 /// The user's setting for a quantity; the last one counts.
@@ -616,6 +680,77 @@ mod tests {
             let error = chosen(&names, &wrong).unwrap_err();
             assert!(error.contains(remedy), "{error}");
         }
+    }
+
+    #[test]
+    fn a_unit_that_is_not_understood_is_asked_for_and_said() {
+        let plain = Reading::default();
+        let error = |names: &[&str]| chosen(names, &plain).unwrap_err();
+        // No option states a factor, so that none is offered.
+        let scaled = error(&["Time [s]", "Weg [1/100 mm]", "Kraft [kN]"]);
+        assert!(scaled.contains("has a factor"), "{scaled}");
+        assert!(!scaled.contains("--unit"), "{scaled}");
+        for (force, offered) in [
+            ("KRAFT [MN]", "--unit force=MN or --unit force=mN"),
+            ("Load (kg)", "--unit force=kgf;"),
+            ("Load [mm]", "mm is no unit of a force"),
+        ] {
+            let error = error(&["Time [s]", "Disp [mm]", force]);
+            assert!(error.contains(offered), "{error}");
+        }
+        let said = |force: &str, unit: &str| Reading {
+            channels: vec![pair("force", force)],
+            units: vec![pair("force", unit)],
+            ..Reading::default()
+        };
+        let names = ["Time [s]", "Disp [mm]", "Load (kg)"];
+        let read = chosen(&names, &said("Load (kg)", "kgf")).unwrap();
+        let note = "its own unit, \"kg\", is not understood";
+        assert!(read.guesses.join("\n").contains(note), "{:?}", read.guesses);
+        // An option that is wrong is named, and not the column.
+        let wrong = chosen(&names, &said("Load (kg)", "mm")).unwrap_err();
+        assert!(
+            wrong.starts_with("--unit force=mm: mm is no unit of a force"),
+            "{wrong}"
+        );
+    }
+
+    #[test]
+    fn a_raw_signal_in_volts_is_no_second_force() {
+        let plain = Reading::default();
+        let read = chosen(
+            &["time_s", "displacement_mm", "force_kN", "force_V"],
+            &plain,
+        );
+        assert_eq!(read.unwrap().used[2].column, 2);
+        let both = chosen(
+            &["time_s", "displacement_mm", "force_kN", "force_N"],
+            &plain,
+        );
+        assert!(both.unwrap_err().contains("is also a force"));
+        let alone = chosen(&["time_s", "displacement_mm", "force_V"], &plain).unwrap_err();
+        assert!(alone.contains("V is no unit of a force"), "{alone}");
+    }
+
+    #[test]
+    fn a_rate_in_place_of_times_is_said() {
+        let said = Reading {
+            rate: Some(100.0),
+            ..Reading::default()
+        };
+        let read = chosen(&["Zeit [s]", "Disp [mm]", "Force [kN]"], &said).unwrap();
+        let note = "the times in column \"Zeit [s]\" are not used, because --rate replaces them";
+        assert!(
+            read.guesses.iter().any(|guess| guess == note),
+            "{:?}",
+            read.guesses
+        );
+        let said = Reading {
+            table: Some("x".into()),
+            ..Reading::default()
+        };
+        let error = chosen(&["Zeit [s]", "Disp [mm]", "Force [kN]"], &said).unwrap_err();
+        assert!(error.contains("leave out --table"), "{error}");
     }
 
     #[test]

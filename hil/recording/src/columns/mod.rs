@@ -53,7 +53,7 @@ pub fn described(column: &Column) -> Option<String> {
         match &candidate.unit {
             unit_found::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
             unit_found::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
-            unit_found::UnitFound::Unclear(unit) => {
+            unit_found::UnitFound::Unclear(unit, _) => {
                 format!("{channel} in {unit}, which is not clear")
             }
             unit_found::UnitFound::None => format!("{channel} without a unit"),

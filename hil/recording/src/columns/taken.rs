@@ -237,7 +237,7 @@ mod tests {
         let each = candidates(&column(name, unit)).into_iter().map(|each| {
             let unit = match each.unit {
                 UnitFound::Known(unit) => unit.symbol.to_owned(),
-                UnitFound::Unknown(unit) | UnitFound::Unclear(unit) => format!("?{unit}"),
+                UnitFound::Unknown(unit) | UnitFound::Unclear(unit, _) => format!("?{unit}"),
                 UnitFound::None => "?".into(),
             };
             format!("{:?} {} {unit}", each.rank, each.channel.name())

@@ -17,8 +17,8 @@ pub(super) enum UnitFound {
     Known(Unit),
     /// The file states a unit that the channel cannot have, or that is unknown.
     Unknown(String),
-    /// The file states two, or an ambiguous one.
-    Unclear(String),
+    /// The file states two, or an ambiguous one: the statement, and the units that it may mean, if they are known.
+    Unclear(String, Vec<&'static str>),
     /// None is stated.
     None,
 }
@@ -84,7 +84,8 @@ fn of_stamps() -> UnitFound {
 fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
     match row_unit(column) {
         Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
-            UnitFound::Unclear(format!("{written} beside {other}"))
+            let either = either(unit, unit_of(channel, other));
+            UnitFound::Unclear(format!("{written} beside {other}"), either)
         }
         _ => UnitFound::Known(unit),
     }
@@ -114,11 +115,15 @@ pub(super) fn unit_and_words<'n>(
         return (UnitFound::None, words);
     };
     let found = if is_lost_in_capitals(channel, &column.name, written) {
-        UnitFound::Unclear(format!("{written} in a name of capitals"))
+        let either = alike(channel, written).collect();
+        UnitFound::Unclear(format!("{written} in a name of capitals"), either)
     } else if let Some(unit) = unit_of(channel, written) {
         let mut others = name.others.iter();
         match others.find(|other| is_another(channel, unit, other)) {
-            Some(other) => UnitFound::Unclear(format!("{written} beside {other}")),
+            Some(other) => UnitFound::Unclear(
+                format!("{written} beside {other}"),
+                either(unit, unit_of(channel, other)),
+            ),
             None => beside(column, channel, unit, written),
         }
     } else {
@@ -127,7 +132,7 @@ pub(super) fn unit_and_words<'n>(
     match (&name.scale, found) {
         (Some(scale), UnitFound::Known(_)) => {
             let unclear = format!("{written} with the factor {}", quoted(scale));
-            (UnitFound::Unclear(unclear), words)
+            (UnitFound::Unclear(unclear, Vec::new()), words)
         }
         (_, found) => (found, words),
     }
@@ -144,7 +149,17 @@ fn is_another(channel: Channel, unit: Unit, written: &str) -> bool {
 fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
     let letters = || name.chars().filter(|c| c.is_alphabetic());
     let is_capital = letters().count() > 3 && letters().all(char::is_uppercase);
+    is_capital && alike(channel, written).count() > 1
+}
+
+/// The units that differ from the written one in capitals only.
+fn alike(channel: Channel, written: &str) -> impl Iterator<Item = &'static str> {
     let folded = written.to_lowercase();
-    let alike = (channel.units().iter()).filter(|unit| unit.symbol.to_lowercase() == folded);
-    is_capital && alike.count() > 1
+    let units = channel.units().iter().map(|unit| unit.symbol);
+    units.filter(move |symbol| symbol.to_lowercase() == folded)
+}
+
+/// Both units of a name with two.
+fn either(one: Unit, other: Option<Unit>) -> Vec<&'static str> {
+    other.map_or_else(Vec::new, |other| vec![one.symbol, other.symbol])
 }
