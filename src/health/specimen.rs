@@ -27,7 +27,7 @@ use super::cause::{Event, Shift, Statistic};
 use super::cusum::{Cusum, threshold};
 use super::sums::CycleSums;
 use alarm::EXPLAINED;
-use learning::EARLY;
+use learning::{EARLY, EARLY_CYCLES};
 
 /// Cycles at the beginning of a block that are left out, while the rig's correction learns.
 const SETTLING: u32 = 2;
@@ -39,8 +39,6 @@ const LEAST_SIGMA: f32 = 1.0 / 20.0;
 const UNSURE: f32 = 0.38;
 /// The first statistics, on which a mean has no effect.
 const UNMOVED: usize = 2;
-/// Fewest cycles of a line for such a report: the first ones still belong to the amplitude correction.
-const EARLY_CYCLES: u32 = 5;
 /// Gain of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 

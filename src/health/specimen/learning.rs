@@ -6,6 +6,8 @@ use super::{SETTLING, SpecimenWatch};
 
 /// Change in sizes at which a statistic is reported while it is still learned, when the line through its first cycles is young.
 pub(super) const EARLY: f32 = 3.0;
+/// Fewest cycles of a line for such a report: the first ones still belong to the amplitude correction.
+pub(super) const EARLY_CYCLES: u32 = 5;
 /// Least stiffness or energy of the specimen at the start, relative to the law's; its inverse is the largest.
 const LEAST_OF_LAW: f32 = 0.6;
 
