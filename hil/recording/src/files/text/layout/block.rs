@@ -6,6 +6,7 @@ use super::super::rows::{Row, RowKind};
 use super::super::stamps::Stamp;
 use super::super::{lvm, numbers};
 
+/// Rows of numbers that make a table. Its header is used even if other numbers have more rows, and below other numbers it is not a
 /// footer. Convention: statistics have fewer rows.
 pub(in crate::files::text) const FEW_ROWS: usize = 8;
 /// Largest number of columns in a text. Convention: ten times the number in the largest loggers' files; our own format may have
