@@ -16,11 +16,18 @@
 //!
 //! The work at a cycle's end is done one statistic per look, where the response leaves room for it.
 
+mod alarm;
+mod evidence;
+mod learning;
+mod slow;
+
 use super::HealthConfig;
 use super::baseline::Baseline;
-use super::cause::{Course, Event, HealthCause, Shift, Statistic, Verdict, cause, reversed};
+use super::cause::{Event, Shift, Statistic};
 use super::cusum::{Cusum, threshold};
 use super::sums::CycleSums;
+use alarm::EXPLAINED;
+use learning::{EARLY, EARLY_CYCLES};
 
 /// Cycles at the beginning of a block that are left out, while the rig's correction learns.
 const SETTLING: u32 = 2;
@@ -30,22 +37,8 @@ const JUDGED_AFTER: u32 = 2;
 const LEAST_SIGMA: f32 = 1.0 / 20.0;
 /// Uncertainty of the line itself in σ, at a gain of its level of α = 1/4: √(α/(2 − α)).
 const UNSURE: f32 = 0.38;
-/// Part of the size to be found that a slow change may have.
-const SLOW: f32 = 0.8;
-/// Part of a shift by which a gradual one grows in one cycle.
-const GROWING: f32 = 0.12;
-/// Part of a gradual shift that was present a cycle before.
-const DRIFTING: f32 = 0.6;
-/// Cycles after a drift, or after a change of the mean that it explains, in which the drift explains further changes of the mean.
-const EXPLAINED: u8 = 16;
 /// The first statistics, on which a mean has no effect.
 const UNMOVED: usize = 2;
-/// Change in sizes at which a statistic is reported while it is still learned, when the line through its first cycles is young.
-const EARLY: f32 = 3.0;
-/// Fewest cycles of a line for such a report: the first ones still belong to the amplitude correction.
-const EARLY_CYCLES: u32 = 5;
-/// Least stiffness or energy of the specimen at the start, relative to the law's; its inverse is the largest.
-const LEAST_OF_LAW: f32 = 0.6;
 /// Gain of the temperature's level.
 const TEMPERATURE_GAIN: f32 = 0.25;
 
@@ -275,58 +268,6 @@ impl SpecimenWatch {
         }
     }
 
-    /// In the first cycle since the start: compares the specimen roughly with the law.
-    fn compare_with_law(&self) -> Option<Event> {
-        if self.since_start != 1 {
-            return None;
-        }
-        let [stiffness, energy, ..] = self.values;
-        let limit = 1.0 - LEAST_OF_LAW;
-        let is_far =
-            |moved: f32| !(1.0 + moved >= LEAST_OF_LAW && LEAST_OF_LAW * (1.0 + moved) <= 1.0);
-        let (cause, or) = if stiffness < -1.0 && energy < -1.0 {
-            reversed()
-        } else if is_far(stiffness) || is_far(energy) {
-            let gain = HealthCause::SensorGain(super::Channel::Force);
-            (HealthCause::LawMismatch, gain)
-        } else {
-            return None;
-        };
-        let statistic = if is_far(stiffness) {
-            Statistic::Stiffness
-        } else {
-            Statistic::Energy
-        };
-        Some(self.evidence((cause, Some(or), statistic), &self.values, limit))
-    }
-
-    /// At the end of learning: compares the specimen with its state before.
-    fn compare_with_known(&mut self, config: &HealthConfig) -> Option<Event> {
-        if self.cycles < SETTLING + config.learning_cycles {
-            return None;
-        }
-        let known = self.known.take()?;
-        let limit = EARLY * config.size + self.warmth(config, self.temperature);
-        let mut shift = known;
-        for (moved, watch) in shift.iter_mut().zip(&self.watches) {
-            *moved = watch.baseline.level() - *moved;
-        }
-        let [stiffness, energy, ..] = shift;
-        let is_far = stiffness.abs() > limit || energy.abs() > limit;
-        is_far.then(|| self.event(&shift, Course::Step, limit))
-    }
-
-    /// While learning: reports a shift that is too large for a run-in.
-    #[cold]
-    #[inline(never)]
-    fn report_early(&mut self, config: &HealthConfig) -> Event {
-        let limit = EARLY * config.size + self.warmth(config, self.temperature);
-        let shift = self.beyond(self.mean_values());
-        let event = self.event(&shift, Course::Step, limit);
-        self.relearn();
-        event
-    }
-
     /// Possible effect of the temperature's change since `then` °C on a statistic of a specimen like the law.
     fn warmth(&self, config: &HealthConfig, then: f32) -> f32 {
         config.temperature_slope * (self.numbers.temperature - then).abs()
@@ -402,206 +343,10 @@ impl SpecimenWatch {
         }
     }
 
-    /// A drifting zero moves the mean and keeps moving it. The present mean becomes normal, and a shift soon after belongs to the
-    /// drift.
-    fn explain(&mut self, event: Event) -> Option<Event> {
-        let explained = event.cause == HealthCause::PreloadShift && self.explained > 0;
-        if explained || matches!(event.cause, HealthCause::SensorDrifting(_)) {
-            self.explained = EXPLAINED;
-        }
-        (!explained).then_some(event)
-    }
-
-    /// A mean force that had most of its change a cycle before its alarm, at which the statistics have changed by `shift`. A sudden
-    /// change of the size to be found had at most half of its value by then; with more there would have been an alarm, where noise
-    /// and warmth leave the limit near half of that size.
-    fn drift(&mut self, config: &HealthConfig, shift: &Shift, limit: f32) -> Option<Event> {
-        let [_, _, watch, ..] = &self.watches;
-        let ([_, _, mean, ..], [_, _, before, ..]) = (*shift, self.before);
-        let beyond = before - watch.baseline.expected();
-        let blurred = watch.threshold + self.warmth(config, self.temperature);
-        if watch.cusum.largest() <= watch.threshold
-            || blurred > (DRIFTING - 0.5) * config.size
-            || beyond * mean <= DRIFTING * mean * mean
-        {
-            return None;
-        }
-        let event = self.event(shift, Course::Slow, limit);
-        if event.statistic != Statistic::MeanForce {
-            return None;
-        }
-        self.clear_sums();
-        Some(event)
-    }
-
-    /// Deviation of `values` from the baselines.
-    // Not inlined, like others below: several functions call it, none on every tick, and flash is scarce.
-    #[inline(never)]
-    fn beyond(&self, values: Shift) -> Shift {
-        let mut shift = values;
-        for (value, watch) in shift.iter_mut().zip(&self.watches) {
-            *value -= watch.baseline.expected();
-        }
-        shift
-    }
-
     fn clear_sums(&mut self) {
         for watch in &mut self.watches {
             watch.cusum = Cusum::default();
         }
-    }
-
-    /// Mean of this cycle's values and of those of the one before.
-    #[inline(never)]
-    fn mean_values(&self) -> Shift {
-        let mut mean = self.values;
-        for (value, before) in mean.iter_mut().zip(&self.before) {
-            *value = 0.5 * (*value + before);
-        }
-        mean
-    }
-
-    /// The mean as in [`SpecimenWatch::mean_values`].
-    fn law_third(&self) -> f32 {
-        let [before, now] = self.law_thirds;
-        0.5 * (before + now)
-    }
-
-    /// A cycle after an alarm.
-    fn judge(&mut self, config: &HealthConfig, suspicion: Suspicion) -> Option<Event> {
-        let [_, _, mean, ..] = self.beyond(self.values);
-        let growth = mean - suspicion.mean;
-        self.suspicion = Some(Suspicion {
-            cycles: suspicion.cycles.saturating_sub(1),
-            mean,
-            ..suspicion
-        });
-        if suspicion.cycles > 1 {
-            return None;
-        }
-        self.suspicion = None;
-        // Averaging two cycles halves the variance of the noise.
-        let shift = self.beyond(self.mean_values());
-        self.clear_sums();
-        let least = 0.5 * config.size + self.warmth(config, self.temperature);
-        let watched = || shift.iter().take(Statistic::WATCHED);
-        if watched().all(|moved| moved.abs() <= least) {
-            return None;
-        }
-        let course = if growth * mean > 0.0 && growth.abs() > GROWING * mean.abs() {
-            Course::Slow
-        } else {
-            Course::Step
-        };
-        Some(self.event(&shift, course, suspicion.limit))
-    }
-
-    #[inline(never)]
-    fn event(&self, shift: &Shift, course: Course, limit: f32) -> Event {
-        let verdict = cause(shift, self.law_third(), course);
-        self.evidence(verdict, shift, limit)
-    }
-
-    fn evidence(&self, (cause, or, statistic): Verdict, shift: &Shift, limit: f32) -> Event {
-        let index = usize::from(statistic.place());
-        Event {
-            cause,
-            or,
-            statistic,
-            value: shift.get(index).copied().unwrap_or_default(),
-            limit,
-            cycle: self.numbers.cycle,
-        }
-    }
-
-    /// The baselines' change since the run-in, or since they were learned if that came later.
-    fn look_back(&mut self, config: &HealthConfig) -> Option<Event> {
-        let limit = SLOW * config.size;
-        let settled = self.since_start > config.run_in_cycles;
-        let ends = self.since_start == config.run_in_cycles;
-        let first = self.cycles == SETTLING + config.learning_cycles + 1;
-        let mut shift = self.mean_values();
-        let mut all = Statistic::ALL.into_iter();
-        for (moved, watch) in shift.iter_mut().zip(&mut self.watches) {
-            // Neither a run-in nor the temperature moves a mean.
-            let lasting = matches!(
-                all.next(),
-                Some(Statistic::MeanForce | Statistic::MeanCommand)
-            );
-            if !lasting {
-                // The level of the line, because the noise of one or two cycles exceeds a slow change.
-                *moved = watch.baseline.level();
-            }
-            *moved -= if settled && !lasting {
-                watch.reference
-            } else {
-                watch.learned
-            };
-            if !settled || first {
-                watch.reference = watch.baseline.level();
-            }
-        }
-        if !settled || first {
-            self.reference_temperature = self.numbers.temperature;
-        }
-        if first {
-            self.learned_temperature = self.numbers.temperature;
-            return None;
-        }
-        let [_, _, mean, ..] = shift;
-        if mean.abs() > limit {
-            return Some(self.event(&shift, Course::Slow, limit));
-        }
-        let watched = Statistic::ALL
-            .into_iter()
-            .zip(&shift)
-            .take(Statistic::WATCHED);
-        let (most, moved) = watched.fold((Statistic::Stiffness, 0.0f32), |most, (other, moved)| {
-            if moved.abs() > most.1 {
-                (other, moved.abs())
-            } else {
-                most
-            }
-        });
-        if moved <= limit {
-            None
-        } else if ends {
-            Some(self.evidence((HealthCause::RunIn, None, most), &shift, limit))
-        } else if !settled {
-            let warmth = self.warmth(config, self.learned_temperature);
-            let allowed = config.run_in_size + self.of_specimen(most, warmth);
-            (moved > allowed).then(|| self.slow(&shift, most, allowed))
-        } else {
-            let warmth = self.warmth(config, self.reference_temperature);
-            let warmth = self.of_specimen(most, warmth);
-            // A change that the adaptation may take up is no fault.
-            let followed = if config.follow > limit {
-                config.follow
-            } else {
-                limit
-            };
-            let allowed = followed + warmth;
-            if moved > allowed {
-                Some(self.slow(&shift, most, allowed))
-            } else if moved > limit + warmth {
-                None
-            } else {
-                Some(self.evidence((HealthCause::Temperature, None, most), &shift, limit))
-            }
-        }
-    }
-
-    /// Converts `warmth` of a specimen like the law to this specimen, for `statistic`.
-    fn of_specimen(&self, statistic: Statistic, warmth: f32) -> f32 {
-        let watch = self.watches.get(usize::from(statistic.place()));
-        warmth * watch.map_or(1.0, |watch| of_law(watch.baseline.level()))
-    }
-
-    /// Event for a slow change beyond `allowed` of the statistic `most`, which is the evidence. The cause may follow from another
-    /// statistic.
-    fn slow(&self, shift: &Shift, most: Statistic, allowed: f32) -> Event {
-        let (cause, or, _) = cause(shift, self.law_third(), Course::Slow);
-        self.evidence((cause, or, most), shift, allowed)
     }
 
     fn follow(&mut self, index: usize) {

@@ -1,5 +1,6 @@
 //! Cycles without noise: the cause that is named, and the cycle in which it is.
 
+use super::cycle_end::LASTING;
 use super::*;
 
 /// y = sin φ, law y + 0.3·sgn v, and a specimen with `part` of its force in each cycle: returns when a cause is named, and

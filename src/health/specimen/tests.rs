@@ -1,7 +1,7 @@
 //! Cycles without noise, whose statistics are known in closed form.
 
 use super::super::HealthSettings;
-use super::super::cause::Channel;
+use super::super::cause::{Channel, HealthCause};
 use super::super::sums::Sample;
 use super::*;
 

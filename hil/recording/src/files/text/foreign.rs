@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use super::blocks::Blocks;
 use super::decimals;
-use super::layout::{Kind, Layout, RowKind, kind_of};
+use super::layout::{Kind, Layout};
 use super::lines::Lines;
 use super::numbers::{Cell, Sign, sign_of};
 use super::own::grow;
+use super::rows::{RowKind, kind_of};
 use super::stamps::{Since, Stamp};
 use crate::csv_text::CsvText;
 use crate::error::{InputError, Place, quoted};

@@ -2,9 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::layout::{Row, RowKind};
 use super::lines::Separator;
 use super::numbers;
+use super::rows::{Row, RowKind};
 use crate::columns;
 use crate::error::quoted;
 
@@ -379,7 +379,7 @@ pub(super) fn distinct(names: &[String], guesses: &mut Vec<String>) -> Vec<Strin
 
 #[cfg(test)]
 mod tests {
-    use super::super::layout::rows;
+    use super::super::rows::rows;
     use super::*;
 
     fn above(text: &str, cells: usize, separator: Separator) -> Header {

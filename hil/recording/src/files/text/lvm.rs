@@ -1,8 +1,8 @@
 //! LabVIEW measurement files: a header of the file, one per segment, and rows of numbers.
 
-use super::layout::{Row, RowKind};
 use super::lines::Separator;
 use super::numbers::{Cell, Numbers};
+use super::rows::{Row, RowKind};
 use crate::files::table::{Clock, Column};
 
 /// The end of a header.

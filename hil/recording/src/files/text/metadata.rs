@@ -1,8 +1,8 @@
 //! Statements of a text above its table: keys with values, one of which may be the sampling rate.
 
-use super::layout::{Row, RowKind};
 use super::lines::Separator;
 use super::numbers::{Cell, Numbers};
+use super::rows::{Row, RowKind};
 use crate::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 

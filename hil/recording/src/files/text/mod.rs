@@ -16,6 +16,7 @@ mod lvm;
 mod metadata;
 mod numbers;
 mod own;
+mod rows;
 mod stamps;
 
 use std::io::Cursor;

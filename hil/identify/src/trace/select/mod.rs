@@ -1,0 +1,229 @@
+//! The search for missing effects: one at a time, each judged on cycles that it was not fitted to.
+
+mod beside;
+mod nodes;
+mod refine;
+mod rivals;
+mod rough;
+mod step;
+
+pub use nodes::{amplitude_nodes, error_between};
+pub use step::Candidate;
+
+use std::sync::{Arc, OnceLock};
+
+use mesh_damper_model::ModelError;
+use mesh_damper_model::predict::predict;
+use mesh_damper_recording::trajectory::Trajectory;
+
+use super::fitted::Fitted;
+use super::ruled_out;
+use super::score::Jury;
+use super::sought::Sought;
+use super::split::{Role, Roles};
+use super::tones::OfMotion;
+use crate::families::Form;
+use crate::known_terms::KnownTerm;
+use crate::policy::policy;
+use crate::problem::Problem;
+use crate::rows::Rows;
+use crate::shape::Extent;
+use crate::solution::Solution;
+use crate::term::Term;
+use crate::tolerance::goal;
+
+mesh_damper_recording::numbers! {
+    /// The search for effects.
+    SelectPolicy {
+        /// A search adds at most this many terms to the law.
+        most_terms: usize = 6, Convention("a search ends long before, when nothing is gained");
+        /// This many of the best laws enter the next step of a search: the best law with one effect need not be part of the best with two.
+        beam: usize = 3, Tuned("the blind trial");
+        /// At most this many candidates of a step are fitted, those with the largest predicted gain. The others keep the parameters of
+        /// their best starting value.
+        fitted: usize = 4, Tuned("the blind trial");
+        /// A candidate is fitted only if its predicted gain exceeds this fraction of the largest.
+        promising: f64 = 0.5, Tuned("the blind trial");
+        /// A candidate is fitted from at most this many starting values.
+        starts: usize = 2, Tuned("the blind trial");
+    }
+}
+
+/// The result of a search.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// Eq 13 alone.
+    pub baseline: Fitted,
+    /// Eq 13 with the effects found.
+    pub found: Fitted,
+    /// All candidates, step by step, the best first.
+    pub candidates: Vec<Candidate>,
+    /// The tolerated error on the judging cycles.
+    pub goal: f64,
+}
+
+/// The search over one set of data.
+pub struct Search<'a> {
+    trajectories: &'a [Trajectory],
+    jury: Jury<'a>,
+    roles: &'a Roles,
+    rows: Rows<'a>,
+    extent: Extent,
+    terms: Vec<Term>,
+    known: Vec<KnownTerm>,
+    /// Computed when a tone is searched for.
+    of_motion: Arc<OnceLock<OfMotion>>,
+}
+
+impl<'a> Search<'a> {
+    /// A search with separate coefficients of eq 13 at the amplitudes `nodes`, for effects that `sought` permits.
+    pub fn new(
+        trajectories: &'a [Trajectory],
+        roles: &'a Roles,
+        nodes: Vec<f64>,
+        sought: &Sought,
+    ) -> Self {
+        let temperature = trajectories
+            .iter()
+            .find_map(|t| t.temperature.as_ref()?.first().copied());
+        let terms = Form::all()
+            .filter(|&form| sought.has(form.family()))
+            .filter(|form| form.is_seen_in(trajectories))
+            .map(|form| Term {
+                form,
+                reference: temperature.unwrap_or_default(),
+                is_known: false,
+            })
+            .collect();
+        Self {
+            trajectories,
+            jury: Jury::of(trajectories, roles, Role::Judge),
+            roles,
+            rows: Rows::gather(
+                trajectories,
+                sought.law,
+                nodes,
+                policy().rows.search,
+                |which, sample| roles.of(which, sample) == Role::Fit,
+            ),
+            extent: Extent::of(trajectories),
+            terms,
+            known: sought.known.clone(),
+            of_motion: Arc::default(),
+        }
+    }
+
+    /// The same search with coefficients of eq 13 at other amplitudes.
+    #[must_use]
+    pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
+        Self {
+            rows: self.rows.with_nodes(nodes),
+            jury: self.jury.clone(),
+            roles: self.roles,
+            extent: self.extent.clone(),
+            terms: self.terms.clone(),
+            known: self.known.clone(),
+            of_motion: self.of_motion.clone(),
+            trajectories: self.trajectories,
+        }
+    }
+
+    /// Adds effects while one of them clearly reduces the error on the judging cycles, then drops those that became unnecessary.
+    /// `progress` is called before each step with a description of it.
+    ///
+    /// # Errors
+    /// The crate refuses a fitted law.
+    pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
+        progress("fitting the law");
+        let baseline = self.judged(self.without_more())?;
+        let mut found = baseline.clone();
+        let mut beam = vec![baseline.clone()];
+        let mut candidates = Vec::new();
+        for step in 1..=policy().select.most_terms {
+            progress(&format!(
+                "trying {} forms of effects in addition to {}",
+                self.terms.len(),
+                found.named()
+            ));
+            let may_add = !self.is_settled(&found);
+            let mut tried = self.step(
+                &beam,
+                step,
+                if may_add { policy().select.fitted } else { 0 },
+            );
+            let Some(best) = tried.first_mut() else { break };
+            let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
+            let next = best.fitted.clone();
+            best.added = accepted;
+            if !accepted {
+                ruled_out::by_the_law_before(&mut tried, may_add);
+            }
+            beam = tried
+                .iter()
+                .filter(|candidate| candidate.admissible)
+                .map(|candidate| candidate.fitted.clone())
+                .take(policy().select.beam)
+                .collect();
+            candidates.extend(tried);
+            if !accepted {
+                break;
+            }
+            // A law near the noise is refined too: a missing term distorts its parameters.
+            found = self.refined(&next);
+            if let Some(first) = beam.first_mut() {
+                *first = found.clone();
+            }
+        }
+        found = self.prune(self.unrefined(found)?)?;
+        ruled_out::in_the_end(&mut candidates, &found);
+        Ok(Selection {
+            baseline,
+            found,
+            candidates,
+            goal: self.goal(),
+        })
+    }
+
+    /// The law with the known effects.
+    fn without_more(&self) -> Solution {
+        let mut terms = Vec::new();
+        let mut law = Problem::new(&self.rows, &self.extent, &terms).solve();
+        for known in &self.known {
+            terms.push(known.term);
+            let problem = Problem::new(&self.rows, &self.extent, &terms);
+            law = problem.solve_from(&law, &known.shapes);
+        }
+        law
+    }
+
+    fn of_motion(&self) -> &OfMotion {
+        self.of_motion
+            .get_or_init(|| OfMotion::of(self.trajectories))
+    }
+
+    /// Whether the error is within the noise.
+    pub fn is_settled(&self, law: &Fitted) -> bool {
+        law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
+    }
+
+    /// The tolerated error on the judging cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the
+    /// recording is quieter.
+    pub fn goal(&self) -> f64 {
+        goal(self.jury.noise())
+    }
+
+    /// The same terms with coefficients of other nodes.
+    ///
+    /// # Errors
+    /// The crate refuses a fitted law.
+    pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
+        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
+        self.judged(problem.solve_near(&law.solution))
+    }
+
+    fn judged(&self, solution: Solution) -> Result<Fitted, ModelError> {
+        let model = solution.model();
+        let score = self.jury.score(|trajectory| predict(&model, trajectory))?;
+        Ok(Fitted { solution, score })
+    }
+}

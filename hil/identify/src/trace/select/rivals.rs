@@ -1,0 +1,40 @@
+//! Rivals are effects of other families that explain the same cycles as well.
+
+use mesh_damper_model::{Family, ModelError};
+
+use super::Search;
+use crate::policy::policy;
+use crate::problem::Problem;
+use crate::solution::Solution;
+use crate::term::Term;
+
+impl Search<'_> {
+    /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the judging cycles
+    /// as well as `law`: the best for each family.
+    ///
+    /// # Errors
+    /// The crate refuses a fitted law.
+    pub fn rivals(&self, law: &Solution, rest: &Solution) -> Result<Vec<Solution>, ModelError> {
+        let refit = |known: &Solution| {
+            let problem = Problem::new(&self.rows, &self.extent, &known.terms());
+            self.judged(problem.solve_near(known))
+        };
+        let (law, rest) = (refit(law)?, refit(rest)?);
+        let families = law.families();
+        let is_other = |term: &&Term| !families.contains(&term.form.family());
+        let others: Vec<Term> = self.terms.iter().filter(is_other).copied().collect();
+        let mut beside = self.beside(&rest, &others, policy().select.fitted);
+        beside.retain(|(_, rival, _)| rival.is_admissible() && !law.score.beats(&rival.score));
+        beside.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        let mut known: Vec<Family> = Vec::new();
+        beside.retain(|(term, ..)| {
+            let is_new = !known.contains(&term.form.family());
+            known.push(term.form.family());
+            is_new
+        });
+        Ok(beside
+            .into_iter()
+            .map(|(_, rival, _)| rival.solution)
+            .collect())
+    }
+}
