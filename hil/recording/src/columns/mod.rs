@@ -12,6 +12,7 @@ mod name;
 mod scale;
 pub(crate) mod spelling;
 mod taken;
+mod unit_chosen;
 mod unit_found;
 mod words;
 

@@ -250,4 +250,6 @@ pub const HALF: Size = ((570, 350), 15);
 pub const WIDE: Size = ((1150, 320), 14);
 
 #[cfg(test)]
+mod script_tests;
+#[cfg(test)]
 mod tests;
