@@ -8,7 +8,7 @@ use super::faults::{ChannelFault, ChannelFaultKind};
 use super::units::Units;
 use super::{Recording, Source};
 use crate::columns::{Chosen, choose};
-use crate::error::{InputError, Place};
+use crate::error::InputError;
 use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {

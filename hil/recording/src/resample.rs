@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::faults::ChannelFault;
 use super::{ControlChannel, Recording, units::Unit};
-use crate::error::{InputError, Place};
+use crate::error::InputError;
 use crate::policy::policy;
 
 crate::numbers! {
@@ -235,6 +235,7 @@ fn interpolate(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Place;
     use std::f64::consts::TAU;
 
     fn sine(times: &[f64]) -> Recording {

@@ -90,7 +90,7 @@ fn the_command_to_run_takes_no_column_twice() {
     let (code, out, err) = said(root.path(), &["inspect", "rig.txt"]);
     assert_eq!(code, Some(0), "{err}");
     // Names and units are asked for at once.
-    let command = "hil trace rig.txt --channel time=NAME --unit time=UNIT \
+    let command = "hil trace rig.txt --channel time=A --unit time=UNIT \
         --channel displacement=NAME --unit displacement=UNIT --channel force=NAME --unit force=UNIT";
     assert!(out.contains(command), "{out}");
     // Only one column rises, as times do.

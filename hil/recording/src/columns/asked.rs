@@ -99,10 +99,11 @@ impl Choice<'_> {
         let is_time = channel == Channel::Time;
         let mut options =
             could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(..)));
-        let mut answer = match &options[..] {
+        let only = |options: &[String]| match options {
             [only] => only.clone(),
             _ => format!("--channel {name}=NAME"),
         };
+        let mut answer = only(&options);
         let mut unit = String::new();
         if options.is_empty() {
             options = could_be(&|unit| matches!(unit, UnitFound::None));
@@ -113,7 +114,7 @@ impl Choice<'_> {
                     ", with its unit unless its name carries one: {}",
                     unit_option(channel)
                 );
-                answer = format!("{answer} {}", unit_option(channel));
+                answer = format!("{} {}", only(&options), unit_option(channel));
             }
         }
         options.truncate(OPTIONS);

@@ -6,15 +6,16 @@ use clap::Args;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::columns::{self, Chosen, Rank};
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::faults::{Channel, ChannelFaultKind};
+use mesh_damper_recording::faults::ChannelFaultKind;
 use mesh_damper_recording::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
 use mesh_damper_recording::output::Plan;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::inspect_questions::{asked, command, most_like_one};
 use super::inspect_words as words;
 use crate::commands::document::AddDocument as _;
-use crate::commands::reading::{RecordingFiles, shell};
+use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say};
 
 /// Show what files hold: columns, units and rate, how they are read, and the command to run next
@@ -216,58 +217,6 @@ fn inspect(
     Ok((file, problem))
 }
 
-/// All open questions: the table, and the column and unit of each channel. `first` is the question that a trace would ask first.
-fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
-    let mut questions: Vec<InputError> = Vec::new();
-    if first.answer.is_none() {
-        // No option makes the file right.
-        return vec![first.clone()];
-    }
-    let mut said = said.clone();
-    let (most, alike) = most_like_one(tables);
-    // Displacement and force at least; time may be given.
-    if said.table.is_none() && most > 1 {
-        let names: Vec<&str> = (alike.iter())
-            .map(|&index| tables[index].name.as_str())
-            .collect();
-        let which = columns::which_table(name, &names);
-        if first.answer == which.answer {
-            questions.push(first.clone());
-        } else if names.len() > 1 {
-            questions.push(which);
-        }
-        said.table = names.first().map(|name| (*name).to_owned());
-    }
-    for channel in Channel::ALL
-        .into_iter()
-        .filter(|channel| channel.is_required())
-    {
-        if let Err(question) = columns::choose(name, tables, &said, &Needs::of([channel]))
-            && !questions.contains(&question)
-        {
-            questions.push(question);
-        }
-    }
-    if questions.is_empty() {
-        // The question is not about a channel.
-        questions.push(first.clone());
-    }
-    questions
-}
-
-/// The largest number of columns in a table that could be channels, and the tables with that number.
-fn most_like_one(tables: &[Table]) -> (usize, Vec<usize>) {
-    let like = |table: &Table| {
-        let columns = table.columns.iter();
-        columns
-            .filter(|column| columns::described(column).is_some())
-            .count()
-    };
-    let most = tables.iter().map(like).max().unwrap_or(0);
-    let such = (0..tables.len()).filter(|&index| like(&tables[index]) == most);
-    (most, such.collect())
-}
-
 fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
     match chosen {
         Some(chosen) => chosen.guesses.clone(),
@@ -425,28 +374,4 @@ fn like(recording: &Recording) -> InspectedRecording {
             .collect(),
         faults: repaired.faults().iter().map(ToString::to_string).collect(),
     }
-}
-
-/// The command that traces the file, with the given options and those that answer the questions.
-fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
-    let answers = || {
-        questions
-            .iter()
-            .filter_map(|question| question.answer.as_deref())
-    };
-    let answer = |own: &str| match own.split_once('=') {
-        // One column cannot be two channels, so only the user knows which is which.
-        Some((what, column)) if answers().filter(|other| names(other, column)).count() > 1 => {
-            format!("{what}=NAME")
-        }
-        _ => own.to_owned(),
-    };
-    let mut parts = vec!["hil trace".to_owned(), shell(&path.display().to_string())];
-    parts.extend(options.iter().cloned().chain(answers().map(answer)));
-    parts.join(" ")
-}
-
-/// Whether options give a column to a channel.
-fn names(options: &str, column: &str) -> bool {
-    options.starts_with("--channel") && options.ends_with(&format!("={column}"))
 }

@@ -22,6 +22,7 @@ mod faults_attacks;
 mod fmu_library;
 mod image;
 mod inspect;
+mod inspect_questions;
 mod inspect_words;
 mod junit;
 mod law;
