@@ -33,8 +33,9 @@ def test_a_row_is_made_again_where_its_recording_was_changed(tmp_path):
 def test_the_recordings_of_a_folder_are_those_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], hil: Any) -> None:
     folder = tmp_path / "folder"
     (folder / "deeper").mkdir(parents=True)
-    endings = "arrow asc csv csv.gz CSV dat feather h5 hdf5 json jsonl lvm mat mf4 nc parquet tdms tsv txt xlsx".split()
-    found = sorted(f"{place:02}.{ending}" for place, ending in enumerate(endings))
+    text = ["asc", "csv", "csv.gz", "CSV", "dat", "lvm", "tsv", "txt"]
+    other = ["arrow", "feather", "h5", "hdf5", "json", "jsonl", "mat", "mf4", "nc", "parquet", "tdms", "xlsx"]
+    found = [f"{place:02}.{ending}" for place, ending in enumerate([*text, *other])]
     skipped = ["index.tdms_index", "model.json", "notes.pdf", "trace.json"]
     for name in [*found, *skipped, ".hidden.csv", "deeper/a.csv"]:
         (folder / name).write_text(f"no recording: {name}")

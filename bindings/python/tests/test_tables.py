@@ -34,7 +34,11 @@ def either(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Columns]:
     """A text in which each sign may be the decimal one or separate thousands, and its numbers with a decimal comma."""
     block = sine_block()
     # From 1 to 999, with three digits after the sign: each number may be a thousand times itself.
-    block = {"time_s": 1.0 + block["time_s"], "displacement_mm": 500.0 + 100.0 * block["displacement_mm"], "force_kN": 5.0 + block["force_kN"]}
+    block = {
+        "time_s": 1.0 + block["time_s"],
+        "displacement_mm": 500.0 + 100.0 * block["displacement_mm"],
+        "force_kN": 5.0 + block["force_kN"],
+    }
     cells = {name: [f"{value:.3f}" for value in values] for name, values in block.items()}
     path = tmp_path_factory.mktemp("either") / "either.csv"
     with path.open("w", newline="") as file:
@@ -123,7 +127,7 @@ def test_an_ambiguous_decimal_sign_is_asked_for_and_given(either: tuple[Path, Co
 @pytest.mark.parametrize("sign", [",", "Comma", "", 1])
 def test_a_decimal_sign_is_point_or_comma(either: tuple[Path, Columns], tmp_path: Path, sign: Any) -> None:
     path, _ = either
-    expected = f"decimal: no decimal sign is called {sign!r}; give \"point\" or \"comma\""
+    expected = f'decimal: no decimal sign is called {sign!r}; give "point" or "comma"'
     assert refusal(mesh_damper.trace, path, decimal=sign) == expected
     assert refusal(mesh_damper.characterize, path, decimal=sign) == expected
     assert refusal(mesh_damper.respond, SPRING, mass=1.0, force=path, decimal=sign) == expected
