@@ -37,7 +37,7 @@ def main() -> None:
     with LocalCluster(n_workers=options.workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         # The workers need `rows.py` next to this file.
         client.upload_file(__file__.replace("dask_local.py", "rows.py"))
-        made = trace_all(client, recordings(options.folder), rows)
+        made = trace_all(client, recordings(options.folder, [options.rows, options.outcomes]), rows)
     rows.to_parquet(options.outcomes)
     print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
 

@@ -50,7 +50,7 @@ def main() -> None:
     cluster.scale(jobs=options.jobs)
     rows = Rows(options.rows)
     with cluster, Client(cluster) as client:
-        made = trace_all(client, recordings(options.folder), rows)
+        made = trace_all(client, recordings(options.folder, [options.rows, options.outcomes]), rows)
     rows.to_parquet(options.outcomes)
     print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
 

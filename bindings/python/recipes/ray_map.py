@@ -39,7 +39,7 @@ def main() -> None:
     rows = Rows(options.rows)
     ray.init(num_cpus=options.workers, include_dashboard=False, log_to_driver=False)
     # With twice as many tasks as workers, no worker waits for its next task.
-    made = trace_all(recordings(options.folder), rows, 2 * options.workers)
+    made = trace_all(recordings(options.folder, [options.rows, options.outcomes]), rows, 2 * options.workers)
     ray.shutdown()
     rows.to_parquet(options.outcomes)
     print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -21,14 +22,17 @@ def row_of(path: str) -> dict[str, Any]:
     return mesh_damper.outcome(path)
 
 
-#: Endings of recording files.
-ENDINGS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4", ".mat", ".h5", ".tdms")
+def recordings(folder: str, written: Iterable[str] = ()) -> list[str]:
+    """The recordings of a folder, as `hil batch` finds them. The names of its other files are printed.
 
-
-def recordings(folder: str) -> list[str]:
-    """The recordings of a folder."""
-    paths = (str(path) for path in Path(folder).iterdir())
-    return sorted(path for path in paths if path.lower().endswith(ENDINGS))
+    The files that the recipe has `written` may be in the folder too. They have endings of recordings and are none.
+    """
+    found, skipped = mesh_damper.recordings_in(folder)
+    if skipped:
+        names = ", ".join(os.path.basename(path) for path in skipped)
+        print(f"skipped, because their names are not those of recordings: {names}", file=sys.stderr)
+    own = {os.path.realpath(path) for path in written}
+    return [path for path in found if os.path.realpath(path) not in own]
 
 
 def _state(path: str) -> list[int] | None:

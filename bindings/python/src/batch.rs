@@ -16,8 +16,9 @@ use mesh_damper_recording::read_limit::ReadLimit;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-use crate::error::refused;
+use crate::error::{refused, refused_of};
 use crate::model::{Model, json};
+use crate::recording::decimal_sign;
 use crate::trace::{base_law, named};
 use crate::work::beside;
 
@@ -28,7 +29,10 @@ pub struct BatchSettings(Settings);
 #[pymethods]
 impl BatchSettings {
     #[new]
-    #[pyo3(signature = (families, exclude, baseline, law=None, channels=vec![], units=vec![], rate=None, max_read=None, reports=false))]
+    #[pyo3(signature = (
+        families, exclude, baseline, law=None, channels=vec![], units=vec![], rate=None, table=None, decimal=None, max_read=None,
+        reports=false,
+    ))]
     #[expect(
         clippy::too_many_arguments,
         reason = "the Python function before it names them"
@@ -41,6 +45,8 @@ impl BatchSettings {
         channels: Vec<(String, String)>,
         units: Vec<(String, String)>,
         rate: Option<f64>,
+        table: Option<String>,
+        decimal: Option<Bound<'_, PyAny>>,
         max_read: Option<u64>,
         reports: bool,
     ) -> PyResult<Self> {
@@ -61,7 +67,8 @@ impl BatchSettings {
             channels,
             units,
             rate,
-            ..Reading::default()
+            table,
+            decimal: decimal.as_ref().map(decimal_sign).transpose()?,
         };
         Ok(Self(Settings {
             sought,
@@ -130,6 +137,14 @@ fn said(done: Progress) -> String {
         failed => format!(", {failed} failed"),
     };
     format!("{} of {}{failed}", done.done, done.total)
+}
+
+/// The recordings of a folder, and its other files, as `hil batch` tells them apart.
+#[pyfunction]
+fn recordings_in(folder: PathBuf) -> PyResult<(Vec<PathBuf>, Vec<PathBuf>)> {
+    let list = List::of_folder(&folder).map_err(|error| refused_of(&folder, &error))?;
+    let recordings = list.tasks.into_iter().flat_map(|task| task.recordings);
+    Ok((recordings.collect(), list.ignored))
 }
 
 /// The row of one trace as JSON. It writes no file and uses one core.
@@ -227,6 +242,7 @@ fn moment(model: GivenModel, time: f64) -> Result<Moment, InputError> {
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<BatchSettings>()?;
     module.add_function(wrap_pyfunction!(trace_many, module)?)?;
+    module.add_function(wrap_pyfunction!(recordings_in, module)?)?;
     module.add_function(wrap_pyfunction!(outcome, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes_of, module)?)?;
     module.add_function(wrap_pyfunction!(compare_models, module)?)

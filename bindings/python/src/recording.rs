@@ -22,16 +22,25 @@ pub struct Reading {
 
 #[pymethods]
 impl Reading {
-    /// The values of the command's options `--channel`, `--unit`, `--rate` and `--max-read`. The `system` of units applies to
-    /// channels whose unit nothing else states. `step` is the time between samples in the unit of time. If `inputs` are given, only
-    /// these control inputs are read, and each must be there.
+    /// The values of the command's options `--channel`, `--unit`, `--rate`, `--table`, `--decimal` and `--max-read`. The `system` of
+    /// units applies to channels whose unit nothing else states. `step` is the time between samples in the unit of time. If `inputs`
+    /// are given, only these control inputs are read, and each must be there.
     #[new]
-    #[pyo3(signature = (channels=vec![], units=vec![], system=None, step=None, inputs=None, max_read=None, needs_force=true))]
+    #[pyo3(signature = (
+        channels=vec![], units=vec![], system=None, step=None, table=None, decimal=None, inputs=None, max_read=None,
+        needs_force=true,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the Python function before it names them"
+    )]
     fn new(
         channels: Vec<(String, String)>,
         units: Vec<(String, String)>,
         system: Option<&str>,
         step: Option<f64>,
+        table: Option<String>,
+        decimal: Option<Bound<'_, PyAny>>,
         inputs: Option<Vec<String>>,
         max_read: Option<u64>,
         needs_force: bool,
@@ -57,6 +66,8 @@ impl Reading {
             limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
             channels,
             units,
+            table,
+            decimal: decimal.as_ref().map(decimal_sign).transpose()?,
             ..files::Reading::default()
         };
         let mut reading = Self { said, needs };
@@ -108,6 +119,19 @@ impl Reading {
         Needs {
             unmarked,
             ..self.needs.clone()
+        }
+    }
+}
+
+/// The sign that is called `point` or `comma`.
+pub fn decimal_sign(called: &Bound<'_, PyAny>) -> PyResult<char> {
+    match called.extract::<String>().as_deref() {
+        Ok("point") => Ok('.'),
+        Ok("comma") => Ok(','),
+        _ => {
+            let problem = format!("no decimal sign is called {}", called.repr()?);
+            let remedy = "give \"point\" or \"comma\"";
+            Err(refused(&InputError::new("decimal", problem, remedy)))
         }
     }
 }

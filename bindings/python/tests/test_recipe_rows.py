@@ -1,10 +1,15 @@
-"""The stored rows of the recipes."""
+"""The recordings and the stored rows of the recipes."""
 
+import json
 import sys
 from pathlib import Path
+from typing import Any
+
+import mesh_damper
+import pytest
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "recipes"))
-from rows import Rows
+from rows import Rows, recordings
 
 
 def test_a_row_is_made_again_where_its_recording_was_changed(tmp_path):
@@ -23,3 +28,34 @@ def test_a_row_is_made_again_where_its_recording_was_changed(tmp_path):
     whole = Path(kept).read_bytes()
     Path(kept).write_bytes(whole[:-5])
     assert Rows(kept).missing(paths) == paths
+
+
+def test_the_recordings_of_a_folder_are_those_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], hil: Any) -> None:
+    folder = tmp_path / "folder"
+    (folder / "deeper").mkdir(parents=True)
+    text = ["asc", "csv", "csv.gz", "CSV", "dat", "lvm", "tsv", "txt"]
+    other = ["arrow", "feather", "h5", "hdf5", "json", "jsonl", "mat", "mf4", "nc", "parquet", "tdms", "xlsx"]
+    found = [f"{place:02}.{ending}" for place, ending in enumerate([*text, *other])]
+    skipped = ["index.tdms_index", "model.json", "notes.pdf", "trace.json"]
+    for name in [*found, *skipped, ".hidden.csv", "deeper/a.csv"]:
+        (folder / name).write_text(f"no recording: {name}")
+    assert recordings(str(folder)) == [str(folder / name) for name in found]
+    said = capsys.readouterr()
+    assert said.err == f"skipped, because their names are not those of recordings: {', '.join(skipped)}\n" and said.out == ""
+    done = hil("batch", folder, "--out", tmp_path / "out", "--json", "-")
+    assert sorted(row["trace"] for row in json.loads(done.stdout)["traces"]) == [str(folder / name) for name in found]
+    assert "4 files are left out" in done.stderr
+    # What a recipe wrote into the folder is no recording.
+    written = [str(folder / name) for name in ("rows.jsonl", "outcomes.parquet")]
+    for path in written:
+        Path(path).write_text("")
+    assert recordings(str(folder), written) == [str(folder / name) for name in found]
+
+
+def test_a_folder_without_recordings_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "notes.pdf").write_text("")
+    with pytest.raises(mesh_damper.InputError, match="holds no file with an ending of recordings"):
+        recordings(str(tmp_path))
+    with pytest.raises(mesh_damper.MissingFileError, match="does not exist; check the path"):
+        recordings(str(tmp_path / "missing"))
+    assert capsys.readouterr().err == ""

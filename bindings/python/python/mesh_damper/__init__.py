@@ -5,7 +5,7 @@
 >>> found.verdict, found.effects, found.plot()
 """
 
-from ._batch import Batch, Comparison, compare, outcome, outcomes, trace_many
+from ._batch import Batch, Comparison, compare, outcome, outcomes, recordings_in, trace_many
 from ._characterize import Characterization, characterize
 from ._core import __version__
 from ._errors import GuessWarning, InputError, MissingFileError, NotFittedError, UnitWarning
@@ -37,6 +37,7 @@ __all__ = [
     "export",
     "outcome",
     "outcomes",
+    "recordings_in",
     "respond",
     "simulate",
     "trace",

@@ -12,6 +12,7 @@ from typing import Any, Union
 
 from . import _core, _frames
 from ._errors import InputError
+from ._recordings import Decimal
 from ._trace import Trace, model_of
 
 #: A path of a folder, a list or a table; several paths; or a data frame with a column `path`.
@@ -71,6 +72,8 @@ def trace_many(
     channels: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     rate: float | None = None,
+    table: str | None = None,
+    decimal: Decimal | None = None,
     families: Sequence[str] = (),
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
@@ -88,22 +91,26 @@ def trace_many(
       `held_out`; the rows of one group are one trace;
     - a sequence of paths.
 
+    `channels`, `units`, `rate`, `table` and `decimal` say how to read the files, as the options of `hil batch` do: `channels` names the
+    column of a quantity, `table` the sheet, group or table of files with several, and `decimal` is the decimal sign of text files, `point`
+    or `comma`.
+
     `jobs` traces run at the same time; the default is the number of cores. A trace with the same recordings and options that an earlier
     run wrote into `out` is not repeated. A recording that cannot be read or traced gets a row with its `error`.
     """
     given: Any = None
-    table: str | None = None
+    rows: str | None = None
     if isinstance(recordings, (str, os.PathLike)):
         given = os.fspath(recordings)
     elif (names := _frames.column_names(recordings)) is not None:
-        table = _table(recordings, names)
+        rows = _table(recordings, names)
     else:
         given = [os.fspath(path) for path in recordings]
         if not given:
             raise InputError("recordings: there is none; give at least one path")
-    settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, reports)
+    settings = _settings(families, exclude, baseline, law, channels, units, rate, table, decimal, max_read, reports)
     folder = Path(out)
-    summary, outcomes, effects = _core.trace_many(given, table, folder, settings, jobs, progress)
+    summary, outcomes, effects = _core.trace_many(given, rows, folder, settings, jobs, progress)
     return Batch(summary, outcomes, effects, folder, _frames.library_of(recordings))
 
 
@@ -115,6 +122,8 @@ def _settings(
     channels: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
     rate: float | None,
+    table: str | None,
+    decimal: Decimal | None,
     max_read: int | None,
     reports: bool,
 ) -> _core.BatchSettings:
@@ -126,6 +135,8 @@ def _settings(
         list((channels or {}).items()),
         list((units or {}).items()),
         rate,
+        table,
+        decimal,
         max_read,
         reports,
     )
@@ -155,6 +166,16 @@ def _word(cell: Any) -> str:
     return os.fspath(cell) if isinstance(cell, os.PathLike) else str(cell)
 
 
+def recordings_in(folder: str | os.PathLike[str]) -> tuple[list[str], list[str]]:
+    """Return the paths of the recordings in a folder, and those of its other files, as `hil batch` tells them apart.
+
+    A recording is a file whose name ends in a format that is read. Hidden files and subfolders are in neither list, and the files that a
+    trace writes, `model.json` and `trace.json`, are no recordings.
+    """
+    recordings, others = _core.recordings_in(folder)
+    return [str(path) for path in recordings], [str(path) for path in others]
+
+
 def outcome(
     recordings: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
@@ -162,6 +183,8 @@ def outcome(
     channels: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     rate: float | None = None,
+    table: str | None = None,
+    decimal: Decimal | None = None,
     families: Sequence[str] = (),
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
@@ -170,10 +193,11 @@ def outcome(
 ) -> dict[str, Any]:
     """Return the row of one trace, for a user's scheduler that maps over paths.
 
-    It writes no file and uses one core. A failed trace gives a row instead of an exception. `outcomes` makes a table of many rows.
+    It writes no file and uses one core. A failed trace gives a row instead of an exception. `outcomes` makes a table of many rows. The
+    settings are those of `trace_many`.
     """
     paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
-    settings = _settings(families, exclude, baseline, law, channels, units, rate, max_read, False)
+    settings = _settings(families, exclude, baseline, law, channels, units, rate, table, decimal, max_read, False)
     row: dict[str, Any] = json.loads(_core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings))
     return row
 

@@ -10,7 +10,7 @@ import numpy as np
 from . import _core, _frames
 from ._errors import InputError
 from ._frames import Library
-from ._recordings import ChannelLike, Given, RecordingLike, Units
+from ._recordings import ChannelLike, Decimal, Given, RecordingLike, Units
 
 
 class Characterization:
@@ -104,14 +104,19 @@ def characterize(
     displacement: ChannelLike | None = None,
     force: ChannelLike | None = None,
     units: Units = None,
+    table: str | None = None,
+    decimal: Decimal | None = None,
 ) -> Characterization:
     """Compute stiffness and loss factor of a recording, as `hil characterize` does.
 
-    `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording and its units are given as for `trace`.
+    `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording, its units, `table` and `decimal` are
+    given as for `trace`.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")
-    given = Given(channels={"time": time, "displacement": displacement, "force": force}, units=units)
+    channels: dict[str, ChannelLike | float | None] = {"time": time, "displacement": displacement, "force": force}
+    given = Given(channels=channels, units=units, table=table, decimal=decimal)
+    given.check_for_files(data)
     recordings = given.recordings(data, "recording")
     if len(recordings) != 1:
         raise InputError(f"characterize: {len(recordings)} recordings are given; give one")

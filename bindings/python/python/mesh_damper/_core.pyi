@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, TypeAlias, final
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,7 @@ __all__ = [
     "export",
     "outcome",
     "outcomes_of",
+    "recordings_in",
     "refuse_repeats",
     "respond",
     "simulate",
@@ -33,6 +35,8 @@ __version__: str
 #: A column: name; values, or the reason why they are not numbers; whether they are dates or durations; whether it is the frame's index.
 _Column: TypeAlias = tuple[str, npt.NDArray[np.float64] | str, bool, bool]
 
+_Decimal: TypeAlias = Literal["point", "comma"]
+
 @final
 class Reading:
     def __new__(
@@ -41,6 +45,8 @@ class Reading:
         units: Sequence[tuple[str, str]] = ...,
         system: str | None = None,
         step: float | None = None,
+        table: str | None = None,
+        decimal: _Decimal | None = None,
         inputs: Sequence[str] | None = None,
         max_read: int | None = None,
         needs_force: bool = True,
@@ -106,6 +112,8 @@ class BatchSettings:
         channels: Sequence[tuple[str, str]] = ...,
         units: Sequence[tuple[str, str]] = ...,
         rate: float | None = None,
+        table: str | None = None,
+        decimal: _Decimal | None = None,
         max_read: int | None = None,
         reports: bool = False,
     ) -> BatchSettings: ...
@@ -164,6 +172,7 @@ def trace_many(
     jobs: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> tuple[str, dict[str, Any], dict[str, Any]]: ...
+def recordings_in(folder: str | PathLike[str]) -> tuple[list[Path], list[Path]]: ...
 def outcome(recordings: Sequence[str | PathLike[str]], held_out: Sequence[str | PathLike[str]], settings: BatchSettings) -> str: ...
 def outcomes_of(rows: Sequence[str]) -> dict[str, Any]: ...
 def compare_models(models: Sequence[str | tuple[str, str, str]], times: Sequence[float]) -> str: ...

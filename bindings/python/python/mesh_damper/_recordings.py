@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,8 @@ ChannelLike = str | npt.ArrayLike
 Units = Mapping[str, str] | str | None
 #: Names of control-input columns; or a mapping from such names to other columns or to values.
 Inputs = Sequence[str] | Mapping[str, ChannelLike] | None
+#: The name of the decimal sign of a text.
+Decimal = Literal["point", "comma"]
 #: A column for the core: name; values, or the reason why they are not numbers; whether they are dates or durations; whether it is the index
 #: of its frame.
 Column = tuple[str, Array | str, bool, bool]
@@ -37,6 +39,8 @@ class Given:
     channels: dict[str, ChannelLike | float | None] = field(default_factory=dict)
     inputs: Inputs = None
     units: Units = None
+    table: str | None = None
+    decimal: Decimal | None = None
     needs_force: bool = True
     max_read: int | None = None
     #: Assumed units, as sentences.
@@ -87,7 +91,15 @@ class Given:
             for sentence in sentences:
                 warnings.warn(sentence, category, stacklevel=stacklevel + 1)
 
-    def reading(self) -> _core.Reading:
+    def check_for_files(self, *data: RecordingLike) -> None:
+        """Refuse settings that only a file needs if none of `data` is one: they would have no effect."""
+        if _has_file(data):
+            return
+        for argument, value, what in (("table", self.table, "several tables"), ("decimal", self.decimal, "numbers as text")):
+            if value is not None:
+                raise InputError(f"{argument}: no recording is a file, and only a file has {what}; leave {argument}= out")
+
+    def reading(self, is_of_file: bool = False) -> _core.Reading:
         """Return the user's settings in the form of the command's options."""
         channels = [(channel, _name_of(channel, source)) for channel, source in self._sources()]
         units = list(self.units.items()) if isinstance(self.units, Mapping) else []
@@ -104,6 +116,9 @@ class Given:
             units=units,
             system=self.units if isinstance(self.units, str) else None,
             step=self._step(),
+            # Columns in memory, such as held-out ones of a file's, are one table without a name.
+            table=self.table if is_of_file else None,
+            decimal=self.decimal,
             inputs=inputs,
             max_read=self.max_read,
             needs_force=self.needs_force,
@@ -114,7 +129,7 @@ class Given:
         for channel, source in [*self._sources(), *inputs.items()]:
             if not isinstance(source, str):
                 raise InputError(f"{path}: {channel}= is no name of a column; give one, or all channels as arrays and no path")
-        return self.reading()
+        return self.reading(is_of_file=True)
 
     def _sources(self) -> list[tuple[str, ChannelLike]]:
         """Return the given channels, each as a column's name or as values."""
@@ -156,6 +171,11 @@ class Given:
 def _is_step(channel: str, source: object) -> bool:
     """Return whether `source` is the time between samples, not a column."""
     return channel == "time" and isinstance(source, (int, float, np.number)) and not isinstance(source, bool)
+
+
+def _has_file(data: object) -> bool:
+    """Return whether `data` is a path, or holds one."""
+    return isinstance(data, (str, os.PathLike)) or (isinstance(data, (list, tuple)) and any(map(_has_file, data)))
 
 
 def _name_of(argument: str, source: ChannelLike) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from . import _core, _frames
 from ._errors import InputError
 from ._frames import Library
-from ._recordings import ChannelLike, Given, Inputs, RecordingLike, Units
+from ._recordings import ChannelLike, Decimal, Given, Inputs, RecordingLike, Units
 from ._words import interval, percent, unit_in_words
 
 if TYPE_CHECKING:
@@ -291,6 +291,8 @@ def trace(
     inputs: Inputs = None,
     held_out: RecordingLike = None,
     units: Units = None,
+    table: str | None = None,
+    decimal: Decimal | None = None,
     families: Sequence[str] = (),
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
@@ -311,6 +313,9 @@ def trace(
 
     `inputs` names the control inputs, such as `["current_A"]`. By default, all columns with the name of a control input are used.
 
+    `table` names the sheet, group or table to read, if a file has several. `decimal` is the decimal sign of the numbers in a text file,
+    `point` or `comma`, if both are possible.
+
     `held_out` are recordings that are never fitted. By default, the last cycles of each block and one whole block are held out.
 
     `families` and `exclude` restrict the families that are tried. `baseline` is the law without effects: `mixed`, `linear` or `none`.
@@ -327,7 +332,8 @@ def trace(
         "velocity": velocity,
         "temperature": temperature,
     }
-    given = Given(channels=channels, inputs=inputs, units=units, max_read=max_read)
+    given = Given(channels=channels, inputs=inputs, units=units, table=table, decimal=decimal, max_read=max_read)
+    given.check_for_files(data, held_out)
     recordings = given.recordings(data, "recording")
     if not recordings:
         raise InputError("trace: there is no recording; give a path, a data frame, or time=, displacement= and force=")

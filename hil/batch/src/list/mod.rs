@@ -67,7 +67,7 @@ impl List {
     /// group fits nothing, or has two specimens.
     pub fn read(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
         if path.is_dir() {
-            return folder::list(path);
+            return Self::of_folder(path);
         }
         let bytes = text::read(path, limit)?;
         let tasks = if bytes.starts_with(table::PARQUET) {
@@ -84,6 +84,15 @@ impl List {
             ignored: Vec::new(),
             file: Some(path.to_owned()),
         })
+    }
+
+    /// One trace for every recording in `folder`, by name: every file with an ending of a readable format. Hidden files and
+    /// subfolders are ignored.
+    ///
+    /// # Errors
+    /// The folder cannot be read, or contains no recording.
+    pub fn of_folder(folder: &Path) -> Result<Self, InputError> {
+        folder::list(folder)
     }
 
     /// One path per line of `text`, relative to the working directory; errors call it `name`.
