@@ -98,14 +98,24 @@ fn the_command_to_run_takes_no_column_twice() {
         out.contains("or say which one it is: --channel time=A, with its unit"),
         "{out}"
     );
-    // A column that the user named is not called unused while others are asked for.
+    // No option states a factor, so that the file is refused, and no command is offered.
+    let scaled = foreign("Zeit [s];Weg [1/100 mm];Kraft [N]\n");
+    fs::write(root.path().join("scaled.txt"), scaled).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "scaled.txt"]);
+    assert_eq!(code, Some(2), "{out}");
+    assert!(err.contains("has a factor, which is not read"), "{err}");
+    assert!(out.contains("Kraft [N]") && !out.contains("next"), "{out}");
+    // A column that the user named is not offered again, nor called unused while others are asked for.
     let (code, out, err) = said(
         root.path(),
         &["inspect", "rig.txt", "--channel", "displacement=B"],
     );
     assert_eq!(code, Some(0), "{err}");
     assert!(out.contains("displacement, as you stated"), "{out}");
-    assert!(!out.contains("not used"), "{out}");
+    assert!(
+        !out.contains("not used") && !out.contains("force=B"),
+        "{out}"
+    );
 }
 
 /// What is asked is printed with the option, the command has it, and with it nothing is asked any more.

@@ -79,10 +79,8 @@ impl Choice<'_> {
         // Columns that could be it: those with a unit of it, else those without a unit, unless they are another channel.
         let is_measured = |column: &Column| !taken::is_surely_other(column);
         let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
-            let each = columns
-                .iter()
-                .zip(candidates)
-                .filter(|(column, candidates)| {
+            let each = columns.iter().enumerate().zip(candidates).filter(
+                |((index, column), candidates)| {
                     let is_other = |candidate: &Candidate| {
                         candidate.channel != channel && candidate.rank >= Rank::Word
                     };
@@ -90,10 +88,12 @@ impl Choice<'_> {
                         && !column.is_stamp
                         && (channel != Channel::Time || rises(&column.first))
                         && is_measured(column)
+                        && !self.is_spoken_for(*index)
                         && !candidates.iter().any(is_other)
                         && is_it(&unit_found::unit_for(column, channel))
-                });
-            each.map(|(column, _)| option("channel", name, &column.name))
+                },
+            );
+            each.map(|((_, column), _)| option("channel", name, &column.name))
                 .collect()
         };
         let is_time = channel == Channel::Time;

@@ -336,7 +336,8 @@ impl Choice<'_> {
                     name(first)
                 ),
             )
-            .at(Place::Column(name(second).into()))),
+            .at(Place::Column(name(second).into()))
+            .answered_by(format!("--channel {}=NAME", channel.name()))),
             _ => {
                 let columns = found.iter().map(|&(column, ..)| column).chain(rivals);
                 let columns: Vec<&str> = columns.map(name).collect();
@@ -354,7 +355,7 @@ impl Choice<'_> {
     }
 
     /// Whether the user assigned a column.
-    fn is_spoken_for(&self, column: usize) -> bool {
+    pub(super) fn is_spoken_for(&self, column: usize) -> bool {
         let name = self.table.columns[column].name.as_str();
         self.reading.channels.iter().any(|(_, said)| said == name)
     }

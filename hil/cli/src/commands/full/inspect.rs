@@ -181,6 +181,9 @@ fn inspect(
     if let Err(question) = &chosen {
         questions.extend(asked(&name, &tables, &said, question));
     }
+    // No option makes the file right.
+    let mut problem = (questions.iter().find(|question| question.answer.is_none())).cloned();
+    questions.retain(|question| question.answer.is_some());
     let mut file = Inspected {
         file: path.to_owned(),
         file_format: format.name(),
@@ -197,8 +200,7 @@ fn inspect(
             Err(_) => open(table, &said),
         });
     }
-    let mut problem = None;
-    if questions.is_empty() {
+    if questions.is_empty() && problem.is_none() {
         match Recording::read_channels(path, &said) {
             Ok(recording) => {
                 file.notes = recording.guesses().to_vec();

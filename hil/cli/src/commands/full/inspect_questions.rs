@@ -13,7 +13,6 @@ use crate::commands::reading::shell;
 pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
     if first.answer.is_none() {
-        // No option makes the file right.
         return vec![first.clone()];
     }
     let mut said = said.clone();
