@@ -234,6 +234,8 @@ fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
     again.nrmse_judged = 0.0444;
     data.result.candidates.push(again);
     data.result.candidates[2].nrmse_judged = 10.0;
+    // An older result, in which nothing stands before the first step.
+    data.result.baseline.nrmse_judged = None;
     let page = render(&data);
     let steps = heading(&page, "3-effects-tried")..heading(&page, "4-effects-found");
     assert_eq!(page[steps.clone()].matches(">relaxation</div>").count(), 1);

@@ -19,6 +19,13 @@ const number = value => {
   return minus(value.toFixed(Math.max(0, 2 - size)));
 };
 
+// Without trailing zeros, and with two digits if that changes it by less than half a per cent, as text.rs has it.
+const nominal = value => {
+  const two = +value.toExponential(1);
+  const text = number(Math.abs(two - value) < 5e-3 * Math.abs(value) ? two : value);
+  return /e/.test(text) || !text.includes(".") ? text : text.replace(/\.?0+$/, "");
+};
+
 // With the decimals that a reading at this resolution has.
 const reading = (value, resolution) => {
   const decimals = Math.ceil(-Math.log10(resolution));
@@ -42,7 +49,7 @@ const even = (from, to, most) => {
 
 const ticksOf = (axis, from, to, most) => {
   if (axis.scale === "names") return axis.labels.filter(([place]) => place >= from && place <= to);
-  if (axis.scale === "cbrt") return even(from, to, Math.min(5, most)).map(([place]) => [place, number(place ** 3)]);
+  if (axis.scale === "cbrt") return even(from, to, Math.min(5, most)).map(([place]) => [place, nominal(place ** 3)]);
   if (axis.scale === "lin") return even(from, to, most);
   if (to - from < 1) {
     const apart = [];
@@ -59,7 +66,7 @@ const ticksOf = (axis, from, to, most) => {
     if (((decade % stride) + stride) % stride) continue;
     for (const factor of factors) {
       const place = Math.log10(factor) + decade;
-      if (place >= from && place <= to) all.push([place, String(+(factor * 10 ** decade).toPrecision(3))]);
+      if (place >= from && place <= to) all.push([place, nominal(factor * 10 ** decade)]);
     }
   }
   return all;
