@@ -169,6 +169,9 @@ impl Beside {
 
     /// The same statements, where those in a group without arrays are about the arrays around it.
     pub fn spread(&self, arrays: &[Vec<String>]) -> Self {
+        if self.rates.is_empty() && self.notes.is_empty() {
+            return self.clone();
+        }
         let mut around: HashSet<&[String]> = HashSet::new();
         for array in arrays {
             around.extend((0..=array.len()).map(|length| &array[..length]));
