@@ -250,3 +250,99 @@ fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
     assert_eq!(again.time, recording.time);
     assert!(again.guesses().is_empty());
 }
+
+/// The notes about a MAT file with these variables and two channels.
+fn notes_of_mat(more: &[(&str, Vec<f64>)]) -> Vec<String> {
+    let wave = |n: i32| (0.3 * f64::from(n)).sin();
+    let mut columns = vec![
+        ("disp_mm", (0..60).map(wave).collect()),
+        ("force_kN", (0..60).map(|n| 2.0 * wave(n)).collect()),
+    ];
+    columns.extend_from_slice(more);
+    let bytes = mesh_damper_recording::table("a.mat".as_ref(), &[], &columns);
+    let read = Recording::from_bytes("a.mat".as_ref(), bytes).unwrap();
+    assert!((read.sample_period() - 0.005).abs() < 1e-12);
+    read.guesses().to_vec()
+}
+
+#[test]
+fn the_step_of_a_mat_file_may_be_called_ts() {
+    let said = "there is no time column; the times are computed from the number Ts = 0.005 s";
+    let notes = notes_of_mat(&[("Ts", vec![0.005])]);
+    assert!(notes.iter().any(|note| note == said), "{notes:?}");
+    // A series of temperatures is none.
+    let times: Vec<f64> = (0..60).map(|n| 0.005 * f64::from(n)).collect();
+    let notes = notes_of_mat(&[("Ts", vec![0.02; 60]), ("time_s", times)]);
+    assert!(!notes.iter().any(|note| note.contains("Ts")), "{notes:?}");
+}
+
+#[test]
+fn a_rate_that_contradicts_the_times_is_said() {
+    let times: Vec<f64> = (0..60).map(|n| 0.005 * f64::from(n)).collect();
+    let said = "the times are those of column \"time_s\"; the number sample_rate = 500 Hz contradicts them and is not used";
+    let notes = notes_of_mat(&[("time_s", times.clone()), ("sample_rate", vec![500.0])]);
+    assert!(notes.iter().any(|note| note == said), "{notes:?}");
+    let notes = notes_of_mat(&[("time_s", times), ("sample_rate", vec![200.0])]);
+    assert!(
+        !notes.iter().any(|note| note.contains("contradicts")),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn a_repeated_header_needs_a_column_of_times() {
+    let rows = |from: i32| -> String {
+        let each = (from..from + 30).map(|n| format!("{n},0.{n:02},{}\n", n % 7));
+        each.collect()
+    };
+    let header = "time_s,displacement_mm,force_kN\n";
+    let twice = format!("{header}{}{header}{}", rows(0), rows(30));
+    let once = read(&format!("{header}{}{}", rows(0), rows(30)));
+    let read = read(&twice);
+    assert_eq!((&read.time, &read.force), (&once.time, &once.force));
+    // Written again, it has one header.
+    let written = String::from_utf8(read.to_file("a.csv".as_ref())).unwrap();
+    assert_eq!(written.matches(header).count(), 1);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    fs::write(file.path(), &twice).unwrap();
+    let rate = Reading {
+        rate: Some(10.0),
+        ..Reading::default()
+    };
+    let error = Recording::read_as(file.path(), &rate)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("line 32: a second block of rows begins"),
+        "{error}"
+    );
+    // Words alone stay an error, and so does another header.
+    for words in ["the pump was off,,\n", "time_s,displacement_mm,force_N\n"] {
+        let text = format!("{header}{}{words}{}", rows(0), rows(30));
+        let error = Recording::from_bytes("a.csv".as_ref(), text.into()).unwrap_err();
+        assert!(
+            error.to_string().contains("line 32, column time_s"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_column_without_a_name_has_one_to_type() {
+    let rows: String = (0..30)
+        .map(|n| format!("{n},{},{}\n", 0.1 * f64::from(n % 7), n % 5))
+        .collect();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    fs::write(file.path(), format!("time_s,displacement_mm,\n{rows}")).unwrap();
+    let error = Recording::read(file.path()).unwrap_err().to_string();
+    assert!(error.contains("--channel force='column 3'"), "{error}");
+    let said = Reading {
+        channels: vec![("force".into(), "column 3".into())],
+        units: vec![("force".into(), "kN".into())],
+        ..Reading::default()
+    };
+    let read = Recording::read_as(file.path(), &said).unwrap();
+    assert_eq!(read.force[6], 1.0);
+    let written = read.to_file("a.csv".as_ref());
+    assert!(written.starts_with(b"time_s,displacement_mm,force_kN\n"));
+}

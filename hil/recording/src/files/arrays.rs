@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-use super::beside::Beside;
+use super::beside::{Beside, differs};
 pub(super) use super::names::name_of;
 use super::names::tell_apart;
 use super::runs;
@@ -36,6 +36,14 @@ pub(super) struct Array<S> {
     pub source: S,
 }
 
+impl<S> Array<S> {
+    /// Its groups and its name.
+    fn path(&self) -> Vec<String> {
+        let name = std::iter::once(&self.column.name);
+        self.group.iter().chain(name).cloned().collect()
+    }
+}
+
 /// The tables made of arrays, and the source of the values of each of their columns.
 pub(super) type Arranged<S> = (Vec<Table>, Vec<Vec<S>>);
 
@@ -49,6 +57,8 @@ pub(super) fn arranged<S: Clone>(
     beside: &Beside,
     values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
 ) -> Result<Arranged<S>, InputError> {
+    let paths: Vec<Vec<String>> = arrays.iter().map(Array::path).collect();
+    let beside = &beside.spread(&paths);
     let mut lengths: Vec<(u64, Vec<Array<S>>)> = Vec::new();
     let mut place = HashMap::new();
     for array in arrays {
@@ -63,7 +73,9 @@ pub(super) fn arranged<S: Clone>(
     for (rows, arrays) in lengths {
         for members in divided(arrays, values)? {
             for (name, members) in of_runs(members) {
-                let (table, of_table) = table(rows, name, members, beside);
+                let said = contradicted(&members, beside, values)?;
+                let (mut table, of_table) = table(rows, name, members, beside);
+                table.guesses.extend(said);
                 tables.push(table);
                 sources.push(of_table);
             }
@@ -206,6 +218,39 @@ fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member
     each.collect()
 }
 
+/// A sentence about a stored rate or clock that the column of times contradicts.
+fn contradicted<S>(
+    members: &[Member<S>],
+    beside: &Beside,
+    values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
+) -> Result<Option<String>, InputError> {
+    let Some(time) = members.iter().find(|member| member.is_time) else {
+        return Ok(None);
+    };
+    let clocks = || (members.iter()).filter_map(|member| Some((member, member.array.clock?)));
+    if !beside.has_rates() && clocks().next().is_none() {
+        return Ok(None);
+    }
+    let first = &time.array.column.first;
+    let times = if first.is_empty() {
+        &values(&time.array.source)?
+    } else {
+        first
+    };
+    let paths: Vec<Vec<String>> = members.iter().map(|each| each.array.path()).collect();
+    let of_clock = || {
+        let mut other = clocks().filter(|(_, clock)| differs(times, clock.step));
+        let (member, clock) = other.next()?;
+        let (path, step) = (member.array.path().join("/"), clock.step);
+        Some(format!("the clock of {path}, with a step of {step} s,"))
+    };
+    let other = beside.contradicts(&paths, times).or_else(of_clock);
+    let name = quoted(&time.array.column.name);
+    Ok(other.map(|other| {
+        format!("the times are those of column {name}; {other} contradicts them and is not used")
+    }))
+}
+
 fn table<S>(
     rows: u64,
     name: Option<String>,
@@ -230,8 +275,7 @@ fn table<S>(
     let time = members.iter().find(|member| member.is_time);
     let is_guessed = members.iter().any(|member| member.is_guessed);
     if let (Some(time), true) = (time, is_guessed) {
-        let mut path = time.array.group.clone();
-        path.push(time.array.column.name.clone());
+        let path = time.array.path();
         table.guesses.push(format!(
             "the times of {} are used for other groups without times, which have as many samples",
             path.join("/")
@@ -247,12 +291,7 @@ fn table<S>(
             quoted(&time.array.column.name)
         ));
     }
-    let path = |member: &Member<S>| {
-        let mut path = member.array.group.clone();
-        path.push(member.array.column.name.clone());
-        path
-    };
-    let paths: Vec<Vec<String>> = members.iter().map(path).collect();
+    let paths: Vec<Vec<String>> = members.iter().map(|each| each.array.path()).collect();
     table.guesses.extend(beside.notes(&paths));
     let has_times = members
         .iter()

@@ -1,14 +1,19 @@
 //! Numbers stored next to arrays in a file: rates, which give arrays without times a clock, and factors that might have to be
 //! applied.
 
+use std::collections::HashSet;
+
 use super::Reading;
 use super::table::Clock;
+use crate::units;
 
 /// Statement of a number next to arrays about those below a path.
 #[derive(Clone, Debug)]
 struct Said<T> {
     path: Vec<String>,
     what: T,
+    /// Whether it lies in a group without arrays, whose name does not say that it describes those around it.
+    is_apart: bool,
 }
 
 /// Samples per second or the time between two, as stated in a file.
@@ -17,6 +22,24 @@ struct Rate {
     step: f64,
     /// Its interpretation, in words.
     taken: String,
+}
+
+impl<T> Said<T> {
+    fn of(path: &[String], what: T) -> Self {
+        Self {
+            path: path.to_vec(),
+            what,
+            is_apart: false,
+        }
+    }
+
+    /// Makes it a statement about the nearest of the groups `around` it.
+    fn spread(&mut self, around: &HashSet<&[String]>) {
+        while !around.contains(&self.path[..]) {
+            let Some(group) = self.path.pop() else { return };
+            self.is_apart |= !ABOUT.contains(&group.to_lowercase().as_str());
+        }
+    }
 }
 
 /// The statements next to the arrays of a file.
@@ -54,6 +77,22 @@ const STEPS: &[&str] = &[
     "samplingperiod",
     "abtastzeit",
 ];
+/// MATLAB's usual name for the time between two samples. It is also that of a temperature, and of the step of a slow controller.
+const TS: &str = "ts";
+/// The steps that such a number may give, s. Convention: no damper is tested with so few samples, and few temperatures are so low.
+const LONGEST_TS: f64 = 0.1;
+/// Names of groups that describe what lies beside them.
+const ABOUT: &[&str] = &[
+    "meta",
+    "metadata",
+    "header",
+    "info",
+    "attributes",
+    "attrs",
+    "properties",
+];
+/// Relative difference of two steps of the same clock. Convention: a nominal rate is met to a percent.
+const SAME: f64 = 0.01;
 /// Units after them, the first if none is stated.
 const OF_RATES: &[(&str, &str, f64)] = &[("", "Hz", 1.0), ("hz", "Hz", 1.0), ("khz", "kHz", 1e3)];
 const OF_STEPS: &[(&str, &str, f64)] = &[
@@ -99,13 +138,18 @@ impl Beside {
         let is_usable = value.is_finite() && value > 0.0;
         let rate = unit(RATES, OF_RATES).map(|(unit, scale)| (unit, 1.0 / (value * scale)));
         let step = || unit(STEPS, OF_STEPS).map(|(unit, scale)| (unit, value * scale));
-        if let Some((unit, step)) = rate.or_else(step).filter(|_| is_usable) {
+        let short = || {
+            let begins = name.get(..TS.len())?.eq_ignore_ascii_case(TS);
+            let (unit, scale) = unit(&[TS], OF_STEPS).filter(|_| begins)?;
+            Some((unit, value * scale)).filter(|(_, step)| *step <= LONGEST_TS)
+        };
+        let found = rate.or_else(step).or_else(short);
+        if let Some((unit, step)) = found.filter(|_| is_usable) {
             let what = Rate {
                 step,
                 taken: format!("{of} = {value} {unit}"),
             };
-            let path = path.to_vec();
-            self.rates.push(Said { path, what });
+            self.rates.push(Said::of(path, what));
             return true;
         }
         let words = words(name);
@@ -120,8 +164,39 @@ impl Beside {
 
     /// Stores a sentence about all below `path`.
     pub fn note(&mut self, path: &[String], what: String) {
-        let path = path.to_vec();
-        self.notes.push(Said { path, what });
+        self.notes.push(Said::of(path, what));
+    }
+
+    /// The same statements, where those in a group without arrays are about the arrays around it.
+    pub fn spread(&self, arrays: &[Vec<String>]) -> Self {
+        if self.rates.is_empty() && self.notes.is_empty() {
+            return self.clone();
+        }
+        let mut around: HashSet<&[String]> = HashSet::new();
+        for array in arrays {
+            around.extend((0..=array.len()).map(|length| &array[..length]));
+        }
+        let mut all = self.clone();
+        all.rates.iter_mut().for_each(|said| said.spread(&around));
+        all.notes.iter_mut().for_each(|said| said.spread(&around));
+        all
+    }
+
+    /// A statement about some arrays that contradicts the steps of their `times`, in words.
+    pub fn contradicts(&self, arrays: &[Vec<String>], times: &[f64]) -> Option<String> {
+        let of_arrays = self.of(arrays).filter(|said| !said.is_apart);
+        let mut other = of_arrays.filter(|said| differs(times, said.what.step));
+        Some(other.next()?.what.taken.clone())
+    }
+
+    /// Whether any rate is stated.
+    pub fn has_rates(&self) -> bool {
+        !self.rates.is_empty()
+    }
+
+    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Said<Rate>> {
+        let is_of = |said: &&Said<Rate>| arrays.iter().any(|array| array.starts_with(&said.path));
+        self.rates.iter().filter(is_of)
     }
 
     /// The sentences about some arrays, each given by its path.
@@ -138,9 +213,7 @@ impl Beside {
 
     /// The rates stated for some arrays, in words, for recordings with other times.
     pub fn rates(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = String> {
-        let is_of = |said: &&Said<Rate>| arrays.iter().any(|array| array.starts_with(&said.path));
-        let each = self.rates.iter().filter(is_of);
-        each.map(|said| said.what.taken.clone())
+        self.of(arrays).map(|said| said.what.taken.clone())
     }
 
     /// The clock of arrays without times, by the rate nearest to each of them, and a sentence about it.
@@ -152,7 +225,7 @@ impl Beside {
         for array in arrays {
             let of_array = || {
                 let all = self.rates.iter();
-                all.filter(|said| array.starts_with(&said.path))
+                all.filter(|said| !said.is_apart && array.starts_with(&said.path))
             };
             let Some(most) = of_array().map(|said| said.path.len()).max() else {
                 return (None, None);
@@ -182,6 +255,19 @@ impl Beside {
         );
         (Some(clock), Some(said))
     }
+}
+
+/// Whether times have another step than this one, in s, whatever their unit of time is.
+pub(super) fn differs(times: &[f64], step: f64) -> bool {
+    let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return false;
+    }
+    let (_, usual, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    let is_same = |unit: &units::Unit| (*usual * unit.scale / step - 1.0).abs() <= SAME;
+    !units::TIME.iter().any(is_same)
 }
 
 /// The words of a name, in lower case: `forceScale`, `force_scale`.
@@ -221,6 +307,13 @@ mod tests {
             ("Sampling rate [kHz]", 2.0, Some(5e-4)),
             ("dt", 0.0125, Some(0.0125)),
             ("dt_ms", 12.5, Some(0.0125)),
+            ("Ts", 0.005, Some(0.005)),
+            ("TS", 0.005, Some(0.005)),
+            ("Ts_ms", 5.0, Some(0.005)),
+            // Temperatures, and the time of a sample.
+            ("Ts", 293.15, None),
+            ("Ts_C", 0.05, None),
+            ("t_s", 0.005, None),
             ("Sample interval (s)", 0.5, Some(0.5)),
             // Words that say only that it is a rate, and words for other numbers.
             ("rate", 80.0, None),
@@ -263,6 +356,44 @@ mod tests {
             beside.heed(&reading);
             assert_eq!(beside.clock(&[path("force")]), (None, None));
         }
+    }
+
+    #[test]
+    fn a_description_beside_the_arrays_is_about_them() {
+        let arrays = [path("data/force"), path("data/disp")];
+        for (group, step) in [
+            ("", Some(0.005)),
+            ("data", Some(0.005)),
+            ("meta", Some(0.005)),
+            ("data/Info", Some(0.005)),
+            // The rate of a controller need not be that of the samples.
+            ("controller", None),
+            ("meta/controller", None),
+        ] {
+            let mut beside = Beside::default();
+            beside.number(&path(group), "fs", "fs", 200.0);
+            let beside = beside.spread(&arrays);
+            let clock = beside.clock(&arrays).0;
+            assert_eq!(clock.map(|clock| clock.step), step, "{group}");
+            assert_eq!(beside.rates(&arrays).collect::<Vec<_>>(), ["fs = 200 Hz"]);
+        }
+    }
+
+    #[test]
+    fn a_rate_that_the_times_contradict_is_said_whatever_their_unit() {
+        let arrays = [path("time"), path("force")];
+        let mut beside = Beside::default();
+        beside.number(&[], "fs", "fs", 200.0);
+        let times = |step: f64| -> Vec<f64> { (0..50).map(|n| step * f64::from(n)).collect() };
+        for step in [0.005, 5.0, 5000.0, 0.00501] {
+            assert_eq!(beside.contradicts(&arrays, &times(step)), None, "{step}");
+        }
+        for step in [0.002, 2.0, 0.0051] {
+            let said = beside.contradicts(&arrays, &times(step));
+            assert_eq!(said.as_deref(), Some("fs = 200 Hz"), "{step}");
+        }
+        assert_eq!(beside.contradicts(&arrays, &[f64::NAN, 1.0]), None);
+        assert_eq!(beside.contradicts(&arrays, &[]), None);
     }
 
     #[test]

@@ -76,12 +76,18 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
         mark == Some(b"\x89HDF\r\n\x1a\n")
     });
     if is_hdf {
-        return Some(left_out!("HDF5, as MATLAB's v7.3 is,"));
+        return Some(left_out!("HDF5, as MATLAB's v7.3 is"));
     }
     if begins(b"TDSh") {
         return Some((
             "is the index of a TDMS file, which holds no values",
             "name the .tdms file next to it",
+        ));
+    }
+    if is_npz(head) {
+        return Some((
+            "is a NumPy archive (.npz), whose arrays are not read",
+            "write them as a table (CSV, Parquet): pandas.DataFrame(dict(numpy.load('NAME.npz'))).to_parquet('NAME.parquet')",
         ));
     }
     if begins(b"PK\x03\x04") {
@@ -102,13 +108,23 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
     if begins(b"\x93NUMPY") {
         return Some((
             "is a NumPy array, which does not name its columns",
-            "write a table with names, as pandas.DataFrame(...).to_parquet(NAME) does",
+            "write a table with names (CSV, Parquet): pandas.DataFrame(numpy.load('NAME.npy'), columns=[...]).to_parquet('NAME.parquet')",
         ));
     }
     is_mat_4(head).then_some((
         "is MATLAB of version 4, which is not read",
         "load it and save it again: save('NAME.mat', '-v7')",
     ))
+}
+
+/// Whether it is a ZIP archive whose first file is an array of NumPy.
+pub(super) fn is_npz(head: &[u8]) -> bool {
+    let name = || {
+        let length = head.get(26..28)?;
+        let length = u16::from_le_bytes([length[0], length[1]]);
+        head.get(30..30 + usize::from(length))
+    };
+    head.starts_with(b"PK\x03\x04") && name().is_some_and(|name| name.ends_with(b".npy"))
 }
 
 /// Whether it begins with a matrix of MATLAB 4: five words, of which the first has only four digits, and a name that ends in a
@@ -138,4 +154,49 @@ fn is_mat_4(head: &[u8]) -> bool {
             })
     };
     words(u32::from_le_bytes).is_some_and(is_it) || words(u32::from_be_bytes).is_some_and(is_it)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_a_sentence() {
+        let heads: [&[u8]; 9] = [
+            b"MDF     4.10",
+            b"MDF     3.30",
+            b"PAR1",
+            b"ARROW1",
+            b"PARE",
+            b"FEA1",
+            b"\x89HDF\r\n\x1a\n",
+            b"PK\x03\x04",
+            b"\x93NUMPY",
+        ];
+        for head in heads {
+            let (problem, remedy) = known(head).unwrap();
+            let text = format!("{problem}; {remedy}");
+            assert!(!text.contains(",,") && !text.contains("  "), "{text}");
+        }
+        assert_eq!(
+            known(heads[6]).unwrap().0,
+            "is HDF5, as MATLAB's v7.3 is, which this build of hil does not read"
+        );
+    }
+
+    #[test]
+    fn an_archive_of_numpy_is_known_by_its_first_file() {
+        let archive = |name: &str| {
+            let mut head = b"PK\x03\x04".to_vec();
+            head.resize(26, 0);
+            head.extend((name.len() as u16).to_le_bytes());
+            head.extend([0, 0]);
+            head.extend(name.bytes());
+            head
+        };
+        assert!(known(&archive("force.npy")).unwrap().0.contains(".npz"));
+        assert!(!is_npz(&archive("xl/workbook.xml")));
+        let cut = archive("force.npy");
+        assert!(!is_npz(&cut[..32]) && !is_npz(&cut[..27]));
+    }
 }

@@ -13,6 +13,7 @@ use calamine::{
 
 use super::guard::{damaged, guarded};
 use super::text;
+use super::unread::is_npz;
 use super::{Format, Kept, Reading, Source, Table, Tables, Values, Wanted};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
@@ -40,7 +41,7 @@ impl Format for Xlsx {
 
     fn recognizes(&self, head: &[u8]) -> bool {
         // Any ZIP archive begins like this; one that is not a workbook is rejected when opened.
-        head.starts_with(b"PK\x03\x04")
+        head.starts_with(b"PK\x03\x04") && !is_npz(head)
     }
 
     fn open<'a>(

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use mesh_damper_recording::files::Reading;
 use proptest::prelude::*;
 
-use super::corpus::{Column, KN, MM, N, S, is_true, read, rows};
+use super::corpus::{Column, KN, MM, N, S, SAMPLES, is_true, read, rows, time};
 use super::encodings::utf16;
 use super::languages::NAMES;
 
@@ -67,6 +67,22 @@ fn coded(text: &str, coding: Coding) -> Vec<u8> {
     }
 }
 
+/// Rows whose times are dates, as pandas and loggers write them.
+fn rows_with_dates(
+    order: [usize; 3],
+    columns: &[Column],
+    separator: &str,
+    decimal: char,
+    end: &str,
+) -> String {
+    let cell = |index: usize, place: usize| match order[place] {
+        0 => format!("2026-04-03T10:00:{:07.4}", time(index)),
+        _ => columns[place].cell(index, decimal),
+    };
+    let row = |index: usize| [0, 1, 2].map(|place| cell(index, place)).join(separator) + end;
+    (0..SAMPLES).map(row).collect()
+}
+
 /// Counts of all cases, and of the cases that are read.
 static CASES: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
@@ -119,8 +135,12 @@ proptest! {
         ]),
         end in prop::sample::select(vec!["\n", "\r\n", "\r"]),
         footer in prop::sample::select(vec!["", "\nend of test\n", "\n\n"]),
+        dated in prop::sample::select(vec![false, false, false, true]),
     ) {
-        let (symbols, columns): ([&str; 3], [Column; 3]) = units;
+        let (symbols, mut columns): ([&str; 3], [Column; 3]) = units;
+        if dated {
+            columns[0] = S;
+        }
         let names = if capitals { language.1.map(str::to_uppercase) } else { language.1.map(str::to_owned) };
         let symbols = if capitals { symbols.map(str::to_uppercase) } else { symbols.map(str::to_owned) };
         let names = order.map(|index: usize| names[index].as_str());
@@ -128,7 +148,11 @@ proptest! {
         let ordered = order.map(|index: usize| columns[index]);
         let text = preamble.replace('\n', end)
             + &header(names, symbols, style, separator, end)
-            + &rows(&ordered, separator, decimal, end)
+            + &if dated {
+                rows_with_dates(order, &ordered, separator, decimal, end)
+            } else {
+                rows(&ordered, separator, decimal, end)
+            }
             + &footer.replace('\n', end);
         CASES[0].fetch_add(1, Ordering::Relaxed);
         match read(&coded(&text, coding), &Reading::default()) {

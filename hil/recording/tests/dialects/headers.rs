@@ -229,6 +229,25 @@ pub fn dialects() -> Vec<Dialect> {
             &["1 row of words at the end"],
         ),
         dialect(
+            "our own, the header again in the middle",
+            {
+                let all = comma();
+                let lines: Vec<&str> = all.split_inclusive('\n').collect();
+                let (first, second) = lines.split_at(SAMPLES / 2);
+                let names = "time_s,displacement_mm,force_kN\n";
+                format!("{names}{}{names}{}", first.concat(), second.concat())
+            },
+            &["the header is written again from line 26: its 2 blocks are read as one recording"],
+        ),
+        dialect(
+            "our own, empty columns without names at the end",
+            format!(
+                "time_s,displacement_mm,force_kN,,\n{}",
+                comma().replace('\n', ",,\n")
+            ),
+            &["a comma"],
+        ),
+        dialect(
             "our own, with a row of units",
             format!("time_s,displacement_mm,force_kN\ns,mm,kN\n{}", comma()),
             &["the units in line 2"],

@@ -70,7 +70,63 @@ pub fn dialects() -> Vec<Dialect> {
         .into_bytes()
     };
     let names = "Time;Disp [mm];Load [kN]";
+    // As pandas writes a frame with dates, or its index.
+    let own = |times: &str, behind: &str| {
+        stamped(&format!("{times};displacement_mm;force_kN"), |ticks| {
+            let (h, m, s, f) = clock(ticks, 36_000);
+            format!("2026-04-03 {h:02}:{m:02}:{s:02}.{f:04}{behind}")
+        })
+        .into_iter()
+        .map(|byte| if byte == b';' { b',' } else { byte })
+        .collect()
+    };
+    let of_dates = |column: &'static str| read(&[column, "holds dates or times of day"]);
+    let without_times = |preamble: &str| {
+        let rows = rows(&[MM, KN], ",", '.', "\n");
+        format!("{preamble}displacement_mm,force_kN\n{rows}").into_bytes()
+    };
     vec![
+        dialect(
+            "own names, dates under timestamp",
+            own("timestamp", ""),
+            of_dates("column \"timestamp\""),
+        ),
+        dialect(
+            "own names, dates with an offset under time",
+            own("time", "+00:00"),
+            of_dates("column \"time\""),
+        ),
+        dialect(
+            "own names, dates under zeit",
+            own("zeit", ""),
+            of_dates("column \"zeit\""),
+        ),
+        dialect(
+            "own names, dates under time_s",
+            own("time_s", ""),
+            of_dates("column \"time_s\""),
+        ),
+        dialect(
+            "own names, dates in an index without a name",
+            own("", ""),
+            of_dates("column \"column 1\""),
+        ),
+        dialect(
+            "own names, a rate in a comment",
+            without_times("# fs = 80 Hz\n"),
+            read(&["the step of 0.0125 s is from line 1, \"fs = 80 Hz\""]),
+        ),
+        dialect(
+            "own names, no times at all",
+            without_times("# specimen 4\n"),
+            Outcome::Asked(vec!["--rate 80"]),
+        ),
+        dialect(
+            "own names, seconds in an index without a name",
+            ("".to_owned() + ",displacement_mm,force_kN\n" + &rows(&OWN, ",", '.', "\n"))
+                .into_bytes(),
+            Outcome::Asked(vec!["--channel time='column 1'", "--unit time=s"]),
+        ),
         dialect(
             "dates and times of day",
             stamped(names, |ticks| {

@@ -398,7 +398,7 @@ def tdms():
     save("single.tdms", channels(kind=np.float32), error=SINGLE)
     wave = {"wf_increment": 0.001, "wf_start_offset": 0.0, "wf_samples": SAMPLES}
     clocked = [ChannelObject("Rig", names[key], truth[key], properties={**units[key], **wave}) for key in ["displacement", "force"]]
-    save("clock.tdms", clocked, error=1e-15)
+    save("clock.tdms", clocked, error=1e-15, guesses=["there is no time column; the times are computed from wf_increment = 0.001 s"])
     slow = ChannelObject("Rig", "Temperature", TEMPERATURE[::20], properties={"unit_string": "deg C", "wf_increment": 0.02})
     save("two_rates.tdms", clocked + [slow], error=1e-15)
     half = ChannelObject("Rig", "Load", FORCE[::2], properties={"unit_string": "kN", "wf_increment": 0.002})

@@ -1,4 +1,5 @@
-//! JSON: an object of arrays, an array of objects, `columns` and `data` as in pandas, or an object on each line.
+//! JSON: an object of arrays, an array of objects, `columns` and `data` as in pandas, an object on each line, or objects that each
+//! describe a channel.
 
 mod node;
 
@@ -9,10 +10,10 @@ use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
 use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
-use super::{Column, Format, Reading, Source, Table, Tables};
+use super::{Column, Format, Reading, Source, Tables};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
-use node::{List, Node, Seed};
+use node::{Channel, Fields, List, Node, Seed};
 
 const NAME: &str = "JSON";
 
@@ -66,16 +67,35 @@ impl Format for Json {
         beside.heed(reading);
         let (mut tables, sources) =
             arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
-        if tables.is_empty() {
-            tables.push(Table::default());
-        }
-        tables[0].skipped.extend(skipped);
+        let Some(table) = tables.first_mut() else {
+            return Err(no_columns(name, &skipped));
+        };
+        table.skipped.extend(skipped);
         let read = move |table: usize, column: usize| {
             let columns: &Vec<Vec<f64>> = &sources[table];
             Ok(Some(columns[column].clone()))
         };
         Ok(Box::new(Opened::new(name, tables, comments, read)?))
     }
+}
+
+/// Most parts of a file that a message lists. Convention: one line of a terminal, or two.
+const LISTED: usize = 8;
+
+/// Error of a file with none of the shapes that are read.
+fn no_columns(name: String, skipped: &[String]) -> InputError {
+    let listed: Vec<&str> = skipped.iter().take(LISTED).map(String::as_str).collect();
+    let more = if skipped.len() > LISTED { ", …" } else { "" };
+    let parts = if listed.is_empty() {
+        String::new()
+    } else {
+        format!("; not read: {}{more}", listed.join(", "))
+    };
+    InputError::new(
+        name,
+        format!("holds no columns of numbers in a shape that is read{parts}"),
+        "write one list for each column, {\"time_s\": [0, 0.01], \"force_kN\": [1, 2]}, one object for each sample, [{\"time_s\": 0, \"force_kN\": 1}], or one object for each channel, [{\"name\": \"force\", \"unit\": \"kN\", \"values\": [1, 2]}]",
+    )
 }
 
 /// The value of a file, or the list of those on its lines.
@@ -146,6 +166,14 @@ impl Found {
         };
         match node {
             Node::Object(fields) => self.object(path, fields),
+            Node::Channels(channels) => {
+                for (channel, fields) in channels {
+                    let mut inner = path.to_vec();
+                    inner.extend(channel.name.clone());
+                    self.channel(&inner, channel);
+                    self.object(&inner, fields);
+                }
+            }
             Node::Column(values) => self.array(group, name.to_owned(), None, values),
             Node::Rows(columns) => {
                 let count = columns.len() as u64;
@@ -158,7 +186,9 @@ impl Found {
                 for (name, values) in columns {
                     match values {
                         Some(values) => self.array(path, name, None, values),
-                        None => self.skipped.push(format!("{name} (no numbers)")),
+                        None => self
+                            .skipped
+                            .push(format!("{name} (not one number in each object)")),
                     }
                 }
             }
@@ -176,7 +206,12 @@ impl Found {
         }
     }
 
-    fn object(&mut self, path: &[String], mut fields: Vec<(String, Node)>) {
+    fn object(&mut self, path: &[String], mut fields: Fields) {
+        if !path.is_empty()
+            && let Some(channel) = Channel::taken(&mut fields, false)
+        {
+            self.channel(path, channel);
+        }
         let mut taken = |wanted: &str| {
             let place = fields.iter().position(|(name, _)| name == wanted)?;
             Some(fields.remove(place).1)
@@ -224,6 +259,14 @@ impl Found {
         }
     }
 
+    /// A channel that the object at `path` describes.
+    fn channel(&mut self, path: &[String], channel: Channel) {
+        if let Some((own, group)) = path.split_last() {
+            let name = channel.name.unwrap_or_else(|| own.clone());
+            self.array(group, name, channel.unit, channel.values);
+        }
+    }
+
     fn array(&mut self, group: &[String], name: String, unit: Option<String>, values: Vec<f64>) {
         if values.is_empty() || self.arrays.len() >= MOST_COLUMNS {
             return;
@@ -248,6 +291,7 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Table;
 
     #[test]
     fn words_that_are_no_json_are_missing_numbers() {
@@ -267,6 +311,74 @@ mod tests {
             panic!("{node:?}")
         };
         assert!(values[0] == 1.0 && values[1].is_nan() && values[2].is_nan());
+    }
+
+    /// The columns of a text in JSON, each as `name in unit`, and its first guess.
+    fn columns(text: &str) -> Result<(Vec<String>, Table), String> {
+        let source = Source::of("a.json".as_ref(), text.as_bytes(), ReadLimit::default()).unwrap();
+        let file = Json.open(source, &Reading::default());
+        let table = file.map_err(|error| error.to_string())?.tables()[0].clone();
+        let named = table.columns.iter().map(|column| match &column.unit {
+            Some(unit) => format!("{} in {unit}", column.name),
+            None => column.name.clone(),
+        });
+        Ok((named.collect(), table))
+    }
+
+    #[test]
+    fn an_object_may_describe_a_channel() {
+        for text in [
+            r#"{"time": {"unit": "s", "values": [0, 1]}, "force": {"unit": "N", "values": [2, 3]}}"#,
+            r#"{"time": {"units": "s", "data": [0, 1]}, "force": {"unit": "N", "data": [2, 3], "sensor": "a"}}"#,
+            r#"[{"name": "time", "unit": "s", "values": [0, 1]}, {"name": "force", "unit": "N", "values": [2, 3]}]"#,
+            r#"{"run": 4, "channels": [{"channel": "time", "unit": "s", "data": [0, 1]}, {"unit": "N", "data": [2, 3], "name": "force"}]}"#,
+            r#"{"a": {"Label": "time", "Unit": "s", "Values": [0, 1]}, "force": {"unit": "N", "data": [2, 3]}}"#,
+        ] {
+            let (columns, table) = columns(text).unwrap();
+            assert_eq!(columns, ["time in s", "force in N"], "{text}");
+            assert_eq!(table.columns[1].first, [2.0, 3.0], "{text}");
+        }
+        // Without a unit or a name it is a group as before.
+        let text = r#"{"a": {"values": [0, 1]}, "b": {"values": [2, 3]}}"#;
+        assert_eq!(columns(text).unwrap().0, ["a/values", "b/values"]);
+    }
+
+    #[test]
+    fn a_rate_in_a_description_beside_the_columns_is_used() {
+        let text = r#"{"meta": {"operator": "x", "fs": 200}, "data": {"disp_mm": [0, 1], "force_N": [2, 3]}}"#;
+        let (_, table) = columns(text).unwrap();
+        assert_eq!(table.clock.map(|clock| clock.step), Some(0.005));
+        let said = "the times are computed from the number meta/fs = 200 Hz";
+        assert!(table.guesses[0].contains(said), "{:?}", table.guesses);
+        // What another group describes is not known; it is mentioned.
+        let (_, table) = columns(&text.replace("meta", "generator")).unwrap();
+        assert_eq!(table.clock, None);
+        assert_eq!(table.skipped, ["the number generator/fs = 200 Hz"]);
+    }
+
+    #[test]
+    fn a_shape_that_is_not_read_is_refused_with_those_that_are() {
+        for (text, part) in [
+            (
+                r#"[{"unit": "s", "values": [0, 1]}, {"unit": "N", "values": [2, 3]}]"#,
+                "values",
+            ),
+            (
+                r#"[{"name": "time", "values": [0, 1]}, {"id": 4, "values": [2, 3]}]"#,
+                "",
+            ),
+            (r#"{"a": "b"}"#, ""),
+        ] {
+            let message = columns(text).unwrap_err();
+            for said in [
+                "in a shape that is read",
+                part,
+                "one object for each channel",
+                "\"values\": [1, 2]",
+            ] {
+                assert!(message.contains(said), "{message}");
+            }
+        }
     }
 
     #[test]

@@ -24,8 +24,55 @@ pub(super) enum Node {
     /// A list of objects, column by column; `None` for values other than numbers.
     Records(Vec<(String, Option<Vec<f64>>)>),
     Object(Vec<(String, Node)>),
+    /// A list of objects that each describe a channel with its name, and their other fields.
+    Channels(Vec<(Channel, Fields)>),
     /// Anything that is not a column, such as a list of several kinds.
     Other,
+}
+
+/// The fields of an object.
+pub(super) type Fields = Vec<(String, Node)>;
+
+/// Fields of an object that describes one channel: its values, its name, its unit.
+const VALUES: [&str; 4] = ["values", "data", "value", "samples"];
+const LABEL: [&str; 4] = ["name", "label", "channel", "channelname"];
+const UNIT: [&str; 2] = ["unit", "units"];
+
+/// A channel that an object describes.
+#[derive(Debug)]
+pub(super) struct Channel {
+    /// Its name, if the object states one.
+    pub name: Option<String>,
+    pub unit: Option<String>,
+    pub values: Vec<f64>,
+}
+
+impl Channel {
+    /// Takes the channel's fields from those of an object; `None`, and nothing taken, if it does not describe a channel, or not its
+    /// name where that is `needed`.
+    pub fn taken(fields: &mut Fields, needed: bool) -> Option<Self> {
+        let place = |list: &[&str], is_it: fn(&Node) -> bool| {
+            let is_of = |field: &str| list.contains(&field.to_lowercase().as_str());
+            (fields.iter()).position(|(field, node)| is_it(node) && is_of(field))
+        };
+        let is_text = |node: &Node| matches!(node, Node::Text(text) if !text.is_empty());
+        let is_list = |node: &Node| matches!(node, Node::Column(values) if !values.is_empty());
+        let (name, unit) = (place(&LABEL, is_text), place(&UNIT, is_text));
+        let values = place(&VALUES, is_list)?;
+        if name.is_none() && (needed || unit.is_none()) {
+            return None;
+        }
+        let mut taken = |place: usize| std::mem::replace(&mut fields[place].1, Node::Other);
+        let mut text = |place: Option<usize>| match taken(place?) {
+            Node::Text(text) => Some(text),
+            _ => None,
+        };
+        let (name, unit) = (text(name), text(unit));
+        let Node::Column(values) = taken(values) else {
+            return None;
+        };
+        Some(Self { name, unit, values })
+    }
 }
 
 /// Reads a value; its lists may have at most this many numbers.
@@ -90,7 +137,21 @@ impl List {
                 self.check(columns.len())?;
                 Node::Rows(columns)
             }
-            (None, Node::Object(fields)) => self.record(Vec::new(), rows, fields)?,
+            (None, Node::Object(mut fields)) => match Channel::taken(&mut fields, true) {
+                Some(channel) => Node::Channels(vec![(channel, fields)]),
+                None => self.record(Vec::new(), rows, fields)?,
+            },
+            (Some(Node::Channels(mut channels)), Node::Object(mut fields))
+                if channels.len() < MOST_COLUMNS =>
+            {
+                match Channel::taken(&mut fields, true) {
+                    Some(channel) => {
+                        channels.push((channel, fields));
+                        Node::Channels(channels)
+                    }
+                    None => Node::Other,
+                }
+            }
             (Some(Node::Records(columns)), Node::Object(fields)) => {
                 self.record(columns, rows, fields)?
             }

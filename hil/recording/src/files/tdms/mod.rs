@@ -62,6 +62,14 @@ impl Format for Tdms {
             values(each).ok_or_else(too_large)
         })?;
         for (table, scaled) in tables.iter_mut().zip(&scaled) {
+            if let Some(clock) = table.clock
+                && !(table.columns.iter()).any(crate::columns::may_be_time)
+            {
+                table.guesses.push(format!(
+                    "there is no time column; the times are computed from wf_increment = {} s",
+                    clock.step
+                ));
+            }
             let time = table.columns.iter_mut().zip(scaled);
             let is_time = |(each, _): &(&mut Column, &Scaled)| crate::columns::is_time(each);
             if let Some((column, scaled)) = time.into_iter().find(is_time) {

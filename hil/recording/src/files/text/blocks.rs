@@ -13,9 +13,7 @@ pub(super) struct Blocks<'b> {
     /// The first line of numbers after the last blank line between them, and their number.
     apart: Option<(u64, usize)>,
     between: Option<Between>,
-    /// Lines in which the numbers continued.
-    resumed: Vec<u64>,
-    resumptions: usize,
+    again: Again,
     has_numbers: bool,
 }
 
@@ -35,6 +33,49 @@ const FEW: usize = 4;
 /// Largest number of lines in a note.
 const NAMED: usize = 3;
 
+/// Blocks of rows below a repeated header.
+#[derive(Default)]
+pub(super) struct Again {
+    /// The first lines above which the numbers paused.
+    lines: Vec<u64>,
+    count: usize,
+}
+
+impl Again {
+    /// Another block begins below the words from `line` on.
+    ///
+    /// # Errors
+    /// The times come from a rate, which does not say when the block begins.
+    pub fn begins(&mut self, name: &str, line: u64, has_clock: bool) -> Result<(), InputError> {
+        if has_clock {
+            return Err(InputError::new(
+                name,
+                "a second block of rows begins, and no column has its times",
+                "put it into a file of its own, or write a column of times",
+            )
+            .at(Place::Line(line)));
+        }
+        self.count += 1;
+        if self.lines.len() < NAMED {
+            self.lines.push(line);
+        }
+        Ok(())
+    }
+
+    /// That it is read as one recording, in words.
+    pub fn note(&self) -> Option<String> {
+        let lines: Vec<String> = self.lines.iter().map(u64::to_string).collect();
+        let more = if self.count > NAMED { " and on" } else { "" };
+        (self.count > 0).then(|| {
+            format!(
+                "the header is written again from line {}{more}: its {} blocks are read as one recording",
+                lines.join(", "),
+                self.count + 1
+            )
+        })
+    }
+}
+
 impl<'b> Blocks<'b> {
     pub fn of(name: &'b str, layout: &'b Layout) -> Self {
         Self {
@@ -43,8 +84,7 @@ impl<'b> Blocks<'b> {
             after_blank: false,
             apart: None,
             between: None,
-            resumed: Vec::new(),
-            resumptions: 0,
+            again: Again::default(),
             has_numbers: false,
         }
     }
@@ -171,37 +211,13 @@ impl<'b> Blocks<'b> {
             )
             .at(Place::Line(between.line)));
         }
-        if self.layout.has_clock {
-            return Err(InputError::new(
-                self.name,
-                "a second block of rows begins, and no column has its times",
-                "put it into a file of its own, or write a column of times",
-            )
-            .at(Place::Line(between.line)));
-        }
-        self.resumptions += 1;
-        if self.resumed.len() < NAMED {
-            self.resumed.push(between.line);
-        }
-        Ok(())
+        let (name, has_clock) = (self.name, self.layout.has_clock);
+        self.again.begins(name, between.line, has_clock)
     }
 
     /// The parts left out, in words.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        if self.resumptions > 0 {
-            let lines: Vec<String> = self.resumed.iter().map(u64::to_string).collect();
-            let more = if self.resumptions > NAMED {
-                " and on"
-            } else {
-                ""
-            };
-            notes.push(format!(
-                "the header is written again from line {}{more}: its {} blocks are read as one recording",
-                lines.join(", "),
-                self.resumptions + 1
-            ));
-        }
+        let mut notes: Vec<String> = self.again.note().into_iter().collect();
         if let Some((line, rows)) = self.apart.filter(|&(_, rows)| rows < FEW) {
             let rows = if rows == 1 { "row" } else { "rows" };
             notes.push(format!(

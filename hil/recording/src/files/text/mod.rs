@@ -50,10 +50,12 @@ impl Format for Text {
         let (path, limit) = (source.path().to_owned(), source.limit());
         let mut text = CsvText::of(&path, source.stream(), limit)?;
         let head = head::of(&mut text, limit)?;
-        let is_own =
-            own::is_own(&head.text) && !own::is_loose(&head.text) && reading.decimal != Some(',');
+        let is_own = own::is_own(&head.text)
+            && !own::is_loose(&head.text)
+            && !own::lacks_times(&head.text, reading)
+            && reading.decimal != Some(',');
         if is_own || !head.has_lines() {
-            return Ok(Box::new(own::OwnTable::open(text, &head)?));
+            return Ok(Box::new(own::OwnTable::open(text, &head, reading)?));
         }
         let layout = layout::find(&text.name(), &head, reading)?;
         Ok(Box::new(foreign::ForeignTable::open(text, layout)))

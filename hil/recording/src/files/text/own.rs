@@ -1,13 +1,18 @@
 //! Our own format: comments, a header whose names contain units, and rows of cells separated by commas.
+//!
+//! It is read strictly and fast. A text with our own names that has anything of another program's form, such as dates or a rate in
+//! a comment, is left to the reader of those forms.
 
+use super::blocks::Again;
 use super::head::Head;
+use super::header;
 use super::lines::Separator;
 use super::numbers;
 use super::stamps::Stamp;
 use crate::columns::{self, spelling};
 use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
 use crate::error::{InputError, Place};
-use crate::files::{Column, Kept, Table, Tables, Values, Wanted};
+use crate::files::{Column, Kept, Reading, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
 
 /// Whether a text has our own format: of the names in its first line, at least two, or all, are names of channels with their units.
@@ -24,7 +29,7 @@ pub(super) fn is_own(head: &str) -> bool {
 }
 
 /// Whether the first row below a header of our own names has another program's form: with units, times of day, thousands, or a
-/// separator at its end.
+/// separator at its end; or whether several columns have no name, as a sheet's empty columns.
 pub(super) fn is_loose(head: &str) -> bool {
     let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
     let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
@@ -43,14 +48,63 @@ pub(super) fn is_loose(head: &str) -> bool {
                 || numbers::is_number(cell, false))
     };
     let more = cells.get(names.len()..).unwrap_or_default();
-    (!more.is_empty() && more.iter().all(|cell| cell.is_empty()))
+    let nameless = names.iter().filter(|name| name.is_empty()).count();
+    nameless > 1
+        || (!more.is_empty() && more.iter().all(|cell| cell.is_empty()))
         || names.iter().zip(&cells).any(is_other)
+}
+
+/// Whether no column of numbers can have the times and the user gives no rate: then dates below any name, or a rate in a comment,
+/// may give them.
+pub(super) fn lacks_times(head: &str, reading: &Reading) -> bool {
+    let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
+    let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let Some(header) = lines.next().filter(|_| reading.rate.is_none()) else {
+        return false;
+    };
+    let mut names = Vec::new();
+    Separator::Sign(',').split(header, &mut names);
+    let mut columns = columns_of(names.into_iter(), &mut Vec::new());
+    let mut said = reading.channels.iter().filter(|(of, _)| of == "time");
+    let said = said.next().map(|(_, name)| name);
+    // A word below one of our own names is an error, which the strict reader shows.
+    let is_ours = |column: &Column| columns::is_own(&column.name);
+    if said.is_none() && (columns.iter()).any(|each| is_ours(each) && columns::may_be_time(each)) {
+        return false;
+    }
+    look(&mut columns, head);
+    match said {
+        Some(name) => {
+            (columns.iter()).any(|each| each.name == *name && !each.is_numeric && !is_ours(each))
+        }
+        None => !(columns.iter()).any(|each| each.is_numeric && columns::may_be_time(each)),
+    }
+}
+
+/// Columns whose values are not examined yet. One without a name gets a name that the user can type.
+fn columns_of<'h>(
+    header: impl Iterator<Item = &'h str> + Clone,
+    guesses: &mut Vec<String>,
+) -> Vec<Column> {
+    let column = |name| Column {
+        name,
+        is_numeric: true,
+        ..Column::default()
+    };
+    if header.clone().any(str::is_empty) {
+        let names: Vec<String> = header.map(str::to_owned).collect();
+        let names = header::distinct(&names, guesses);
+        return names.into_iter().map(column).collect();
+    }
+    header.map(str::to_owned).map(column).collect()
 }
 
 /// Rows of words after the numbers.
 struct Footer {
     line: u64,
     rows: usize,
+    /// Whether the header is one of them.
+    has_header: bool,
     /// The error in the first of them, if numbers follow.
     refused: InputError,
 }
@@ -70,14 +124,14 @@ fn sample(
     name: &str,
     row: &csv::StringRecord,
     line: u64,
-    header: &csv::StringRecord,
+    columns: &[Column],
     wanted: &[Wanted],
     values: &mut Vec<Option<f64>>,
 ) -> Result<(), InputError> {
-    if row.len() != header.len() {
+    if row.len() != columns.len() {
         return Err(InputError::new(
             name,
-            format!("{} cells where the header has {}", row.len(), header.len()),
+            format!("{} cells where the header has {}", row.len(), columns.len()),
             "write one cell per column, separated by commas",
         )
         .at(Place::Line(line)));
@@ -90,7 +144,7 @@ fn sample(
             Ok(value) => Some(value),
             Err(_) if !wanted.must_be_numeric => None,
             Err((problem, remedy)) => {
-                let column = header.get(wanted.column).unwrap_or_default().into();
+                let column = columns[wanted.column].name.clone();
                 let place = Place::Cell { line, column };
                 return Err(InputError::new(name, problem, remedy).at(place));
             }
@@ -117,10 +171,12 @@ pub(super) struct OwnTable<'a> {
     header: csv::StringRecord,
     tables: [Table; 1],
     is_utf8: bool,
+    /// Whether the times come from a rate.
+    has_clock: bool,
 }
 
 impl<'a> OwnTable<'a> {
-    pub fn open(text: CsvText<'a>, head: &Head) -> Result<Self, InputError> {
+    pub fn open(text: CsvText<'a>, head: &Head, reading: &Reading) -> Result<Self, InputError> {
         let name = text.name();
         let mut rows = text.rows();
         let mut header = csv::StringRecord::new();
@@ -158,17 +214,12 @@ impl<'a> OwnTable<'a> {
             )
             .at(Place::Column(column.into())));
         }
-        let mut columns: Vec<Column> = (header.iter())
-            .map(|name| Column {
-                name: name.to_owned(),
-                is_numeric: true,
-                ..Column::default()
-            })
-            .collect();
+        let mut guesses: Vec<String> = head.encoding.iter().cloned().collect();
+        let mut columns = columns_of(header.iter(), &mut guesses);
         look(&mut columns, &head.text);
         let table = Table {
             columns,
-            guesses: head.encoding.iter().cloned().collect(),
+            guesses,
             header_line: Some(line),
             ..Table::default()
         };
@@ -178,6 +229,7 @@ impl<'a> OwnTable<'a> {
             header,
             tables: [table],
             is_utf8: head.is_utf8,
+            has_clock: reading.rate.is_some(),
         })
     }
 }
@@ -197,8 +249,9 @@ impl Tables for OwnTable<'_> {
             name,
             mut rows,
             header,
+            tables: [table],
             is_utf8,
-            ..
+            has_clock,
         } = *self;
         let mut columns = vec![Some(Vec::new()); wanted.len()];
         let mut cells = (kept == Kept::Cells).then(TextRows::default);
@@ -207,6 +260,7 @@ impl Tables for OwnTable<'_> {
         let mut row = csv::StringRecord::new();
         let mut values = Vec::with_capacity(wanted.len());
         let mut footer: Option<Footer> = None;
+        let mut again = Again::default();
         while (rows.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
             if is_cut(&rows) {
                 // The reader returns an empty row for a comment there.
@@ -216,7 +270,7 @@ impl Tables for OwnTable<'_> {
             let line = row.position().map_or(0, csv::Position::line);
             // A row's position includes the blank lines above it.
             let is_behind_blank = rows.position().line() > line + 1;
-            if let Err(refused) = sample(&name, &row, line, &header, wanted, &mut values) {
+            if let Err(refused) = sample(&name, &row, line, &table.columns, wanted, &mut values) {
                 // If numbers continue after words, those are not a footer.
                 if !lines.has_rows() || !is_of_words(&row, wanted, is_behind_blank) {
                     return Err(footer.map_or(refused, |footer| footer.refused));
@@ -224,13 +278,17 @@ impl Tables for OwnTable<'_> {
                 let footer = footer.get_or_insert(Footer {
                     line,
                     rows: 0,
+                    has_header: false,
                     refused,
                 });
                 footer.rows += 1;
+                footer.has_header |= row == header;
                 continue;
             }
-            if let Some(footer) = footer {
-                return Err(footer.refused);
+            match footer.take() {
+                Some(footer) if footer.has_header => again.begins(&name, footer.line, has_clock)?,
+                Some(footer) => return Err(footer.refused),
+                None => {}
             }
             for (value, column) in values.iter().zip(&mut columns) {
                 match (value, &mut *column) {
@@ -258,6 +316,7 @@ impl Tables for OwnTable<'_> {
             notes: guessed_from
                 .map(note)
                 .into_iter()
+                .chain(again.note())
                 .chain(footer.map(Footer::note))
                 .collect(),
             comments: text.comments(),
