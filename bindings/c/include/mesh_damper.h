@@ -3,7 +3,7 @@
  * Generated from bindings/c of mesh-damper: change that instead. docs/c.md is its page.
  *
  * Units are mm, s, kN and J = kN*mm. All memory is the caller's. No function is called from two contexts at once with the same
- * memory. What runs every tick cannot fail but for memory that was never initialised, and is finite for every finite input.
+ * memory. A function that runs every tick fails only on memory that was never initialised, and its result is finite for every finite input.
  */
 
 #ifndef MESH_DAMPER_H
@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Which sizes are this target's. */
+/* The sizes of this target. */
 #if UINTPTR_MAX == 0xFFFFFFFFu
 #define MD_POINTERS_OF_32_BITS
 #elif UINTPTR_MAX == 0xFFFFFFFFFFFFFFFFu
@@ -22,18 +22,18 @@
 #error "mesh_damper.h: a target's pointers have 32 or 64 bits"
 #endif
 
-/* Another compiler may define its own. */
+/* For another compiler, define it before this header. */
 #ifndef MD_ALIGNED
 #define MD_ALIGNED(bytes) __attribute__((aligned(bytes)))
 #endif
 
-// Most effects of a law.
+// Largest number of effects in a law.
 #define MD_EFFECTS 8
 
-// Control inputs of a damper.
+// Largest number of control inputs of a damper.
 #define MD_CONTROLS 4
 
-// Bytes of an identity.
+// Length of an identity, bytes.
 #define MD_IDENTITY 8
 
 #if defined(MD_POINTERS_OF_32_BITS)
@@ -49,7 +49,7 @@
 // Alignment of `md_law`, bytes.
 #define MD_LAW_ALIGN 8
 
-// Most bytes of a model's name, and its NUL.
+// Largest length of a model's name with its NUL, bytes.
 #define MD_NAME 33
 
 // Bytes of `md_cycles`.
@@ -64,7 +64,7 @@
 // Alignment of `md_crossings`, bytes.
 #define MD_CROSSINGS_ALIGN 8
 
-// Most blocks of a programme.
+// Largest number of blocks in a programme.
 #define MD_BLOCKS 8
 
 #if defined(MD_POINTERS_OF_32_BITS)
@@ -112,61 +112,61 @@
 // Alignment of `md_rig`, bytes.
 #define MD_RIG_ALIGN 16
 
-// Why a call did not do what it was asked. The numbers stay as they are.
+// Error codes of the calls. The numbers do not change.
 enum md_error
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // It did.
+  // No error.
   MD_ERROR_NONE = 0,
-  // A pointer is null that may not be.
+  // A pointer is null where it must not be.
   MD_ERROR_NULL = 1,
-  // A pointer is not aligned for what it points to.
+  // A pointer is not aligned for its type.
   MD_ERROR_MISALIGNED = 2,
   // The memory was never initialised, or its initialisation was refused.
   MD_ERROR_NOT_INITIALIZED = 3,
-  // The bytes do not begin as a pack does.
+  // The bytes do not begin like a pack.
   MD_ERROR_PACK_MAGIC = 10,
-  // The pack's format version is not read: it is newer or too old.
+  // The format version of the pack is too new or too old to be read.
   MD_ERROR_PACK_VERSION = 11,
   // The pack is for another tick rate.
   MD_ERROR_PACK_TICK_RATE = 12,
-  // The pack is of another model.
+  // The pack is for another model.
   MD_ERROR_PACK_IDENTITY = 13,
-  // The pack is no newer than is required.
+  // The revision of the pack is not above the required one.
   MD_ERROR_PACK_REVISION = 14,
-  // There are more or fewer bytes than the pack says of itself.
+  // The length differs from the length that the pack states.
   MD_ERROR_PACK_LENGTH = 15,
   // The pack's checksum does not match.
   MD_ERROR_PACK_CHECKSUM = 16,
-  // The pack's checksum matches, and its body cannot be read.
+  // The checksum of the pack matches, but its body cannot be read.
   MD_ERROR_PACK_BODY = 17,
-  // The pack is of version 6, which says nothing of itself.
+  // The pack has version 6, which does not describe its contents.
   MD_ERROR_PACK_SILENT = 18,
-  // The law of the pack gives more energy than it takes.
+  // The law of the pack is not passive: it gives out more energy than it takes.
   MD_ERROR_PACK_ACTIVE = 19,
   // A field is NaN or infinite.
   MD_ERROR_NON_FINITE = 30,
   // A field lies outside its range.
   MD_ERROR_OUT_OF_RANGE = 31,
-  // A grid's nodes do not increase.
+  // The nodes of a grid do not increase.
   MD_ERROR_NOT_INCREASING = 32,
-  // There are more elements than fit.
+  // There are more elements than there is room for.
   MD_ERROR_FULL = 33,
   // There is no element where one is needed.
   MD_ERROR_EMPTY = 34,
-  // What an earlier version had and this one has not.
+  // A feature of an earlier version that this version does not have.
   MD_ERROR_REMOVED = 35,
-  // It is running.
+  // The controller is running.
   MD_ERROR_RUNNING = 50,
-  // The command is on its way back to 0.
+  // The command is still on its way back to 0.
   MD_ERROR_MOVING = 51,
-  // It is stopped by a trip that was not cleared, or that came again.
+  // The controller is stopped by a trip that was not cleared, or that occurred again.
   MD_ERROR_FAULTED = 52,
   // There is no trip to clear.
   MD_ERROR_NO_FAULT = 53,
-  // The crate refuses for a reason that this library does not know.
+  // A reason that this library has no code for.
   MD_ERROR_OTHER = 99,
 };
 #ifndef __cplusplus
@@ -177,17 +177,17 @@ typedef int32_t md_error;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Why a controller is stopped. The numbers stay as they are.
+// Trip causes of a controller. The numbers do not change.
 enum md_trip
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // It is not.
+  // Not stopped by a trip.
   MD_TRIP_NONE = 0,
   // Reading the sensors failed.
   MD_TRIP_ADC_BUS = 1,
-  // The actuator did not take a command.
+  // The actuator did not accept a command.
   MD_TRIP_DAC_BUS = 2,
   // The enable line could not be set.
   MD_TRIP_ENABLE_LINE = 3,
@@ -203,7 +203,7 @@ enum md_trip
   MD_TRIP_FORCE_LIMIT = 8,
   // The measured displacement was further from the demanded one than allowed.
   MD_TRIP_TRACKING_LIMIT = 9,
-  // Over a cycle outside the ramps the displacement answered with less than a tenth of the demanded amplitude.
+  // Over a cycle outside the ramps, the displacement responded with less than a tenth of the demanded amplitude.
   MD_TRIP_NO_RESPONSE = 10,
   // A force or a command was infinite or NaN.
   MD_TRIP_NOT_FINITE = 11,
@@ -213,13 +213,13 @@ enum md_trip
   MD_TRIP_FORCE_LOST = 13,
   // Nothing was heard over the link for too long.
   MD_TRIP_LINK_LOST = 14,
-  // A tick came late, or not at all.
+  // A tick was late or missing.
   MD_TRIP_TICK_OVERRUN = 15,
-  // A motion asked for more than the rig drives.
+  // A motion demanded more than the rig drives.
   MD_TRIP_DEMAND_LIMIT = 16,
-  // An input outside of the controller says stop.
+  // An external stop input is active.
   MD_TRIP_EXTERNAL = 17,
-  // Amplitude's correction asks for more command than is allowed.
+  // The amplitude correction asks for more command than is allowed.
   MD_TRIP_CORRECTION_LIMIT = 18,
   // A cause that this library has no number for.
   MD_TRIP_OTHER = 99,
@@ -232,7 +232,7 @@ typedef int32_t md_trip;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What a controller is doing.
+// The state of a controller.
 enum md_state
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -242,9 +242,9 @@ enum md_state
   MD_STATE_IDLE = 0,
   // Enable line high, command as controlled.
   MD_STATE_RUNNING = 1,
-  // The programme is over; otherwise as MD_STATE_IDLE.
+  // The programme has ended; otherwise like MD_STATE_IDLE.
   MD_STATE_DONE = 2,
-  // Stopped by a trip, until it is cleared; otherwise as MD_STATE_IDLE.
+  // Stopped by a trip until it is cleared; otherwise like MD_STATE_IDLE.
   MD_STATE_FAULTED = 3,
 };
 #ifndef __cplusplus
@@ -255,7 +255,7 @@ typedef int32_t md_state;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What the monitor of a rig finds. The numbers are those of the link.
+// Findings of a rig's monitor. The numbers are those of the link.
 enum md_health
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -267,37 +267,37 @@ enum md_health
   MD_HEALTH_FRICTION_WEAR = 1,
   // A gap opens.
   MD_HEALTH_LOOSENING = 2,
-  // The mean force moved at once.
+  // The mean force changed at once.
   MD_HEALTH_PRELOAD_SHIFT = 3,
-  // Something moved that none of the others explains.
+  // A change that no other cause explains.
   MD_HEALTH_UNEXPLAINED = 4,
   // Settled after the start: normal.
   MD_HEALTH_RUN_IN = 5,
-  // Moved with the temperature: normal.
+  // Changed with the temperature: normal.
   MD_HEALTH_TEMPERATURE = 6,
-  // The displacement channel shows one value while what it measures moves.
+  // The displacement channel repeats one value while its quantity moves.
   MD_HEALTH_DISPLACEMENT_STUCK = 7,
-  // The force channel does.
+  // The force channel repeats one value while its quantity moves.
   MD_HEALTH_FORCE_STUCK = 8,
-  // The displacement channel shows 0 V while what it measures moves.
+  // The displacement channel shows 0 V while its quantity moves.
   MD_HEALTH_DISPLACEMENT_DROPPED_OUT = 9,
-  // The force channel does.
+  // The force channel shows 0 V while its quantity moves.
   MD_HEALTH_FORCE_DROPPED_OUT = 10,
-  // The displacement channel stays at one extreme value.
+  // The displacement channel stays at an extreme value.
   MD_HEALTH_DISPLACEMENT_CLIPPED = 11,
-  // The force channel does.
+  // The force channel stays at an extreme value.
   MD_HEALTH_FORCE_CLIPPED = 12,
-  // Single samples of the displacement stand out.
+  // Single samples of the displacement are outliers.
   MD_HEALTH_DISPLACEMENT_SPIKING = 13,
-  // Single samples of the force do.
+  // Single samples of the force are outliers.
   MD_HEALTH_FORCE_SPIKING = 14,
-  // What the displacement channel shows at rest moves.
+  // The zero of the displacement channel drifts.
   MD_HEALTH_DISPLACEMENT_DRIFTING = 15,
-  // What the force channel shows at rest moves.
+  // The zero of the force channel drifts.
   MD_HEALTH_FORCE_DRIFTING = 16,
-  // The actuator does not reach what is demanded.
+  // The actuator does not reach the demanded motion.
   MD_HEALTH_ACTUATOR_SATURATED = 17,
-  // The actuator is late.
+  // The motion of the actuator is late.
   MD_HEALTH_ACTUATOR_LAGGING = 18,
   // The actuator stands still.
   MD_HEALTH_ACTUATOR_DEAD = 19,
@@ -307,21 +307,21 @@ enum md_health
   MD_HEALTH_STIFFENING = 21,
   // The displacement channel shows more or less than before for the same quantity.
   MD_HEALTH_DISPLACEMENT_GAIN = 22,
-  // The force channel does.
+  // The force channel shows more or less than before for the same quantity.
   MD_HEALTH_FORCE_GAIN = 23,
-  // The displacement channel has more noise or hum on it than was learned.
+  // The displacement channel has more noise or hum than the monitor learned.
   MD_HEALTH_DISPLACEMENT_NOISY = 24,
-  // The force channel has.
+  // The force channel has more noise or hum than the monitor learned.
   MD_HEALTH_FORCE_NOISY = 25,
   // The force does not follow the motion at all.
   MD_HEALTH_SPECIMEN_ABSENT = 26,
-  // The displacement channel shows the other sign.
+  // The displacement channel has the opposite sign.
   MD_HEALTH_DISPLACEMENT_REVERSED = 27,
-  // The force channel does.
+  // The force channel has the opposite sign.
   MD_HEALTH_FORCE_REVERSED = 28,
-  // From the start on the specimen is far from the law.
+  // The specimen differs much from the law from the start.
   MD_HEALTH_LAW_MISMATCH = 29,
-  // The temperature that is measured cannot be.
+  // The measured temperature is implausible.
   MD_HEALTH_TEMPERATURE_IMPLAUSIBLE = 30,
 };
 #ifndef __cplusplus
@@ -332,44 +332,45 @@ typedef int32_t md_health;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Memory of a law: the mixed damping law k1*y + k3*y^3 + c*|v|^alpha*sgn v with up to MD_EFFECTS effects, what these remember, and
-// another law that waits. `md_law_init` fills it. It stays where it is: do not copy it.
+// Memory of a law: the mixed damping law k1*y + k3*y^3 + c*|v|^alpha*sgn v with up to MD_EFFECTS effects, their state, and another
+// law that waits. `md_law_init` fills it. It must stay in place: do not copy it.
 typedef struct MD_ALIGNED(8) md_law {
   uint8_t storage[MD_LAW_SIZE];
 } md_law;
 
-// What a load requires of a pack. Nothing but a passive law where all is 0.
+// Requirements on a pack. If all fields are 0, only a passive law is required.
 typedef struct md_expected {
-  // Ticks per second, Hz: the rate at which the law will be called. 0 where any rate is accepted: the effects of a pack are right
-  // at one rate only.
+  // Ticks per second, Hz: the rate at which the law is called. At 0 any rate is accepted, although the effects of a pack are
+  // correct at one rate only.
   float tick_rate;
-  // Which model it is of, MD_IDENTITY bytes; null where any model is accepted.
+  // Identity of the required model, MD_IDENTITY bytes; null if any model is accepted.
   const uint8_t *identity;
-  // The revision has to be above this; null where any revision is accepted.
+  // The revision must be above this; null if any revision is accepted.
   const uint32_t *newer_than;
-  // Takes a law that gives more energy than it takes as well, such as one with damping below 0. What it drives may swing up.
+  // Whether a law that is not passive is accepted, such as one with damping below 0. It can drive a system to ever larger
+  // motion.
   bool allow_active;
 } md_expected;
 
-// What exactly was refused. What does not apply is 0 or null.
+// The details of a problem. Fields that do not apply are 0 or null.
 typedef struct md_problem {
-  // The same code that the call returns.
+  // The code that the call returns.
   md_error error;
-  // Why a rig or an emulation is stopped, with `MD_ERROR_FAULTED`.
+  // The trip cause of a rig or an emulation, for `MD_ERROR_FAULTED`.
   md_trip trip;
   // The field's name. It does not end in NUL: print it with `"%.*s", (int)problem.field_length, problem.field`.
   const char *field;
-  // Bytes of the name.
+  // Length of the name, bytes.
   size_t field_length;
-  // What the field is, in its unit. NaN where a pack does not say.
+  // Value of the field, in its unit; NaN if a pack does not give it.
   double value;
-  // Least that it may be.
+  // Smallest permitted value.
   double low;
-  // Most that it may be.
+  // Largest permitted value.
   double high;
 } md_problem;
 
-// One tick of motion as the law sees it. What is not known stays 0.
+// One tick of motion as the law sees it. Unknown fields stay 0.
 typedef struct md_motion {
   // Displacement, mm; limited to -1e4...1e4, and NaN counts as 0.
   float displacement;
@@ -377,21 +378,21 @@ typedef struct md_motion {
   float velocity;
   // Acceleration, mm/s^2; limited to -1e9...1e9, and NaN counts as 0.
   float acceleration;
-  // Cycles since the test began, the current one's fraction included.
+  // Cycles since the test began, including the fraction of the current one.
   float cycles;
-  // Temperature of the specimen, degrees Celsius. A constant where nothing measures it.
+  // Temperature of the specimen, degrees Celsius; a constant if it is not measured.
   float temperature;
-  // Control inputs in the units of the effects that depend on them, such as a current in A; 0 where there is none.
+  // Control inputs in the units of the effects that depend on them, such as a current in A; 0 for unused ones.
   float controls[MD_CONTROLS];
 } md_motion;
 
-// What a pack says of itself. What it does not say is 0.
+// Information of a pack about itself. Unknown fields are 0.
 typedef struct md_pack_info {
-  // Ticks per second that the law is for, Hz.
+  // Tick rate of the law, Hz.
   float tick_rate;
-  // Goes up from pack to pack of one specimen.
+  // Revision, which increases from pack to pack of one specimen.
   uint32_t revision;
-  // Of the model.
+  // Identity of the model.
   uint8_t identity[MD_IDENTITY];
   // Whether the pack has `displacement` and `velocity`.
   bool has_range;
@@ -399,19 +400,19 @@ typedef struct md_pack_info {
   bool has_density;
   // Whether the pack has `amplitude`.
   bool has_amplitude;
-  // Displacement of the motion that the law was fitted on, mm: least and largest.
+  // Smallest and largest displacement of the motion that the law was fitted on, mm.
   float displacement[2];
-  // Velocity of that motion, mm/s: least and largest.
+  // Smallest and largest velocity of that motion, mm/s.
   float velocity[2];
   // Density of the specimen, g/cm^3.
   float density;
-  // Amplitude that the law was taken at, mm.
+  // Amplitude of the law's coefficients, mm.
   float amplitude;
-  // Of the model, UTF-8 that ends in NUL.
+  // Name of the model, UTF-8, ends in NUL.
   char name[MD_NAME];
 } md_pack_info;
 
-// Memory of a cycle accumulator whose caller knows the phase, such as that of `md_sine_tick`.
+// Memory of a cycle accumulator for a caller that knows the phase, for example from `md_sine_tick`.
 typedef struct MD_ALIGNED(8) md_cycles {
   uint8_t storage[MD_CYCLES_SIZE];
 } md_cycles;
@@ -426,27 +427,27 @@ typedef struct md_cycle {
   float displacement_max;
   // Smallest displacement, mm.
   float displacement_min;
-  // Half of the displacement's range, mm.
+  // Half of the peak-to-peak displacement, mm.
   float amplitude;
-  // Energy that the specimen took up, J.
+  // Energy taken up by the specimen, J.
   float energy;
-  // The same of the first harmonics alone, J.
+  // Energy of the first harmonics alone, J.
   float energy_harmonic;
-  // Dynamic stiffness, kN/mm. 0 of a cycle that stands still.
+  // Dynamic stiffness, kN/mm; 0 for a cycle without motion.
   float stiffness;
   // Elastic energy at the amplitude, J.
   float elastic_energy;
-  // energy / (2*pi*elastic_energy). 0 where the elastic energy is.
+  // energy / (2*pi*elastic_energy); 0 if the elastic energy is 0.
   float loss_factor;
   // Mean force, kN.
   float mean_force;
   // Mean displacement, mm.
   float mean_displacement;
-  // Length of the cycle in ticks, fractions included.
+  // Length of the cycle in ticks, including fractions.
   float ticks;
 } md_cycle;
 
-// Memory of a cycle accumulator that finds the cycles of a measured displacement by itself.
+// Memory of a cycle accumulator that finds the cycles of a measured displacement itself.
 typedef struct MD_ALIGNED(8) md_crossings {
   uint8_t storage[MD_CROSSINGS_SIZE];
 } md_crossings;
@@ -456,216 +457,222 @@ typedef struct MD_ALIGNED(16) md_sine {
   uint8_t storage[MD_SINE_SIZE];
 } md_sine;
 
-// Whole cycles at one amplitude: a sine where both frequencies are the same, and a logarithmic sweep otherwise.
+// Whole cycles at one amplitude: a sine if both frequencies are the same, otherwise a logarithmic sweep.
 typedef struct md_block {
-  // mm, 1e-6...1e4.
+  // Amplitude, mm, 1e-6...1e4.
   double amplitude;
   // Frequency at the start, Hz, 1e-6 to a quarter of the tick rate.
   double from;
-  // Frequency at the end, Hz, of the same range.
+  // Frequency at the end, Hz, in the same range.
   double to;
-  // Cycles at full amplitude, at least 1.
+  // Number of cycles at full amplitude, at least 1.
   uint32_t cycles;
 } md_block;
 
-// What the generator asks for at one tick: displacement, velocity and acceleration are the derivatives of one another.
+// The demand of the generator at one tick. Displacement, velocity and acceleration are derivatives of one another.
 typedef struct md_excitation {
-  // mm.
+  // Displacement, mm.
   float displacement;
-  // mm/s.
+  // Velocity, mm/s.
   float velocity;
-  // mm/s^2.
+  // Acceleration, mm/s^2.
   float acceleration;
-  // 2^32 to the cycle, for `md_cycles_update`.
+  // Phase, 2^32 per cycle, for `md_cycles_update`.
   uint32_t phase;
-  // Cycles completed since the start, ramps included.
+  // Number of cycles completed since the start, including ramps.
   uint32_t cycle;
-  // Which block, from 0: in a ramp the one ahead, in the ramp to rest and after it the last.
+  // Number of the block, from 0. In a ramp it is the next block; in the final ramp and after it, the last block.
   uint32_t block;
-  // In a ramp.
+  // Whether the tick is in a ramp.
   bool ramp;
-  // This tick is the first of a cycle.
+  // Whether this tick is the first of a cycle.
   bool cycle_end;
-  // The programme is over: everything stays at 0.
+  // Whether the programme has ended; all quantities then stay at 0.
   bool done;
 } md_excitation;
 
-// Memory of a channel's scale: value = full_scale*(code - 32768)/32768 - zero, of 16 bits offset binary. It may be copied.
+// Memory of a channel's scale: value = full_scale*(code - 32768)/32768 - zero, for 16-bit offset binary. It may be copied.
 typedef struct MD_ALIGNED(4) md_scale {
   uint8_t storage[MD_SCALE_SIZE];
 } md_scale;
 
-// One channel's reading.
+// One reading of a channel.
 typedef struct md_sample {
-  // In the channel's unit. What is not finite counts as a missing measurement, and exceeds every limit.
+  // Value in the channel's unit. A value that is not finite counts as a missing measurement, and exceeds every limit.
   float value;
-  // Offset binary, 16 bits. At 0 and 0xFFFF the channel counts as clipped, which stops a controller.
+  // Code in offset binary, 16 bits. At 0 and 0xFFFF the channel counts as clipped, which stops a controller.
   uint16_t code;
 } md_sample;
 
-// What a damper emulation is set to. Begin with `md_emulation_defaults`.
+// Settings of a damper emulation. Begin with `md_emulation_defaults`.
 typedef struct md_emulation_settings {
-  // Hz, 1...1e6.
+  // Tick rate, Hz, 1...1e6.
   double tick_rate;
   // Largest measured displacement in either direction, mm, 1e-6...1e4.
   double displacement_limit;
-  // Largest force in either direction, kN, 1e-6...1e9: of the law, at once, and as measured.
+  // Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
+  // `trip_ticks`.
   double force_limit;
-  // For how many ticks on end a measured quantity must exceed its limit to stop, 1...1e6.
+  // Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1...1e6.
   uint32_t trip_ticks;
-  // In how many ticks the force comes in once started, and goes to 0 once stopped, 1...1e7.
+  // Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
   uint32_t stop_ticks;
-  // After how many ticks without `md_emulation_exchange` it stops, 0...1e7; 0 where nobody is linked.
+  // Number of ticks without `md_emulation_exchange` after which it stops, 0...1e7; 0 without a link.
   uint32_t link_ticks;
-  // Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
-  // counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+  // Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
+  // tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
+  // wrong rate.
   double clock_rate;
   // Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
   double observer_bandwidth;
   // Damping ratio of the observer, 0.3...3.
   double observer_damping;
-  // Half width of the band in which a displacement is at rest that has stayed there for 0.05 s, mm, 0...1e4; 0 where nothing is rest.
+  // Half width of the rest band, mm, 0...1e4. A displacement that has stayed in the band for 0.05 s is at rest. 0 switches this
+  // off.
   double rest_band;
-  // After how many ticks of the very same code the displacement channel is stuck, 0...1e9; 0 where it has no noise at all.
+  // Number of ticks with an unchanged code after which the displacement channel is stuck, 0...1e9; 0 for a channel without
+  // noise.
   uint32_t stuck_ticks;
-  // Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+  // Lowest plausible measured temperature, degrees Celsius, -273...2000.
   double temperature_coldest;
-  // Hottest that it can be.
+  // Highest plausible measured temperature, degrees Celsius.
   double temperature_hottest;
-  // Fastest that it can change, degrees a second, 1e-3...1e3.
+  // Fastest plausible change of the temperature, degrees Celsius per second, 1e-3...1e3.
   double temperature_rate;
-  // How far the displacement must go from its mean for a cycle to count, mm, 1e-9...1e4.
+  // Smallest deviation of the displacement from its mean for a cycle to count, mm, 1e-9...1e4.
   double hysteresis;
 } md_emulation_settings;
 
-// Memory of a damper emulation: it is the damper, and drives the law's force for the displacement that it measures. It does no I/O:
-// each tick takes a reading, and its telemetry has the command and the level of the enable line.
+// Memory of a damper emulation. It replaces the damper: it drives the law's force for the displacement that it measures. It does
+// no I/O. Each tick takes a reading, and the telemetry contains the command and the level of the enable line.
 typedef struct MD_ALIGNED(8) md_emulation {
   uint8_t storage[MD_EMULATION_SIZE];
 } md_emulation;
 
-// Scales of the three channels that a controller is wired to.
+// Scales of the three channels of a controller.
 typedef struct md_wiring {
-  // Of the displacement, mm.
+  // Scale of the displacement, mm.
   struct md_scale displacement;
-  // Of the force, kN.
+  // Scale of the force, kN.
   struct md_scale force;
-  // Of the command, mm, or kN of a damper emulation. A command beyond its ends stops the controller.
+  // Scale of the command, mm, or kN for a damper emulation. A command beyond its ends stops the controller.
   struct md_scale command;
 } md_wiring;
 
-// What the sensors say at one tick.
+// The readings of the sensors at one tick.
 typedef struct md_reading {
-  // mm.
+  // Displacement, mm.
   struct md_sample displacement;
-  // kN.
+  // Force, kN.
   struct md_sample force;
-  // Control inputs as in `md_motion`; 0 where there is none.
+  // Control inputs as in `md_motion`; 0 for unused ones.
   float controls[MD_CONTROLS];
 } md_reading;
 
-// One tick, as a controller saw it.
+// One tick of a controller.
 typedef struct md_telemetry {
-  // Ticks since the initialisation, this one included.
+  // Number of ticks since the initialisation, including this one.
   uint64_t tick;
-  // Measured displacement, mm. The last one read, where reading failed.
+  // Measured displacement, mm; the last value if reading failed.
   float displacement;
   // Observed velocity, mm/s.
   float velocity;
-  // Measured force, kN. The last one read, where reading failed.
+  // Measured force, kN; the last value if reading failed.
   float measured_force;
-  // Control inputs as the law was given them. The last ones read, where reading failed.
+  // Control inputs as given to the law; the last values if reading failed.
   float controls[MD_CONTROLS];
   // Force of the law at the observed motion, kN.
   float model_force;
-  // What the actuator is to drive until the next tick: mm, or kN of an emulation.
+  // Command for the actuator until the next tick: mm, or kN for an emulation.
   float command;
-  // Block of the programme; 0 of an emulation.
+  // Block of the programme; 0 for an emulation.
   uint32_t block;
-  // Cycles completed.
+  // Number of cycles completed.
   uint32_t cycle;
-  // Phase of the cycle under way, 2^32 to the cycle.
+  // Phase of the current cycle, 2^32 per cycle.
   uint32_t phase;
-  // What it is doing after this tick.
+  // State after this tick.
   md_state state;
-  // Why it is stopped, with MD_STATE_FAULTED.
+  // Trip cause, for MD_STATE_FAULTED.
   md_trip trip;
   // Level of the enable line.
   bool enabled;
-  // In a ramp of the programme.
+  // Whether the tick is in a ramp of the programme.
   bool ramp;
-  // Whether a cycle ended with this tick: the next three fields are of it.
+  // Whether a cycle ended with this tick; the next three fields belong to it.
   bool has_cycle;
-  // The results of that cycle with the measured force.
+  // Results of that cycle with the measured force.
   struct md_cycle measured;
-  // The same with the law's force.
+  // Results of that cycle with the law's force.
   struct md_cycle model;
   // RMS of the law's error over the RMS of the measured force.
   float nrmse;
-  // Whether the monitor found something at this tick: `event` and its numbers. Never of an emulation.
+  // Whether the monitor reports an event at this tick, in `event` and its numbers. Never for an emulation.
   bool has_event;
-  // What it found.
+  // The reported cause.
   md_health event;
-  // Whether it may be something else as well, which what is measured cannot tell apart: `event_or`.
+  // Whether `event_or` is another possible cause that the signals cannot distinguish.
   bool has_event_or;
-  // What that is.
+  // The other possible cause.
   md_health event_or;
-  // By how much what is watched moved.
+  // Change of the monitored quantity.
   float event_value;
-  // By how much it may.
+  // Permitted change.
   float event_limit;
 } md_telemetry;
 
-// What a rig is set to. Begin with `md_rig_defaults`.
+// Settings of a rig. Begin with `md_rig_defaults`.
 typedef struct md_rig_settings {
   // Largest measured displacement in either direction, mm, 1e-6...1e4.
   double displacement_limit;
   // Largest measured force in either direction, kN, 1e-6...1e9.
   double force_limit;
-  // Largest distance of the measured displacement from the demanded one, mm, 1e-6...1e4.
+  // Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
   double tracking_limit;
-  // For how many ticks on end one of these must be exceeded to stop the rig, 1...1e6.
+  // Number of ticks in a row for which one of these must be exceeded to stop the rig, 1...1e6.
   uint32_t trip_ticks;
-  // In how many ticks the command goes to 0 once stopped, 1...1e7.
+  // Number of ticks in which the command goes to 0 after a stop, 1...1e7.
   uint32_t stop_ticks;
-  // After how many ticks without `md_rig_exchange` it stops, 0...1e7; 0 where nobody is linked.
+  // Number of ticks without `md_rig_exchange` after which the rig stops, 0...1e7; 0 without a link.
   uint32_t link_ticks;
-  // Rate of the counter whose reading each tick is given, Hz: 0, or the tick rate to 4e9 and to 2e9 times the tick rate. At 0 it
-  // counts the ticks of the timer, one each. A clock that is independent of the timer also finds a timer at a wrong rate.
+  // Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
+  // tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
+  // wrong rate.
   double clock_rate;
   // Bandwidth of the observer that estimates the velocity, Hz, 1e-3 to a tenth of the tick rate.
   double observer_bandwidth;
   // Damping ratio of the observer, 0.3...3.
   double observer_damping;
-  // Part of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
+  // Fraction of the error of amplitude and phase that is corrected at the end of each cycle, 0...1.
   double correction_gain;
-  // Most by which amplitude's correction may have the command grow within a block, part of it, 0.01...10; twice that in its first cycles.
+  // Largest increase of the command by the amplitude correction within a block, as a fraction of it, 0.01...10; twice that in
+  // the first cycles.
   double correction_limit;
-  // Lead to begin with, s, 0...0.1: what the actuator is known to lag.
+  // Initial lead, s, 0...0.1: the known lag of the actuator.
   double lead;
   // Time constant with which a correction takes effect, s, one tick to 10.
   double glide;
   // Integral feedback of the displacement, 1/s, 0 to a hundredth of the tick rate.
   double feedback;
-  // Coldest that a measured temperature can be, degrees Celsius, -273...2000.
+  // Lowest plausible measured temperature, degrees Celsius, -273...2000.
   double temperature_coldest;
-  // Hottest that it can be.
+  // Highest plausible measured temperature, degrees Celsius.
   double temperature_hottest;
-  // Fastest that it can change, degrees a second, 1e-3...1e3.
+  // Fastest plausible change of the temperature, degrees Celsius per second, 1e-3...1e3.
   double temperature_rate;
-  // Smallest lasting change that the monitor is to find, part of it, 0.01...0.5.
+  // Smallest lasting relative change that the monitor detects, 0.01...0.5.
   double health_size;
-  // Cycles between false alarms of Gaussian noise, 1e2...1e9.
+  // Number of cycles between false alarms by Gaussian noise, 1e2...1e9.
   double health_false_alarm_cycles;
-  // Cycles over which the monitor learns, 8...1000.
+  // Number of cycles over which the monitor learns, 8...1000.
   uint32_t health_learning_cycles;
-  // Cycles after a start within which a slow change is the run-in, 0...1e6.
+  // Number of cycles after a start in which a slow change is the run-in, 0...1e6.
   uint32_t health_run_in_cycles;
-  // Most by which temperature changes a specimen's force, part of it per degree, 0...0.1.
+  // Largest relative change of a specimen's force by the temperature, per degree Celsius, 0...0.1.
   double health_temperature_slope;
-  // Most by which stiffness or energy may change in the run-in, part of them, 0.01...1.
+  // Largest relative change of stiffness or energy in the run-in, 0.01...1.
   double health_run_in_size;
-  // Most by which the law follows a slow change of its coefficients, part of each, 0...0.5.
+  // Largest adaptation of k1, k3 and c to slow changes, as a fraction of each, 0...0.5; 0 switches adaptation off.
   double health_follow;
 } md_rig_settings;
 
@@ -676,39 +683,39 @@ typedef struct MD_ALIGNED(16) md_rig {
 
 // The programme of a rig.
 typedef struct md_programme {
-  // Ticks per second of the rig, Hz, 1...1e6.
+  // Tick rate of the rig, Hz, 1...1e6.
   double tick_rate;
-  // Cycles of each ramp, at least 1.
+  // Number of cycles in each ramp, at least 1.
   uint32_t ramp_cycles;
-  // As `md_sine_init` takes them.
+  // The blocks, as for `md_sine_init`.
   const struct md_block *blocks;
-  // How many blocks, 1...MD_BLOCKS.
+  // Number of blocks, 1...MD_BLOCKS.
   size_t count;
 } md_programme;
 
-// What a rig calls at each tick: in order `tripped`, `read`, `enable` where the line changes, `drive`, the two read-backs, and `alive`.
-// Each but `tripped` returns whether it succeeded; where one other than `alive` did not, the rig stops. None may call a function of
-// the same rig or of its law.
+// The functions that a rig calls at each tick, in order: `tripped`, `read`, `enable` when the line changes, `drive`, the two
+// read-backs, and `alive`. Each returns whether it succeeded, except `tripped`. If one of them fails, except `alive`, the rig
+// stops. None may call a function of the same rig or of its law.
 typedef struct md_rig_io {
-  // Goes to each of them as it is; may be null.
+  // Passed to each function unchanged; may be null.
   void *context;
-  // Fills in displacement, force and control inputs of now. A channel that is not filled in counts as missing.
+  // Fills in the current displacement, force and control inputs. A channel that is not filled in counts as missing.
   bool (*read)(void *context, struct md_reading *reading);
   // Drives `command`, mm.
   bool (*drive)(void *context, float command);
-  // Sets the enable line; low stops the actuator.
+  // Sets the enable line; a low level stops the actuator.
   bool (*enable)(void *context, bool on);
-  // May be null. Returns true while an input from outside says stop, and where it cannot be read: asked at each tick, start and
-  // clear. It trips, and refuses a start and a clear.
+  // May be null. Returns true while an external stop input is active, or if it cannot be read. It is called at each tick, start
+  // and clear. It trips, and prevents a start and a clear.
   bool (*tripped)(void *context);
-  // May be null. Reads back that the last command is driven, every 16 ticks.
+  // May be null. Checks that the actuator drives the last command, every 16 ticks.
   bool (*verify_drive)(void *context);
-  // May be null. Reads back that the enable line is at this level, every 16 ticks and after each `enable`.
+  // May be null. Checks that the enable line is at this level, every 16 ticks and after each `enable`.
   bool (*verify_enable)(void *context, bool on);
-  // May be null. Sets the parts up again, which may have lost their supply, and drives 0: at a clear, which is refused where it
-  // does not succeed.
+  // May be null. Called at a clear: sets up the parts again, which may have lost their supply, and drives 0. If it fails, the
+  // clear is refused.
   bool (*restore)(void *context);
-  // May be null. Tells an external watchdog that a tick did all it had to, at the end of each that did.
+  // May be null. Tells an external watchdog at the end of a tick that the tick did all its work.
   bool (*alive)(void *context);
 } md_rig_io;
 
@@ -716,37 +723,37 @@ typedef struct md_rig_io {
 extern "C" {
 #endif // __cplusplus
 
-// The name of an error code as it stands in this header, such as `"MD_ERROR_NULL"`; `"?"` for any other number. It ends in NUL and
-// is never null.
+// The name of an error code as in this header, such as `"MD_ERROR_NULL"`; `"?"` for any other number. It ends in NUL and is never
+// null.
 const char *md_error_name(int32_t error);
 
-// What to do about an error code, in one sentence. It ends in NUL and is never null.
+// The remedy for an error code, in one sentence. It ends in NUL and is never null.
 const char *md_error_help(int32_t error);
 
-// Reads the law of a pack into `law`, its effects at rest. Where the pack is refused `law` is not initialised: its force is 0, and no
-// emulation and no rig takes it.
+// Loads the law of a pack into `law`, with its effects at rest. If the pack is rejected, `law` is not initialised: its force is 0,
+// and no emulation and no rig accepts it.
 //
-// * `pack`: `length` bytes, as `hil export` writes them
-// * `expected`: what the pack has to be
-// * `problem`: gets what exactly is refused; may be null
+// * `pack`: `length` bytes, as written by `hil export`
+// * `expected`: requirements on the pack
+// * `problem`: receives the details of an error; may be null
 //
 // Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field in the pack that is
 // out of its range.
 //
 // # Safety
-// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
+// Each pointer is null or points to memory of its type; `pack` points to `length` bytes.
 md_error md_law_init(struct md_law *law,
                      const uint8_t *pack,
                      size_t length,
                      const struct md_expected *expected,
                      struct md_problem *problem);
 
-// Reads the law of another pack beside the one in force. It takes over with the next `md_law_boundary`, or at the end of a cycle of
-// the emulation or the rig that has `law`. Where the pack is refused no law waits, and the one in force stays. What the effects
-// remember is kept where both laws have the same kinds of effects in the same order.
+// Loads the law of another pack in addition to the one in use. It takes over with the next `md_law_boundary`, or at the end of a
+// cycle of the emulation or the rig that has `law`. If the pack is rejected, no law waits and the one in use stays. The state of
+// the effects is kept if both laws have the same kinds of effects in the same order.
 //
-// Parameters and returned codes are those of `md_law_init`, and MD_ERROR_NOT_INITIALIZED. Call it between two ticks, not from an
-// interrupt that may come within one.
+// Parameters and codes are those of `md_law_init`, and MD_ERROR_NOT_INITIALIZED. Call it between two ticks, not from an interrupt
+// that may come within a tick.
 //
 // # Safety
 // As `md_law_init`.
@@ -756,84 +763,82 @@ md_error md_law_load(struct md_law *law,
                      const struct md_expected *expected,
                      struct md_problem *problem);
 
-// A cycle has ended: the law that waits takes over. Returns whether one did. A law that is null or not initialised has none.
+// Ends a cycle: a waiting law takes over. Returns whether one did; false for a law that is null or not initialised.
 //
 // # Safety
 // `law` is null or points to an `md_law`.
 bool md_law_boundary(struct md_law *law);
 
-// Puts all effects to rest, as before the first tick. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
+// Resets all effects to rest, as before the first tick. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED.
 //
 // # Safety
 // `law` is null or points to an `md_law`.
 md_error md_law_rest(struct md_law *law);
 
-// The force of this tick, kN: the mixed damping law's and every effect's. Call it once per tick, in order, at the pack's tick rate.
-// It cannot fail, and is finite for every motion. It is 0 for a pointer that is null or misaligned, and for a law that is not
-// initialised or whose pack was refused.
+// The force of this tick, kN: the mixed damping law's plus every effect's. Call it once per tick, in order, at the pack's tick
+// rate. It cannot fail, and it is finite for every motion. It is 0 for a pointer that is null or misaligned, and for a law that is
+// not initialised or whose pack was rejected.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 float md_law_force(struct md_law *law,
                    const struct md_motion *motion);
 
-// Reads what a pack of `length` bytes says of itself into `info`. Its law is not looked at.
+// Reads the information of a pack of `length` bytes into `info`. It does not check the law.
 //
-// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field that is out of its
-// range; `problem` gets the details, and may be null.
+// Returns MD_ERROR_NONE, or MD_ERROR_NULL, MD_ERROR_MISALIGNED, an MD_ERROR_PACK_..., or the code of a field outside its range.
+// `problem` receives the details, and may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says; `pack` points to `length` bytes.
+// Each pointer is null or points to memory of its type; `pack` points to `length` bytes.
 md_error md_pack_describe(const uint8_t *pack, size_t length, struct md_pack_info *info, struct md_problem *problem);
 
-// Before the first sample; again, it forgets the cycle under way. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+// Call it before the first sample. Called again, it discards the current cycle. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+// MD_ERROR_MISALIGNED.
 //
 // # Safety
 // `cycles` is null or points to an `md_cycles`.
 md_error md_cycles_init(struct md_cycles *cycles);
 
-// One tick. Returns whether a cycle ended with it that was seen from its beginning: `results` has it then, and is left as it was
-// otherwise.
+// Processes one tick. Returns whether a cycle ended with this tick and was observed from its beginning. Only then are its results
+// written to `results`.
 //
 // * `displacement`: mm; limited to -1e4...1e4, and NaN counts as 0
 // * `force`: kN; limited to -1e12...1e12, and NaN counts as 0
-// * `phase`: 2^32 to the cycle, and a cycle ends where it passes through 0. It must not go backwards, nor half a cycle or more
+// * `phase`: 2^32 per cycle. A cycle ends at the passage through 0. The phase must not go backwards, nor half a cycle or more
 //   forward.
 // * `results`: may be null
 //
-// For memory that is null, misaligned or not initialised no cycle ends.
+// For memory that is null, misaligned or not initialised, no cycle ends.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 bool md_cycles_update(struct md_cycles *cycles, float displacement, float force, uint32_t phase, struct md_cycle *results);
 
-// Before the first sample.
+// Call it before the first sample.
 //
-// * `hysteresis`: mm, 1e-9...1e4: above the noise's peak and below the motion's amplitude
+// * `hysteresis`: mm, 1e-9...1e4: above the peak of the noise and below the amplitude of the motion
 // * `problem`: may be null
 //
 // Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED, MD_ERROR_NON_FINITE or MD_ERROR_OUT_OF_RANGE.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_crossings_init(struct md_crossings *crossings, float hysteresis, struct md_problem *problem);
 
-// One tick, with displacement and force as in `md_cycles_update`. Returns whether a cycle ended, from the third on; `results` has it
-// then, and may be null.
+// Processes one tick, with displacement and force as in `md_cycles_update`. Returns whether a cycle ended, from the third cycle
+// on. Only then are its results written to `results`, which may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
-bool md_crossings_update(struct md_crossings *crossings,
-                         float displacement,
-                         float force,
-                         struct md_cycle *results);
+// Each pointer is null or points to memory of its type.
+bool md_crossings_update(struct md_crossings *crossings, float displacement, float force, struct md_cycle *results);
 
-// A generator at rest, at the start of its programme.
+// Initialises a generator at rest, at the start of its programme.
 //
 // * `tick_rate`: Hz, 1...1e6
-// * `ramp_cycles`: cycles of each ramp, at least 1: they lead from rest to a block, from block to block and back to rest, beside the
-//   cycles of the blocks
+// * `ramp_cycles`: number of cycles in each ramp, at least 1. Ramps lead from rest to a block, from block to block and back to
+//   rest. Their cycles are in addition to those of the blocks.
 // * `blocks`: `count` of them, 1...MD_BLOCKS
 // * `problem`: may be null
 //
@@ -841,7 +846,7 @@ bool md_crossings_update(struct md_crossings *crossings,
 // MD_ERROR_EMPTY.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_sine_init(struct md_sine *sine,
                       double tick_rate,
                       uint32_t ramp_cycles,
@@ -849,7 +854,7 @@ md_error md_sine_init(struct md_sine *sine,
                       size_t count,
                       struct md_problem *problem);
 
-// Back to the start of the programme, at rest. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
+// Resets to the start of the programme, at rest. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED.
 //
 // # Safety
@@ -860,54 +865,56 @@ md_error md_sine_restart(struct md_sine *sine);
 // MD_ERROR_NOT_INITIALIZED.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_sine_tick(struct md_sine *sine, struct md_excitation *excitation);
 
-// Of a converter's channel.
+// Initialises the scale of a converter's channel.
 //
-// * `full_scale`: the quantity at the positive full scale, 1e-6...1e6 in size; negative where the sensor or the amplifier inverts
-// * `zero`: what the channel reads when the quantity is 0, -1e6...1e6
+// * `full_scale`: the quantity at the positive full scale, 1e-6...1e6 in magnitude; negative if the sensor or the amplifier
+//   inverts
+// * `zero`: the reading at a quantity of 0, -1e6...1e6
 // * `problem`: may be null
 //
 // Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED, MD_ERROR_NON_FINITE or MD_ERROR_OUT_OF_RANGE.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_scale_init(struct md_scale *scale, double full_scale, double zero, struct md_problem *problem);
 
-// What a code of an ADC stands for.
+// The value of an ADC code.
 //
-// * `bits`: of the ADC, 1...16: 16 and 0 are the same, and more than 16 are 16
+// * `bits`: resolution of the ADC, 1...16; 0 and larger values count as 16
 // * `code`: offset binary over the same range. The last code counts as clipped, as 0 does.
 //
-// Of a scale that is null, misaligned or not initialised the value is NaN, which stops a controller.
+// For a scale that is null, misaligned or not initialised, the value is NaN, which stops a controller.
 //
 // # Safety
 // `scale` is null or points to an `md_scale`.
 struct md_sample md_scale_decode(const struct md_scale *scale, uint32_t bits, uint16_t code);
 
-// The code of 16 bits nearest to `value`, for a DAC: the range's end beyond it, and 0x8000, which is 0 V, for NaN and for a scale that
-// is null, misaligned or not initialised.
+// The 16-bit DAC code nearest to `value`. Beyond the range it is the code at the end of the range. It is 0x8000, which is 0 V, for
+// NaN and for a scale that is null, misaligned or not initialised.
 //
 // # Safety
 // `scale` is null or points to an `md_scale`.
 uint16_t md_scale_encode(const struct md_scale *scale,
                          float value);
 
-// The name of a trip's cause as it stands in this header, such as `"MD_TRIP_FORCE_LIMIT"`; `"?"` for any other number. It ends in
-// NUL and is never null.
+// The name of a trip cause as in this header, such as `"MD_TRIP_FORCE_LIMIT"`; `"?"` for any other number. It ends in NUL and is
+// never null.
 const char *md_trip_name(int32_t trip);
 
-// Settings for amplitudes of 0.02 to 0.3 mm up to 10 Hz, at 10 kHz. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+// Default settings, for amplitudes of 0.02 to 0.3 mm up to 10 Hz, at 10 kHz. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+// MD_ERROR_MISALIGNED.
 //
 // # Safety
 // `settings` is null or points to writable memory for them.
 md_error md_emulation_defaults(struct md_emulation_settings *settings);
 
-// An idle emulation.
+// Initialises an idle emulation.
 //
 // * `wiring`: scales of displacement, force and command (kN), each initialised
-// * `law`: initialised; it stays where it is as long as `emulation` is used. `md_law_load` between two ticks gives another law, which
+// * `law`: initialised. It must stay in place while `emulation` is used. `md_law_load` between two ticks loads another law, which
 //   takes over at the end of a cycle.
 // * `problem`: may be null
 //
@@ -915,118 +922,122 @@ md_error md_emulation_defaults(struct md_emulation_settings *settings);
 // MD_ERROR_OUT_OF_RANGE.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_emulation_init(struct md_emulation *emulation,
                            const struct md_emulation_settings *settings,
                            const struct md_wiring *wiring,
                            struct md_law *law,
                            struct md_problem *problem);
 
-// Begins to drive the law's force, which comes in over `stop_ticks`.
+// Starts driving the law's force, which rises over `stop_ticks`.
 //
 // Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED; `problem` may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_emulation_start(struct md_emulation *emulation, struct md_problem *problem);
 
-// Stops without a trip. Set the enable line low then: otherwise it stays high until the next tick, which says so. Returns as
-// `md_emulation_start` where memory is not right.
+// Stops without a trip. Then set the enable line low: otherwise it stays high until the next tick, whose telemetry reports it.
+// Returns the codes of `md_emulation_start` for invalid memory.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_stop(struct md_emulation *emulation);
 
-// Forgets the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT or MD_ERROR_MOVING, and as
-// `md_emulation_start` where memory is not right; `problem` may be null.
+// Clears the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT or MD_ERROR_MOVING, and the codes of
+// `md_emulation_start` for invalid memory; `problem` may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_emulation_clear(struct md_emulation *emulation, struct md_problem *problem);
 
-// One tick, at the tick rate. Set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN) then.
+// Processes one tick, at the tick rate. Then set the enable line to `telemetry->enabled` and drive `telemetry->command` (kN).
 //
-// * `reading`: null where the sensors failed, which stops it
-// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
-//   the tick before trips: a stall, a tick that is missing or called twice.
-// * `telemetry`: gets what it saw
+// * `reading`: null if the sensors failed, which stops the emulation
+// * `clock`: reading of a counter that runs freely at `clock_rate` and wraps. A time since the tick before of less than half a
+//   tick or more than one and a half trips: a stall, a missing tick, or a tick called twice.
+// * `telemetry`: receives the telemetry of this tick
 //
-// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED: set the line low then.
+// Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or MD_ERROR_NOT_INITIALIZED. Set the line low if it is not
+// MD_ERROR_NONE.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_emulation_tick(struct md_emulation *emulation,
                            const struct md_reading *reading,
                            uint32_t clock,
                            struct md_telemetry *telemetry);
 
-// The actuator did not take the command of the last tick: it trips. Set the enable line low then: otherwise it stays high until the
-// next tick, which says so. Returns as `md_emulation_stop`.
+// Reports that the actuator did not accept the command of the last tick: the emulation trips. Then set the enable line low:
+// otherwise it stays high until the next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_command_failed(struct md_emulation *emulation);
 
-// What the actuator drives, as it is read back, is not the command: it trips. Set the enable line low then: otherwise it stays high
-// until the next tick, which says so. Returns as `md_emulation_stop`.
+// Reports that the actuator's output, as read back, differs from the command: the emulation trips. Then set the enable line low:
+// otherwise it stays high until the next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_command_unverified(struct md_emulation *emulation);
 
-// The enable line could not be set: it trips. Try to set it low then, and again at the next tick: it may still be high. Returns as
-// `md_emulation_stop`.
+// Reports that the enable line could not be set: the emulation trips. Try to set it low now, and again at the next tick: it may
+// still be high. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_enable_failed(struct md_emulation *emulation);
 
-// A tick came late, or not at all: it trips. Set the enable line low then: otherwise it stays high until the next tick, which says so.
-// Returns as `md_emulation_stop`.
+// Reports that a tick was late or missing: the emulation trips. Then set the enable line low: otherwise it stays high until the
+// next tick, whose telemetry reports it. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_overrun(struct md_emulation *emulation);
 
-// An input outside of the emulation says stop: it trips in any state without a trip. Set the enable line low then: otherwise it stays
-// high until the next tick, which says so. Ask the input before each start and clear too. Returns as `md_emulation_stop`.
+// Reports that an external stop input is active: the emulation trips, unless it is stopped by a trip already. Then set the enable
+// line low: otherwise it stays high until the next tick, whose telemetry reports it. Check the input before each start and clear
+// too. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_external_trip(struct md_emulation *emulation);
 
-// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_emulation_stop`.
+// Reports a message from the other end of a link. Call it for every message. Returns the codes of `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_exchange(struct md_emulation *emulation);
 
-// Temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns as `md_emulation_stop`.
+// Sets the temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns the codes of
+// `md_emulation_stop`.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_set_temperature(struct md_emulation *emulation, float temperature);
 
-// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. Where it has gone up with a tick, give an external
-// watchdog no signal. 0 of no emulation.
+// Number of ticks so far that were not in time, in every state. A clear does not change it, and it wraps. If it has increased with
+// a tick, give an external watchdog no signal. 0 without an emulation.
 //
 // # Safety
 // `emulation` is null or points to an `md_emulation`.
 uint32_t md_emulation_late_ticks(struct md_emulation *emulation);
 
-// Settings for amplitudes up to 0.3 mm and a few kN, at 0.5 to 10 Hz. Returns MD_ERROR_NONE, MD_ERROR_NULL or MD_ERROR_MISALIGNED.
+// Default settings, for amplitudes up to 0.3 mm and a few kN, at 0.5 to 10 Hz. Returns MD_ERROR_NONE, MD_ERROR_NULL or
+// MD_ERROR_MISALIGNED.
 //
 // # Safety
 // `settings` is null or points to writable memory for them.
 md_error md_rig_defaults(struct md_rig_settings *settings);
 
-// An idle rig; the enable line is set low.
+// Initialises an idle rig; the enable line is set low.
 //
-// * `programme`: what it excites the specimen by; it is copied
+// * `programme`: the excitation of the specimen; it is copied
 // * `wiring`: scales of displacement, force and command (mm), each initialised
-// * `io`: what it calls; it is copied, and `read`, `drive` and `enable` may not be null
-// * `law`: initialised; it stays where it is as long as `rig` is used. `md_law_load` between two ticks gives another law, which takes
+// * `io`: the functions that the rig calls; it is copied, and `read`, `drive` and `enable` must not be null
+// * `law`: initialised. It must stay in place while `rig` is used. `md_law_load` between two ticks loads another law, which takes
 //   over at the end of a cycle.
 // * `problem`: may be null
 //
@@ -1034,7 +1045,7 @@ md_error md_rig_defaults(struct md_rig_settings *settings);
 // MD_ERROR_OUT_OF_RANGE, MD_ERROR_FULL or MD_ERROR_EMPTY.
 //
 // # Safety
-// Each pointer is null or points to what its type says; the functions of `io` may be called with its context.
+// Each pointer is null or points to memory of its type; the functions of `io` may be called with its context.
 md_error md_rig_init(struct md_rig *rig,
                      const struct md_rig_settings *settings,
                      const struct md_programme *programme,
@@ -1043,13 +1054,13 @@ md_error md_rig_init(struct md_rig *rig,
                      struct md_law *law,
                      struct md_problem *problem);
 
-// Begins the programme from its start; the enable line rises.
+// Starts the programme from its beginning; the enable line rises.
 //
 // Returns MD_ERROR_NONE, MD_ERROR_RUNNING, MD_ERROR_MOVING, MD_ERROR_FAULTED, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
 // MD_ERROR_NOT_INITIALIZED; `problem` may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_rig_start(struct md_rig *rig, struct md_problem *problem);
 
 // Stops without a trip; the enable line drops within the call. Returns MD_ERROR_NONE, MD_ERROR_NULL, MD_ERROR_MISALIGNED or
@@ -1059,63 +1070,62 @@ md_error md_rig_start(struct md_rig *rig, struct md_problem *problem);
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_stop(struct md_rig *rig);
 
-// Forgets the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT, MD_ERROR_MOVING or MD_ERROR_FAULTED,
-// and as `md_rig_stop`; `problem` may be null.
+// Clears the trip, once the command is back at 0. Returns MD_ERROR_NONE, MD_ERROR_NO_FAULT, MD_ERROR_MOVING or MD_ERROR_FAULTED,
+// and the codes of `md_rig_stop`; `problem` may be null.
 //
 // # Safety
-// Each pointer is null or points to what its type says.
+// Each pointer is null or points to memory of its type.
 md_error md_rig_clear(struct md_rig *rig, struct md_problem *problem);
 
-// One tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns as `md_rig_stop`.
+// Processes one tick, at the programme's tick rate: reads, drives, and sets the enable line. Returns the codes of `md_rig_stop`.
 //
-// * `clock`: what a counter reads that runs freely at `clock_rate` and wraps. Less than half a tick or more than one and a half since
-//   the tick before trips: a stall, a tick that is missing or called twice.
-// * `telemetry`: gets what it saw, and may be null
+// * `clock`: reading of a counter that runs freely at `clock_rate` and wraps. A time since the tick before of less than half a
+//   tick or more than one and a half trips: a stall, a missing tick, or a tick called twice.
+// * `telemetry`: receives the telemetry of this tick; may be null
 //
 // # Safety
-// Each pointer is null or points to what its type says.
-md_error md_rig_tick(struct md_rig *rig,
-                     uint32_t clock,
-                     struct md_telemetry *telemetry);
+// Each pointer is null or points to memory of its type.
+md_error md_rig_tick(struct md_rig *rig, uint32_t clock, struct md_telemetry *telemetry);
 
-// A tick came late, or not at all: it trips, and the enable line drops. Returns as `md_rig_stop`.
+// Reports that a tick was late or missing: the rig trips, and the enable line drops. Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_overrun(struct md_rig *rig);
 
-// An input outside of the rig says stop: it trips in any state without a trip, and the enable line drops. Returns as `md_rig_stop`.
+// Reports that an external stop input is active: the rig trips, unless it is stopped by a trip already, and the enable line drops.
+// Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_external_trip(struct md_rig *rig);
 
-// Whoever is at the other end of a link was heard: call it as often as that is so. Returns as `md_rig_stop`.
+// Reports a message from the other end of a link. Call it for every message. Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_exchange(struct md_rig *rig);
 
-// Forgets all that the monitor found; what is now counts as normal. Returns as `md_rig_stop`.
+// Clears all findings of the monitor; the current condition counts as normal. Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_clear_events(struct md_rig *rig);
 
-// Temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns as `md_rig_stop`.
+// Sets the temperature of the specimen for the law's effects, degrees Celsius; 20 until set. Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_set_temperature(struct md_rig *rig, float temperature);
 
-// Ticks so far that did not come in time, in every state; a clear leaves them. It wraps. 0 of no rig.
+// Number of ticks so far that were not in time, in every state. A clear does not change it, and it wraps. 0 without a rig.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
 uint32_t md_rig_late_ticks(struct md_rig *rig);
 
-// The next start keeps what the corrections of amplitude and phase have learned, instead of starting from neutral. Not after sensors or
-// actuator were repaired. Returns as `md_rig_stop`.
+// At the next start, the rig keeps the learned corrections of amplitude and phase instead of starting from neutral. Do not call it
+// after sensors or the actuator were repaired. Returns the codes of `md_rig_stop`.
 //
 // # Safety
 // `rig` is null or points to an `md_rig`.
