@@ -169,6 +169,30 @@ fn a_row_that_is_written_twice_is_read_once() {
     assert_eq!(read(&text).time, clean.time);
 }
 
+/// Millimetres declared as metres, or swapped columns, give a force per displacement that no mesh damper has.
+#[test]
+fn a_force_that_is_far_too_small_for_its_displacement_is_mentioned() {
+    let said = |stiffness: f64| {
+        let row = |index: usize| {
+            let y = 0.1 * (0.05 * index as f64).sin();
+            format!("{},{y},{}\n", 0.01 * index as f64, stiffness * y)
+        };
+        let rows: String = (0..400).map(row).collect();
+        let recording = read(&format!("time_s,displacement_mm,force_kN\n{rows}"));
+        let faults = recording.repaired().faults().to_vec();
+        faults.iter().map(ToString::to_string).collect::<String>()
+    };
+    assert!(said(0.004).contains("4.0e-3 kN per mm"), "{}", said(0.004));
+    for plausible in [0.02, 4.0, 200.0] {
+        assert_eq!(said(plausible), "");
+    }
+    assert!(
+        said(4000.0).contains("unit of the force or of the displacement"),
+        "{}",
+        said(4000.0)
+    );
+}
+
 /// A logger writes an empty cell or NaN where it has no sample. The rows count as absent.
 #[test]
 fn a_cell_without_a_number_is_a_missing_sample() {

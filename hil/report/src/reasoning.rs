@@ -48,6 +48,10 @@ impl Evidence {
                 "The error of the fitted law is " (text::percent(error)) " of the force's RMS on data that was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
                 @if error <= 2.0 * result.noise_floor_nrmse { "It is hardly more than noise." }
+                @else if text::is_hidden(result) {
+                    "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise, and the uncertainty of the estimated \
+                     velocity can explain all of it. "
+                }
                 @else {
                     "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise: something is missing. "
                     "Where the map has a colour, the measured force is above (red) or below (blue) the law's every time \
@@ -118,7 +122,11 @@ pub fn tried(result: &TraceResult) -> Section {
     let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
     let body = html! {
         @if result.candidates.is_empty() {
-            p { "Nothing: the residual of the law is no more than the noise." }
+            @if text::is_hidden(result) {
+                p { "Nothing: the residual of the law is no more than the noise and the uncertainty of the estimated velocity." }
+            } @else {
+                p { "Nothing: the residual of the law is no more than the noise." }
+            }
         } @else {
             p {
                 "Each step starts from the law with the effects of the earlier steps, and tries every family of effects. The \
@@ -262,6 +270,11 @@ fn dropped(result: &TraceResult) -> Vec<String> {
 pub fn concluded(result: &TraceResult) -> Markup {
     html! {
         @match result.verdict {
+            Verdict::None if text::is_hidden(result) => {
+                p {
+                    "Nothing that these recordings can show: the uncertainty of the estimated velocity hides an effect, if there is one."
+                }
+            }
             Verdict::None => {
                 p {
                     "Nothing: the residual of the law alone on the validation data is hardly more than the noise, or no family \

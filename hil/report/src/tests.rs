@@ -263,6 +263,15 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     data.result.effects.clear();
     data.result.verdict = Verdict::None;
     assert!(render(&data).contains("Nothing is missing"));
+    // An error of 3.1 times the noise without an effect: the velocity is too uncertain.
+    let found = std::mem::replace(
+        &mut data.result.augmented.nrmse_fitted,
+        3.1 * data.result.noise_floor_nrmse,
+    );
+    let page = render(&data);
+    assert!(page.contains("Not decided: the recording can hide an effect"));
+    assert!(!page.contains("Nothing is missing") && !page.contains("something is missing"));
+    data.result.augmented.nrmse_fitted = found;
     data.result.verdict = Verdict::Unlisted;
     assert!(render(&data).contains("Nothing was added"));
     assert!(render(&data).contains("not kept in the end: stick-slip."));

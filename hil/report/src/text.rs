@@ -128,6 +128,15 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
     (heading, sentence)
 }
 
+/// Whether the estimated motion can hide an effect in a recording without one: see `hidden_by_motion` of the verdict's policy.
+pub fn is_hidden(result: &TraceResult) -> bool {
+    let most = mesh_damper_identify::policy::policy()
+        .verdict
+        .hidden_by_motion;
+    result.verdict == Verdict::None
+        && result.augmented.nrmse_fitted > most * result.noise_floor_nrmse
+}
+
 /// A model whose error is larger by this factor is worse. Convention: two per cent are no difference.
 const WORSE: f64 = 1.02;
 
@@ -166,6 +175,17 @@ fn concluded(result: &TraceResult) -> (String, String) {
         percent(result.noise_floor_nrmse),
     );
     match result.verdict {
+        Verdict::None if is_hidden(result) => (
+            "Not decided: the recording can hide an effect".into(),
+            format!(
+                "The error of the {} on data that was never fitted is {} of the force's RMS, and the noise of the recording is {}. The \
+                 uncertainty of the estimated velocity can explain all of the difference. Record at a higher rate, or with less noise \
+                 of the displacement.",
+                law(&result.baseline),
+                percent(result.baseline.nrmse_held_out),
+                percent(result.noise_floor_nrmse)
+            ),
+        ),
         Verdict::None => (
             "Nothing is missing".into(),
             format!(

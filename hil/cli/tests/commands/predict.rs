@@ -40,6 +40,48 @@ fn predict(directory: &Path, recording: &str, out: &str, on: &str) {
     );
 }
 
+/// A recording in another unit than the fitted one is named, and its error is no percentage of twenty digits.
+#[test]
+fn a_force_of_another_size_than_the_predicted_one_is_named() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("model.json"), MODEL).unwrap();
+    for (name, factor, error) in [
+        ("right.csv", 1.0, "% of the measured"),
+        ("small.csv", 1e-6, "times the measured"),
+    ] {
+        let row = |i: u32| {
+            let time = f64::from(i) * 0.002;
+            let y = displacement(time);
+            format!("{time},{y},{}\n", factor * (2.0 * y + 0.5))
+        };
+        let rows: String = (0..1000).map(row).collect();
+        let text = format!("time_s,displacement_mm,force_kN\n{rows}");
+        fs::write(root.path().join(name), text).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+            .args([
+                "predict",
+                "--model",
+                "model.json",
+                name,
+                "--out",
+                "pred.csv",
+                "--on",
+                "f64",
+            ])
+            .current_dir(root.path())
+            .output()
+            .unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let (out, err) = (text(&output.stdout), text(&output.stderr));
+        assert!(out.contains(error), "{out}");
+        assert_eq!(
+            err.contains("times the predicted one; check the units"),
+            factor < 1.0,
+            "{err}"
+        );
+    }
+}
+
 #[test]
 fn the_rows_come_back_with_a_column_in_the_recordings_own_unit() {
     let root = tempfile::tempdir().unwrap();

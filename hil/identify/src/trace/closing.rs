@@ -281,6 +281,7 @@ impl<'a> Closing<'a> {
                 &model,
                 left,
                 (&without, &with),
+                &on_target,
                 &over_noise,
                 noise_floor,
             ),

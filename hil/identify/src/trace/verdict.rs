@@ -143,12 +143,13 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
 }
 
 /// Warnings for the reader. The error with the effects is `left` times that of a perfect law; `errors` are those of the law alone and
-/// of the augmented law, and `noise_floor` is the noise of the force over its RMS.
+/// of the augmented law, `embedded` those of the latter in f32, and `noise_floor` is the noise of the force over its RMS.
 pub(super) fn warnings<'t>(
     trajectories: impl Iterator<Item = &'t Trajectory>,
     model: &Model,
     left: f64,
     errors: (&Errors, &Errors),
+    embedded: &Errors,
     over_noise: &OverNoise,
     noise_floor: f64,
 ) -> Vec<String> {
@@ -177,6 +178,15 @@ pub(super) fn warnings<'t>(
                 trajectory.name, block.amplitude, first.amplitude, last.amplitude
             ));
         }
+    }
+    // The numbers of f32 reach from 1e-38 to 1e38, and those of a law in mm, kN and s lie far within.
+    if embedded.nrmse_held_out > policy().verdict.noise_limited * errors.1.nrmse_held_out {
+        warnings.push(format!(
+            "the embedded law in f32 errs {:.3} % on the held-out data, that in f64 {:.3} %: a unit of time, displacement or force is \
+             probably wrong; do not use it in firmware",
+            100.0 * embedded.nrmse_held_out,
+            100.0 * errors.1.nrmse_held_out
+        ));
     }
     if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(

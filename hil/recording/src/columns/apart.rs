@@ -54,7 +54,7 @@ pub(super) fn apart(
     Some(InputError::new(
         file,
         format!("{}: they were sampled at different times", each.join(", ")),
-        "write all channels at the same times into one table, with the program that recorded them or with pandas' merge_asof",
+        "write all channels at one rate and the same times into one table, with the program that recorded them or with pandas' merge_asof",
     ))
 }
 

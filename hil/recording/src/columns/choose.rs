@@ -405,7 +405,10 @@ impl Choice<'_> {
                         quoted(name),
                         listed(&names)
                     ),
-                    format!("give one of these names: --channel {quantity}=NAME"),
+                    format!(
+                        "give one of these names: --channel {quantity}=NAME; the option applies to every file, so that the column \
+                         must have the same name in all of them"
+                    ),
                 ))
             }
         }

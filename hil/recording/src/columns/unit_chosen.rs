@@ -16,7 +16,6 @@ impl Choice<'_> {
         column: usize,
         guesses: &mut Vec<String>,
     ) -> Result<Option<Unit>, InputError> {
-        let fail = |problem: String| self.no_unit(channel, column, problem, &[]);
         let told = &self.table.columns[column];
         let found = unit_found::unit_for(told, channel);
         if let Some(written) = said(&self.reading.units, channel.name()) {
@@ -67,24 +66,26 @@ impl Choice<'_> {
         }
         match found {
             UnitFound::Known(unit) => Ok(Some(unit)),
-            UnitFound::Unknown(written) if has_factor(&written) => {
-                Err(self.scaled_unit(channel, column, &written))
-            }
-            UnitFound::Unknown(written) if spelling::is_quantity(&written) => Err(fail(format!(
-                "{written} is no unit of a {}",
-                channel.name()
-            ))),
-            UnitFound::Unknown(written) => {
-                let either = longer(channel, &written);
-                let problem = format!("unknown unit {}", quoted(&written));
-                Err(self.no_unit(channel, column, problem, &either))
-            }
+            UnitFound::Unknown(written) => Err(self.unknown(channel, column, &written)),
             UnitFound::Unclear(written, either) => {
                 let problem = format!("the unit is not clear: {written}");
                 Err(self.no_unit(channel, column, problem, &either))
             }
             UnitFound::None => Ok(None),
         }
+    }
+
+    /// A stated unit that the channel cannot have.
+    fn unknown(&self, channel: Channel, column: usize, written: &str) -> InputError {
+        if has_factor(written) {
+            return self.scaled_unit(channel, column, written);
+        }
+        let problem = if spelling::is_quantity(written) {
+            format!("{written} is no unit of a {}", channel.name())
+        } else {
+            format!("unknown unit {}", quoted(written))
+        };
+        self.no_unit(channel, column, problem, &longer(channel, written))
     }
 
     /// The unit of a channel's column without a stated unit. `assumed` records the assumption.
@@ -95,16 +96,13 @@ impl Choice<'_> {
         assumed: &mut Vec<String>,
     ) -> Result<Unit, InputError> {
         match &self.needs.unmarked {
-            Unmarked::Refused => {
-                let problem = match unit_found::unknown_unit(&self.table.columns[column]) {
-                    Some(written) if has_factor(&written) => {
-                        return Err(self.scaled_unit(channel, column, &written));
-                    }
-                    Some(written) => format!("unknown unit {}", quoted(&written)),
-                    None => "the name carries no unit".into(),
-                };
-                Err(self.no_unit(channel, column, problem, &[]))
-            }
+            Unmarked::Refused => match unit_found::unknown_unit(&self.table.columns[column]) {
+                Some(written) => Err(self.unknown(channel, column, &written)),
+                None => {
+                    let problem = "the name carries no unit".into();
+                    Err(self.no_unit(channel, column, problem, &[]))
+                }
+            },
             Unmarked::Said(units) => Ok(channel.unit_in(units)),
             Unmarked::Assumed(units) => {
                 let unit = channel.unit_in(units);

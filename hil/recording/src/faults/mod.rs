@@ -99,6 +99,11 @@ pub enum ChannelFaultKind {
     },
     /// A velocity that is not the derivative of the displacement.
     NotDerivative,
+    /// The force per displacement is below that of any mesh damper.
+    Soft {
+        /// Force per displacement, kN/mm.
+        stiffness: f64,
+    },
     /// A tone of the mains.
     Hum {
         /// Hz
@@ -236,6 +241,11 @@ impl std::fmt::Display for ChannelFault {
                      the columns' names or the --unit options; every value found is wrong by this factor"
                 )
             }
+            ChannelFaultKind::Soft { stiffness } => write!(
+                f,
+                "the force is only {stiffness:.1e} kN per mm, less than that of any metal mesh damper: check the units in the columns' \
+                 names or the --unit options, and that displacement and force are not swapped; nothing was changed"
+            ),
             ChannelFaultKind::Hum {
                 frequency,
                 amplitude,

@@ -33,6 +33,9 @@ crate::numbers! {
             Convention("from the noise of a sensor to half the height of the paper's specimens, which is 15 mm");
         /// A force per displacement above this is reported as a wrong unit, for any damper, kN/mm.
         stiffest: f64 = 300.0, Convention("ten times the stiffest mesh damper");
+        /// A force per displacement below this is mentioned, for any damper, kN/mm: the unit of a channel may be wrong, or the columns may
+        /// be swapped.
+        softest: f64 = 0.01, Convention("the softest mesh damper; a softer damper of another kind gets the note too");
         /// A channel has changed its unit only if its smaller part correlates with the other channel by at least this; otherwise it is at
         /// rest there.
         follows: f64 = 0.3, Tuned("the injected channel faults");
@@ -86,6 +89,16 @@ pub(super) fn repair(recording: &mut Recording) {
             recording.len(),
             false,
         );
+    }
+    if stiffness < policy().scale.softest
+        && !is_known(recording, Channel::Force)
+        && !is_known(recording, Channel::Displacement)
+    {
+        let kind = ChannelFaultKind::Soft { stiffness };
+        recording.faults.push(ChannelFault {
+            channel: Channel::Force,
+            kind,
+        });
     }
     if let Some(rate) = declared_rate(recording)
         && !is_known(recording, Channel::Time)

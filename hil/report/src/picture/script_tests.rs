@@ -8,13 +8,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::axis::{Axis, Scale};
 
-/// Writes each tick of each line `scale from to most` as `place<TAB>label`, and an empty line after them.
+/// Writes each tick of each line `scale from to most` as `place<TAB>label`, and a line `end` after them.
 const MAIN: &str = r#"
 for (const line of require("fs").readFileSync(0, "utf8").trim().split("\n")) {
   const [scale, ...numbers] = line.split(" ");
   const [from, to, most] = numbers.map(Number);
   const ticks = ticksOf({ scale }, from, to, most);
-  console.log(ticks.map(([place, label]) => place + "\t" + label + "\n").join(""));
+  console.log(ticks.map(([place, label]) => place + "\t" + label + "\n").join("") + "end");
 }
 "#;
 
@@ -69,7 +69,7 @@ fn the_script_has_the_ticks_of_the_page() {
     let output = node.wait_with_output().unwrap();
     assert!(output.status.success());
     let said = String::from_utf8(output.stdout).unwrap();
-    let drawn: Vec<&str> = said.split("\n\n").collect();
+    let drawn: Vec<&str> = said.split("end\n").collect();
     let mut ticks = 0;
     for ((scale, ends, most), drawn) in cases.iter().zip(&drawn) {
         let axis = Axis {

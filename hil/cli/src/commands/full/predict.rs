@@ -260,6 +260,16 @@ impl Predict {
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
         }
+        // As between the recordings of a trace.
+        let apart = mesh_damper_recording::policy::policy().scale.unit_apart;
+        let ratio = rms(&repaired.force) / rms(&force);
+        if error.is_some() && !(1.0 / apart..=apart).contains(&ratio) {
+            warn(&format!(
+                "{}: the measured force is {ratio:.1e} times the predicted one; check the units of its columns, and that displacement and \
+                 force are not swapped",
+                recording.name
+            ));
+        }
         let motion = &trajectory.motion;
         let outside =
             Extrapolation::of(&file.fitted_range(), &motion.displacement, &motion.velocity);
@@ -299,6 +309,10 @@ impl Predict {
         let is_free = |other: &Option<PathBuf>| other.as_deref() != Some(dash);
         if self.out != dash && is_free(&self.json) && is_free(&self.motion) {
             let error = match summary.nrmse {
+                // Digits of a percentage would say nothing.
+                Some(error) if error >= 10.0 => {
+                    format!("error {error:.2e} times the measured force's RMS")
+                }
                 Some(error) => format!("error {:.2} % of the measured force's RMS", 100.0 * error),
                 None => "no error, because no force was measured,".into(),
             };
