@@ -179,10 +179,16 @@ fn a_force_that_is_far_too_small_for_its_displacement_is_mentioned() {
         };
         let rows: String = (0..400).map(row).collect();
         let recording = read(&format!("time_s,displacement_mm,force_kN\n{rows}"));
-        let faults = recording.repaired().faults().to_vec();
+        // A repaired recording is not searched anew.
+        let faults = recording.repaired().repaired().faults().to_vec();
         faults.iter().map(ToString::to_string).collect::<String>()
     };
-    assert!(said(0.004).contains("4.0e-3 kN per mm"), "{}", said(0.004));
+    assert_eq!(
+        said(0.004).matches("4.0e-3 kN per mm").count(),
+        1,
+        "{}",
+        said(0.004)
+    );
     for plausible in [0.02, 4.0, 200.0] {
         assert_eq!(said(plausible), "");
     }

@@ -61,7 +61,12 @@ pub(super) fn repair(recording: &mut Recording) {
     let travel = spread(&recording.displacement);
     let is_known = |recording: &Recording, channel| {
         let known = |fault: &ChannelFault| {
-            fault.channel == channel && matches!(fault.kind, ChannelFaultKind::Unit { .. })
+            let kind = &fault.kind;
+            fault.channel == channel
+                && matches!(
+                    kind,
+                    ChannelFaultKind::Unit { .. } | ChannelFaultKind::Soft { .. }
+                )
         };
         recording.faults.iter().any(known)
     };
