@@ -130,8 +130,9 @@ pub struct RigSettings {
     pub force_limit: f64,
     /// Largest difference between the measured and the demanded displacement, mm, 1e-6…1e4.
     pub tracking_limit: f64,
-    /// Number of ticks in a row for which one of these limits must be exceeded to stop the rig, 1…1e6. A quarter of that is enough
-    /// for an excess of more than a tenth.
+    /// Trip time: number of ticks beyond one of these limits until the rig stops, 1…1e6. They need not be in a row: a tick within
+    /// the limit takes back only an eighth of one beyond it, so that a limit exceeded for more than a ninth of the time stops the
+    /// rig. A quarter of the trip time is enough for an excess of more than a tenth.
     pub trip_ticks: u32,
     /// Number of ticks in which the command goes to 0 after a stop, 1…1e7.
     pub stop_ticks: u32,

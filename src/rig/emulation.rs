@@ -36,8 +36,8 @@ pub struct DamperEmulationSettings {
     /// Largest force in either direction, kN, 1e-6…1e9. A force of the law beyond it stops at once, a measured one after
     /// `trip_ticks`.
     pub force_limit: f64,
-    /// Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1…1e6. A quarter of that is enough for
-    /// an excess of more than a tenth.
+    /// Trip time: number of ticks in which a measured quantity exceeds its limit until the stop, 1…1e6. As
+    /// [`super::RigSettings::trip_ticks`], they need not be in a row, and a quarter is enough for an excess of more than a tenth.
     pub trip_ticks: u32,
     /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1…1e7.
     pub stop_ticks: u32,

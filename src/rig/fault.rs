@@ -135,9 +135,8 @@ impl Limits {
         self.force
     }
 
-    /// The trip cause, once a limit has been exceeded for `trip_ticks` ticks in a row. A quarter of them is enough for an excess of
-    /// more than a tenth, and correspondingly more are needed if up to one tick in nine is within the limit. NaN clearly exceeds
-    /// every limit.
+    /// The trip cause, once the count of a limit reaches that of `trip_ticks` ticks beyond it. A quarter of them is enough for an
+    /// excess of more than a tenth; each tick within the limit takes back an eighth of one. NaN clearly exceeds every limit.
     #[inline]
     pub(super) fn check(
         &self,

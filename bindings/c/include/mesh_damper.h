@@ -513,7 +513,7 @@ typedef struct md_emulation_settings {
   // Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
   // `trip_ticks`.
   double force_limit;
-  // Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1...1e6.
+  // Number of ticks beyond the limit of a measured quantity until the stop, 1...1e6. A tick within takes back an eighth of one.
   uint32_t trip_ticks;
   // Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
   uint32_t stop_ticks;
@@ -629,7 +629,7 @@ typedef struct md_rig_settings {
   double force_limit;
   // Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
   double tracking_limit;
-  // Number of ticks in a row for which one of these must be exceeded to stop the rig, 1...1e6.
+  // Number of ticks beyond one of these limits until the rig stops, 1...1e6. A tick within takes back an eighth of one.
   uint32_t trip_ticks;
   // Number of ticks in which the command goes to 0 after a stop, 1...1e7.
   uint32_t stop_ticks;

@@ -42,7 +42,7 @@ pub struct EmulationSettings {
     /// Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
     /// `trip_ticks`.
     pub force_limit: f64,
-    /// Number of ticks in a row for which a measured quantity must exceed its limit to stop, 1...1e6.
+    /// Number of ticks beyond the limit of a measured quantity until the stop, 1...1e6. A tick within takes back an eighth of one.
     pub trip_ticks: u32,
     /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
     pub stop_ticks: u32,

@@ -176,7 +176,7 @@ pub struct RigSettings {
     pub force_limit: f64,
     /// Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
     pub tracking_limit: f64,
-    /// Number of ticks in a row for which one of these must be exceeded to stop the rig, 1...1e6.
+    /// Number of ticks beyond one of these limits until the rig stops, 1...1e6. A tick within takes back an eighth of one.
     pub trip_ticks: u32,
     /// Number of ticks in which the command goes to 0 after a stop, 1...1e7.
     pub stop_ticks: u32,
