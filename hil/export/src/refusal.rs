@@ -26,13 +26,14 @@ impl Request {
                 format!("the law of {model} has the same coefficients at every amplitude"),
                 "leave --amplitude out",
             ),
-            ExportError::Model(error @ ModelError::Refused { .. }) => InputError {
-                remedy: format!(
+            ExportError::Model(error @ ModelError::Refused { .. }) => {
+                let mut refused = model_error(&model, error);
+                refused.remedy = format!(
                     "give a --tick-rate other than {}, correct the field, or trace the recordings again",
                     self.tick_rate
-                ),
-                ..model_error(&model, error)
-            },
+                );
+                refused
+            }
             ExportError::Model(error) => model_error(&model, error),
             ExportError::Active(active) => InputError::new(
                 model,

@@ -19,10 +19,17 @@ pub struct InputError {
     pub problem: String,
     /// Its correction.
     pub remedy: String,
-    /// The channel that the file lacks, if that is the problem.
-    pub missing: Option<Channel>,
-    /// The options that answer it, if options do: `--unit force=UNIT`. A word in capitals stands for what only the user knows.
-    pub answer: Option<String>,
+    /// The question that it asks, if it is one. Boxed, as every `Result` has room for it.
+    question: Option<Box<Question>>,
+}
+
+/// A question about a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Question {
+    /// The channel that the file lacks.
+    missing: Option<Channel>,
+    /// The options that answer it.
+    answer: Option<String>,
 }
 
 /// A place in a file.
@@ -41,13 +48,9 @@ pub enum Place {
         /// The column's name.
         column: String,
     },
-    /// A sample of a file without lines, or of a recording in memory.
-    Sample {
-        /// The sample, counted from 1.
-        sample: u64,
-        /// The column's name, if it is one value.
-        column: Option<String>,
-    },
+    /// A sample of a file without lines or of a recording in memory, counted from 1, and the column's name if it is one value. Boxed, as
+    /// every `Result` has room for it.
+    Sample(Box<(u64, Option<String>)>),
     /// A field of a structured file, as a path such as `effects[0].parameters.force`.
     Field(String),
 }
@@ -64,16 +67,32 @@ impl InputError {
             place: Place::Whole,
             problem: problem.into(),
             remedy: remedy.into(),
-            missing: None,
-            answer: None,
+            question: None,
         }
     }
 
     /// The same error with the options that answer it.
     #[must_use]
     pub fn answered_by(mut self, options: impl Into<String>) -> Self {
-        self.answer = Some(options.into());
+        self.question.get_or_insert_default().answer = Some(options.into());
         self
+    }
+
+    /// The options that answer it, if options do: `--unit force=UNIT`. A word in capitals stands for what only the user knows.
+    pub fn answer(&self) -> Option<&str> {
+        self.question.as_ref()?.answer.as_deref()
+    }
+
+    /// The same error about a channel that the file lacks.
+    #[must_use]
+    pub(crate) fn lacking(mut self, channel: Channel) -> Self {
+        self.question.get_or_insert_default().missing = Some(channel);
+        self
+    }
+
+    /// The channel that the file lacks, if that is the problem.
+    pub fn missing(&self) -> Option<Channel> {
+        self.question.as_ref()?.missing
     }
 
     /// The same error at a place in the file.
@@ -128,14 +147,12 @@ impl InputError {
             Place::Cell { line, column } => {
                 write!(text, ": line {line}, column {}", single_line(column))
             }
-            Place::Sample {
-                sample,
-                column: None,
-            } => write!(text, ": sample {sample}"),
-            Place::Sample {
-                sample,
-                column: Some(column),
-            } => write!(text, ": sample {sample}, column {}", single_line(column)),
+            Place::Sample(place) => match &**place {
+                (sample, None) => write!(text, ": sample {sample}"),
+                (sample, Some(column)) => {
+                    write!(text, ": sample {sample}, column {}", single_line(column))
+                }
+            },
             Place::Field(field) => write!(text, ": field {}", single_line(field)),
         };
         let _ = write!(

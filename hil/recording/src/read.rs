@@ -45,7 +45,7 @@ impl Recording {
     ) -> Result<(Self, Option<InputError>), InputError> {
         let path = path.as_ref();
         match Self::read_as(path, reading) {
-            Err(error) if error.missing == Some(Channel::Force) => {
+            Err(error) if error.missing() == Some(Channel::Force) => {
                 let motion = Self::whole(path, reading, Kept::Cells, &Needs::motion())?;
                 Ok((motion, Some(error)))
             }

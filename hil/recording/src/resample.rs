@@ -319,10 +319,7 @@ mod tests {
         let mut times: Vec<f64> = (0..100).map(|i| f64::from(i) / 100.0).collect();
         times.push(1e9);
         let error = sine(&times).uniform().unwrap_err();
-        let place = Place::Sample {
-            sample: 101,
-            column: None,
-        };
+        let place = Place::Sample(Box::new((101, None)));
         assert_eq!(error.place, place);
     }
 }

@@ -100,10 +100,7 @@ impl RowLines {
                 line: number,
                 column,
             },
-            (false, column) => Place::Sample {
-                sample: number,
-                column,
-            },
+            (false, column) => Place::Sample(Box::new((number, column))),
         }
     }
 

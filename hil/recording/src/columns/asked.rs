@@ -146,7 +146,7 @@ impl Choice<'_> {
             let words = words.unwrap_or_default();
             format!("there is no {name} column; found {}{words}", listed(&names))
         };
-        let mut error = InputError::new(
+        let error = InputError::new(
             self.file,
             problem,
             format!(
@@ -155,8 +155,8 @@ impl Choice<'_> {
                 options.join(" or ")
             ),
         )
-        .answered_by(answer);
-        error.missing = Some(channel);
+        .answered_by(answer)
+        .lacking(channel);
         match self.table.header_line {
             Some(line) => error.at(Place::Line(line)),
             None => error,

@@ -20,7 +20,7 @@ const IN_RUST: [(&str, &[&str]); 4] = [
 ];
 const IN_C: [(&str, &[&str]); 1] = [("power/c", &["powf"])];
 /// The generator's sine.
-const SINE: &str = "4sine4SINE";
+const SINE: &str = "4sine5phase4SINE";
 
 /// Code of the forms of |v|^α in Rust, and the tables of the tick.
 ///

@@ -179,9 +179,10 @@ impl Driven {
         &self,
         setup: &RigSetup<Specimen, B, N>,
     ) -> Result<Demands, InputError> {
-        checked(setup, self.scale).map_err(|error| InputError {
-            source_name: format!("--drive {}", self.source),
-            ..refused(error)
+        checked(setup, self.scale).map_err(|error| {
+            let mut refused = refused(error);
+            refused.source_name = format!("--drive {}", self.source);
+            refused
         })
     }
 

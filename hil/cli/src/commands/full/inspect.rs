@@ -182,8 +182,11 @@ fn inspect(
         questions.extend(asked(&name, &tables, &said, question));
     }
     // No option makes the file right.
-    let mut problem = (questions.iter().find(|question| question.answer.is_none())).cloned();
-    questions.retain(|question| question.answer.is_some());
+    let mut problem = (questions
+        .iter()
+        .find(|question| question.answer().is_none()))
+    .cloned();
+    questions.retain(|question| question.answer().is_some());
     let mut file = Inspected {
         file: path.to_owned(),
         file_format: format.name(),

@@ -12,7 +12,7 @@ use crate::commands::reading::shell;
 /// All open questions: the table, and the column and unit of each channel. `first` is the question that a trace would ask first.
 pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
-    if first.answer.is_none() {
+    if first.answer().is_none() {
         return vec![first.clone()];
     }
     let mut said = said.clone();
@@ -23,7 +23,7 @@ pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -
             .map(|&index| tables[index].name.as_str())
             .collect();
         let which = columns::which_table(name, &names);
-        if first.answer == which.answer {
+        if first.answer() == which.answer() {
             questions.push(first.clone());
         } else if names.len() > 1 {
             questions.push(which);
@@ -62,11 +62,7 @@ pub fn most_like_one(tables: &[Table]) -> (usize, Vec<usize>) {
 
 /// The command that traces the file, with the given options and those that answer the questions.
 pub fn command(path: &Path, options: &[String], questions: &[InputError]) -> String {
-    let answers = || {
-        questions
-            .iter()
-            .filter_map(|question| question.answer.as_deref())
-    };
+    let answers = || questions.iter().filter_map(|question| question.answer());
     let answer = |own: &str| {
         // One column cannot be two channels, so only the user knows which is which.
         let column = of_channel(own).and_then(|channel| channel.split_once('='));
