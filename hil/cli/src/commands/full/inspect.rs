@@ -234,7 +234,7 @@ fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
 
 /// A table, with the columns `chosen` from it.
 fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
-    table_with(table, &|index, column| {
+    table_with(table, |index, column| {
         let used_as = chosen.and_then(|chosen| used_as(chosen, index));
         let taken_for = used_as.clone();
         (
@@ -246,7 +246,7 @@ fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
 
 /// A table while a question is open: nothing is used yet.
 fn open(table: &Table, said: &Reading) -> InspectedTable {
-    table_with(table, &|_, column| {
+    table_with(table, |_, column| {
         let stated = (said.channels.iter()).find(|(_, name)| *name == column.name);
         let taken_for = match stated {
             Some((quantity, _)) => format!("{quantity}, as you stated"),
@@ -259,7 +259,7 @@ fn open(table: &Table, said: &Reading) -> InspectedTable {
 /// A table, with the use and the interpretation of each column.
 fn table_with(
     table: &Table,
-    meaning: &dyn Fn(usize, &Column) -> (Option<String>, String),
+    meaning: impl Fn(usize, &Column) -> (Option<String>, String),
 ) -> InspectedTable {
     let column = |(index, column): (usize, &Column)| {
         let (used_as, taken_for) = meaning(index, column);
