@@ -184,12 +184,12 @@ fn a_force_that_is_far_too_small_for_its_displacement_is_mentioned() {
         faults.iter().map(ToString::to_string).collect::<String>()
     };
     assert_eq!(
-        said(0.004).matches("4.0e-3 kN per mm").count(),
+        said(0.0004).matches("4.0e-4 kN per mm").count(),
         1,
         "{}",
-        said(0.004)
+        said(0.0004)
     );
-    for plausible in [0.02, 4.0, 200.0] {
+    for plausible in [0.006, 4.0, 200.0] {
         assert_eq!(said(plausible), "");
     }
     assert!(

@@ -243,7 +243,7 @@ impl std::fmt::Display for ChannelFault {
             }
             ChannelFaultKind::Soft { stiffness } => write!(
                 f,
-                "the force is only {stiffness:.1e} kN per mm, less than that of any metal mesh damper: check the units in the columns' \
+                "the force is only {stiffness:.1e} kN per mm, less than a tenth of the softest metal mesh damper's: check the units in the columns' \
                  names or the --unit options, and that displacement and force are not swapped; nothing was changed"
             ),
             ChannelFaultKind::Hum {
