@@ -319,7 +319,7 @@ impl Recording {
         }
     }
 
-    /// The repairs of [`Recording::mended`], and rows that were written twice.
+    /// The repairs of [`Recording::repaired`], and rows that were written twice.
     pub fn faults(&self) -> &[ChannelFault] {
         &self.faults
     }
