@@ -179,7 +179,7 @@ fn a_force_that_is_far_too_small_for_its_displacement_is_mentioned() {
         };
         let rows: String = (0..400).map(row).collect();
         let recording = read(&format!("time_s,displacement_mm,force_kN\n{rows}"));
-        // A repaired recording is not searched anew.
+        // A repaired recording is not searched again.
         let faults = recording.repaired().repaired().faults().to_vec();
         faults.iter().map(ToString::to_string).collect::<String>()
     };

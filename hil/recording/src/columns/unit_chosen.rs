@@ -54,13 +54,14 @@ impl Choice<'_> {
                         quoted(&told.name)
                     ));
                 }
-                UnitFound::Unknown(other) | UnitFound::Unclear(other, _) => guesses.push(format!(
-                    "column {} is read in {}, as --unit says; its own unit, {}, is not understood",
-                    quoted(&told.name),
-                    unit.symbol,
-                    quoted(&other)
-                )),
-                UnitFound::Known(_) | UnitFound::None => {}
+                UnitFound::Known(_) => {}
+                UnitFound::Unknown(other) | UnitFound::Unclear(other, _) => {
+                    guesses.push(not_understood(&told.name, unit, &other));
+                }
+                UnitFound::None => guesses.extend(
+                    unit_found::unknown_unit(told)
+                        .map(|other| not_understood(&told.name, unit, &other)),
+                ),
             }
             return Ok(Some(unit));
         }
@@ -115,6 +116,16 @@ impl Choice<'_> {
             }
         }
     }
+}
+
+/// The note on a column in the unit of an option, whose own unit is `other`.
+fn not_understood(column: &str, unit: Unit, other: &str) -> String {
+    format!(
+        "column {} is read in {}, as --unit says; its own unit, {}, is not understood",
+        quoted(column),
+        unit.symbol,
+        quoted(other)
+    )
 }
 
 /// A unit in an option that the channel cannot have.
