@@ -95,7 +95,9 @@ pub(super) fn repair(recording: &mut Recording) {
             false,
         );
     }
-    if stiffness < policy().scale.softest
+    // Without a force, as where a law predicts one, there is nothing to judge.
+    if stiffness > 0.0
+        && stiffness < policy().scale.softest
         && !is_known(recording, Channel::Force)
         && !is_known(recording, Channel::Displacement)
     {
