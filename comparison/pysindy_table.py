@@ -1,18 +1,18 @@
-"""The same recordings, the same motion held out: PySINDy beside `cargo hil trace`, as a table in Markdown.
+"""Compares PySINDy with `cargo hil trace` on the same recordings and the same held-out motion, as a table in Markdown.
 
     python3 -m venv .venv && .venv/bin/pip install -r comparison/requirements.txt
     .venv/bin/python comparison/pysindy_table.py --seeds 1-12
     .venv/bin/python comparison/pysindy_table.py --pair NAME fitted.csv.gz held-out.csv.gz
 
-HIL=path/to/hil takes a command that is built already in the place of `cargo hil`.
+HIL=path/to/hil uses an existing build of the command instead of `cargo hil`.
 
-A seed is a simulated specimen of `cargo hil demo`, tested again with other blocks for what is held out. PySINDy gets
-the force as the left-hand side, and displacement, smoothed velocity and, where recorded, temperature as states, each in
-units of its RMS, temperature from its mean, so that a threshold means the same for all. Its library: polynomials up to
-the fifth degree of all states and their products, and sgn v, |v|, |v|^a and |v|^a sgn v for a = 0.25, 0.5, 0.75.
-"default" is STLSQ as it comes; "best" has the threshold, and normalized columns or not, that do best on the held-out
-motion itself, which favours it. The cycle's amplitude, over which `trace` lets the law's coefficients vary, is in no
-library.
+A seed is a simulated specimen of `cargo hil demo`. A second test with other blocks gives the held-out motion. PySINDy gets
+the force as the left-hand side, and displacement, smoothed velocity and, if recorded, temperature as states. Each state is
+in units of its RMS, and the temperature is relative to its mean, so that a threshold has the same meaning for all. The
+library contains polynomials up to the fifth degree of all states and their products, and sgn v, |v|, |v|^a and |v|^a sgn v
+for a = 0.25, 0.5, 0.75. "default" is STLSQ with its default settings. "best" has the threshold and the normalization of
+columns (on or off) with the smallest error on the held-out motion itself, which favours PySINDy. `trace` lets the law's
+coefficients vary with the cycle's amplitude, which is not in the library.
 """
 
 import argparse
@@ -102,9 +102,9 @@ class Features:
     """The library's features of a recording, in units of the fitted one's RMS, and the force to be regressed on them."""
 
     def __init__(self, states, force):
-        # A temperature that never changes says nothing.
+        # A temperature that never changes gives no information.
         self.names = [name for name, x in states.items() if numpy.ptp(x) > 0]
-        # Powers of a temperature far from zero would be all but the same column.
+        # Powers of a temperature far from zero would be nearly collinear.
         self.middle = {name: numpy.mean(x) if name == "T" else 0.0 for name, x in states.items()}
         self.scale = {name: numpy.sqrt(numpy.mean((x - self.middle[name]) ** 2)) for name, x in states.items()}
         self.unit = numpy.sqrt(numpy.mean(force**2))
@@ -120,7 +120,7 @@ class Features:
         return optimizer.coef_[0]
 
     def terms(self, coefficients):
-        """The terms that make most of the force, the largest first, and how many there are."""
+        """The terms with the largest shares of the force, in descending order, and their number."""
         shares = numpy.sqrt(numpy.mean((self.values * coefficients) ** 2, axis=0))
         names = self.library.get_feature_names(self.names)
         order = [i for i in numpy.argsort(-shares) if coefficients[i] != 0]
@@ -165,7 +165,7 @@ def percent(value):
 
 
 def demo(seed, directory):
-    """A specimen's two recordings, and what it hides."""
+    """A specimen's two recordings, and its hidden effect."""
     summary = directory / "demo.json"
     hil("demo", "--seed", seed, "--out", directory / "demo", "--json", summary)
     blocks = ["--blocks", HELD_OUT_BLOCKS]
@@ -176,7 +176,7 @@ def demo(seed, directory):
 
 
 def without_comments(path):
-    """`demo` and `run` describe the same specimen in other words, which `trace` would take for two specimens."""
+    """`demo` and `run` describe the same specimen in different words, so `trace` would assume two specimens."""
     with gzip.open(path, "rt") as file:
         lines = [line for line in file if not line.startswith("#")]
     bare = path.with_name("held-out.csv")

@@ -3,15 +3,16 @@
     cargo install cargo-mutants --locked
     python3 fuzz/mutants.py --every 16 --first 8 --work /tmp/mutants
 
-cargo-mutants lists every mutant, and every 16th is tried, evenly over all files. The mutated bodies of a function are built
-side by side with its own, and an environment variable says which one runs: one build for all. Those that cannot be built
-so (constants, `const fn`, bodies of another type) are built one by one. A mutant that does not compile is unviable.
+cargo-mutants lists every mutant, and every 16th is tested, evenly over all files. The mutated bodies of a function are built
+next to its own body, and an environment variable selects the one that runs: one build for all. Mutants that cannot be built
+in this way (constants, `const fn`, bodies of another type) are built one by one. A mutant that does not compile is unviable.
 
-A mutant is killed by the first test program that fails, or takes ten times as long as without it and 20 s at least: the
-crate's own tests first, and of those that these leave, the harness's named with --then. Tests that hold the host against an
-image are left out: the image is never mutated, so that any change of a bit would fail there. Nothing is written to but the
-folder of --work, which should be outside of the project: a copy of --commit, results.json, and the builds, if CARGO_TARGET_DIR
-names no other; nothing else may build there meanwhile, as its programs would take the place of those that are tried.
+A mutant is killed by the first test program that fails, or that takes ten times as long as without it and at least 20 s. The
+crate's own tests run first. The surviving mutants are tested with the harness's tests in --then. Tests that compare the host
+with an image are left out: the image is never mutated, so any change of a bit would fail there. The script writes only to the
+folder of --work, which should be outside of the project: a copy of --commit, results.json, and the builds, unless
+CARGO_TARGET_DIR specifies another folder. Nothing else may build there at the same time, because its programs would replace
+the tested ones.
 """
 
 import argparse
@@ -39,7 +40,7 @@ pub mod mutant_switch {
     }
 }
 """
-# What takes minutes by itself, and tests against an image.
+# Tests that take minutes by themselves, and tests against an image.
 LEFT_OUT = {"long_run"}
 SKIPPED = "on_the_image"
 LEAST_TIMEOUT = 20.0
@@ -85,7 +86,7 @@ def tell(number, mutant):
 
 
 class Program:
-    """A built test, and how long it takes unmutated."""
+    """A built test, and its run time without a mutant."""
 
     def __init__(self, name, path, folder, seconds=None):
         self.name, self.path, self.folder = name, path, folder
@@ -95,7 +96,7 @@ class Program:
         self.seconds = time.monotonic() - began if seconds is None else seconds
 
     def passes(self, mutant, timeout):
-        # A seed that proptest wrote down would make the tests stronger for the mutants that follow.
+        # A seed that proptest stored would make the tests stronger for the next mutants.
         environment = {**os.environ, "MUTANT": str(mutant), "PROPTEST_DISABLE_FAILURE_PERSISTENCE": "true"}
         environment.pop("CI", None)
         running = subprocess.Popen(
@@ -144,7 +145,7 @@ class Tree:
         return dict(enumerate(json.loads(listed.stdout), start=1))
 
     def switch_in(self, mutants):
-        """Builds all mutants in, and gives those that have to be built alone."""
+        """Builds all mutants into one program, and returns those that must be built alone."""
         sources = {mutant["file"]: (self.root / mutant["file"]).read_text() for mutant in mutants.values()}
         library = self.root / "src/lib.rs"
         without = library.read_text()
@@ -166,7 +167,7 @@ class Tree:
             print(f"{len(refused)} do not compile beside the others", flush=True)
 
     def refused(self, places):
-        """The mutants at which the compiler's errors point; of an error elsewhere in a function, all of that function's."""
+        """The mutants at the places of the compiler's errors. For an error elsewhere in a function, all of that function's mutants."""
         checked = self.cargo("build", "--package", "mesh-damper", "--lib", "--message-format", "json")
         refused, errors = set(), []
         for message in map(json.loads, checked.stdout.splitlines()):
@@ -184,8 +185,8 @@ class Tree:
         return refused
 
     def programs(self, harness, known=None):
-        """The test programs, the quickest of the crate's first and then the harness's; those of a mutant that is built alone
-        take as long as the `known` ones. `None` where they do not build."""
+        """The test programs: the crate's, the quickest first, and then the harness's. The run times of a mutant that is built
+        alone are those of the `known` programs. `None` if they do not build."""
         crate = self.built(["--package", "mesh-damper", "--lib", "--tests"])
         others = self.built(["--package", "mesh-damper-rig", *harness]) if harness else []
         if crate is None or others is None:
@@ -221,7 +222,7 @@ def ends(source, span):
 
 
 def body(source, mutant):
-    """Where the body of its function begins and ends, braces left out; None where it cannot be switched."""
+    """Start and end of the body of its function, without braces; None if the body cannot be switched."""
     if mutant["function"] is None:
         return None
     first, last = ends(source, mutant["function"]["span"])
@@ -237,14 +238,14 @@ def body(source, mutant):
 
 
 def within_another(number, mutants, bodies):
-    """Whether its function stands within another one that has mutants."""
+    """Whether its function is inside another one that has mutants."""
     first, last = bodies[number]
     others = (bodies[other] for other in mutants if mutants[other]["file"] == mutants[number]["file"] and bodies[other])
     return any(begin < first and last < end for begin, end in others)
 
 
 def with_all(source, mutants):
-    """`source` with every mutant behind a switch, and which lines are whose: the mutants' own first, then whole functions."""
+    """`source` with every mutant behind a switch, and the lines of each mutant: its own first, then those of the whole function."""
     functions = {}
     for number, mutant in mutants.items():
         functions.setdefault(body(source, mutant), []).append(number)

@@ -1,4 +1,4 @@
-//! 10⁶ cycles: nothing drifts, and nothing is taken of the heap.
+//! 10⁶ cycles: nothing drifts, and nothing is allocated on the heap.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -21,16 +21,16 @@ thread_local! {
 
 struct Counting;
 
-// SAFETY: all is passed on to the system's.
+// SAFETY: all calls are passed on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.dealloc(memory, layout) }
     }
 }
@@ -44,7 +44,7 @@ fn allocations() -> u64 {
 
 const CYCLES: u32 = 1_000_000;
 const TICK_RATE: f64 = 10_000.0;
-/// Ticks of a cycle.
+/// Ticks per cycle.
 const TICKS: u32 = 20;
 const FREQUENCY: f64 = TICK_RATE / TICKS as f64;
 /// mm
@@ -67,7 +67,7 @@ fn law() -> AugmentedLaw<f32, 2> {
         .unwrap()
 }
 
-/// Means of stiffness, energy and loss factor over [`MEAN_OF`] cycles from one on.
+/// Means of stiffness, energy and loss factor over [`MEAN_OF`] cycles, starting at one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Means {
     from: u32,
@@ -105,7 +105,7 @@ fn generator_law_and_cycles_end_as_they_began() {
     let mut generator = SineGenerator::new(programme()).unwrap();
     let mut law = RunningLaw::new(FastLaw::new(law()));
     let mut accumulator = CycleAccumulator::<1>::new();
-    // The ramp, and some cycles in which the effects forget it.
+    // The ramp, and some cycles until the effects no longer depend on it.
     let (mut start, mut end) = (Means::from(100), Means::from(CYCLES - MEAN_OF));
     let before = allocations();
     let mut ticks = 0u64;
@@ -114,7 +114,7 @@ fn generator_law_and_cycles_end_as_they_began() {
         if now.done {
             break;
         }
-        // The phase is that of the tick's number, whatever came before.
+        // The phase depends only on the tick's number.
         let phase = ticks % u64::from(TICKS) * (1 << 32) / u64::from(TICKS);
         assert!(
             now.phase.wrapping_sub(phase as u32).cast_signed().abs() <= 1,
@@ -135,13 +135,13 @@ fn generator_law_and_cycles_end_as_they_began() {
         ticks += 1;
     }
     assert_eq!(allocations(), before);
-    // The ramps are a cycle each.
+    // Each ramp is one cycle.
     assert_eq!(ticks, u64::from(TICKS) * u64::from(CYCLES + 2));
     start.check(&end);
 }
 
-/// Actuator and specimen are as simple as can be: the displacement is what the DAC drove last, the force that of a spring and a
-/// dashpot. What there is to drift is the rig's.
+/// Actuator and specimen are as simple as possible: the displacement is the last value of the DAC, the force is that of a spring and
+/// a dashpot. Only the rig's own state could drift.
 #[test]
 fn a_rig_in_closed_loop_ends_as_it_began() {
     let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());

@@ -11,7 +11,7 @@
 /* Ticks per second of this firmware, Hz. A pack for another rate is refused: export the model with --tick-rate. */
 #define TICK_RATE 10000u
 
-/* The core's timer, of the 25 MHz of this board. */
+/* The core's timer, at the 25 MHz of this board. */
 #define SYST_CSR (*(volatile uint32_t *)0xE000E010u)
 #define SYST_RVR (*(volatile uint32_t *)0xE000E014u)
 #define SYST_CVR (*(volatile uint32_t *)0xE000E018u)
@@ -19,7 +19,7 @@
 #define SYSTICK_PENDING (1u << 26)
 #define CORE_CLOCK 25000000u
 
-/* newlib's files, by the emulator. */
+/* newlib's files, which the emulator provides. */
 void initialise_monitor_handles(void);
 
 static md_law law;
@@ -33,14 +33,14 @@ static md_cycles cycles;
 static md_cycle results;
 static uint32_t number;
 static volatile bool ready, done;
-/* Of the generator: MD_ERROR_NONE as long as there is a motion. */
+/* Error of the generator: MD_ERROR_NONE as long as there is a motion. */
 static volatile md_error failed;
-/* Cycles that main was too slow for, and ticks that came before the last one was over. */
+/* Cycles for which main was too slow, and ticks that came before the previous one had ended. */
 static volatile uint32_t lost, late;
 
 void systick(void);
 
-/* TICK_RATE times a second. */
+/* Called TICK_RATE times a second. */
 void systick(void)
 {
     md_excitation now;
@@ -75,7 +75,7 @@ void systick(void)
         late++;
 }
 
-/* Ends with what is wrong and what to do. */
+/* Prints the error and its remedy, and ends the program. */
 static void require(md_error error, const md_problem *problem)
 {
     if (error == MD_ERROR_NONE)

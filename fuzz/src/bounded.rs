@@ -1,4 +1,5 @@
-//! Every check on seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames; and on a tenth.
+//! Runs every check on seeded inputs, the same every time: 10⁸ ticks of the rig, and 10⁶ files, packs and frames; and on a tenth of
+//! them.
 //!
 //! `cargo test -p mesh-damper-fuzz -- --ignored --nocapture`, and without `--ignored`.
 
@@ -7,15 +8,15 @@ use std::thread;
 use crate::feed::Random;
 use crate::{formats, frames, model_file, motion, pack, recording, rig};
 
-/// Ticks of rigs and emulators, and of one of them.
+/// Ticks of all rigs and emulations together, and of one of them.
 const TICKS: u64 = 100_000_000;
 const TICKS_OF_ONE: u32 = 10_000;
-/// Ticks fed any floats.
+/// Ticks of the motion check, which gets any floats.
 const MOTION_TICKS: u64 = 20_000_000;
 /// Files or frames of each of four kinds.
 const INPUTS: u64 = 250_000;
 
-/// `seen` of every script out of `count`, on every processor; the sum of what it says.
+/// The sum of the results of `seen` over `count` scripts, on every processor.
 fn sum(count: u64, length: usize, seen: impl Fn(&[u8]) -> u64 + Sync) -> u64 {
     let threads = thread::available_parallelism().map_or(1, usize::from) as u64;
     let of = |first: u64| {
@@ -61,7 +62,7 @@ bounded! {
     rigs_stay_within_their_limits: rigs;
     no_float_makes_another_that_is_not_finite: floats;
     recordings_are_refused_or_right: |part| files("recordings", INPUTS / part, recording::check);
-    // Fewer, as a workbook takes a hundred times as long as a text.
+    // Fewer inputs, because a workbook takes a hundred times as long as a text.
     files_of_all_formats_are_refused_or_right: |part| files("files of all formats", INPUTS / 10 / part, formats::check);
     model_files_are_refused_or_right: |part| files("model files", INPUTS / part, model_file::check);
     packs_are_refused_or_right: |part| files("packs", INPUTS / part, packs);
@@ -84,7 +85,7 @@ fn floats(part: u64) {
     println!("{ticks} ticks of any floats");
 }
 
-/// Some are taken, and some refused: otherwise nothing was tried.
+/// Some are accepted and some are refused: otherwise the check would have tested nothing.
 fn files(name: &str, count: u64, check: impl Fn(&[u8]) -> bool + Sync) {
     let taken = sum(count, 25, |script| check(script).into());
     println!("{count} {name}: {taken} taken and right, the others refused");

@@ -1,9 +1,9 @@
-//! Good files, spoilt: an input is a script of edits, so that few of its bytes are lost on what no reader looks at.
+//! Good files with damage: an input is a script of edits, so that few of its bytes fall on places that no reader examines.
 
-/// One of `good` after the edits that `script` asks for, or the script itself.
+/// One of `good` after the edits of `script`, or the script itself.
 ///
-/// The first byte says which one it is of; each four bytes after it are an edit: what is done, at which place (two bytes), and
-/// with what. `words` are what the format is made of.
+/// The first byte selects the file. Each four bytes after it are an edit: its kind, its place (two bytes) and its value. `words` are
+/// the tokens of the format.
 pub fn edited(good: &[Vec<u8>], words: &[&str], script: &[u8]) -> Vec<u8> {
     let Some((&which, rest)) = script.split_first() else {
         return Vec::new();
@@ -36,7 +36,7 @@ pub fn edited(good: &[Vec<u8>], words: &[&str], script: &[u8]) -> Vec<u8> {
             }
             4 => bytes.truncate(place),
             5 => bytes.insert(place, with),
-            // A word in the place of what is there, or before it.
+            // A word that replaces the bytes there, or is inserted before them.
             kind => {
                 let word = words[usize::from(with) % words.len()].bytes();
                 let end = if kind == 6 { place } else { word.len() + place };

@@ -1,6 +1,6 @@
-//! Values out of an input's bytes.
+//! Values from the bytes of an input.
 
-/// Takes what it needs from the front; 0 once nothing is left.
+/// Takes bytes from the front; gives 0 when none are left.
 pub struct Feed<'a>(pub &'a [u8]);
 
 impl Feed<'_> {
@@ -18,12 +18,12 @@ impl Feed<'_> {
         f64::from(u16::from_le_bytes(bytes)) / f64::from(u16::MAX)
     }
 
-    /// `low`…`high`, both above 0, every order of magnitude alike.
+    /// `low`…`high`, both above 0, uniform over the orders of magnitude.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         (low * (high / low).powf(self.part())).clamp(low, high)
     }
 
-    /// The same of either sign.
+    /// The same with either sign.
     pub fn either(&mut self, low: f64, high: f64) -> f64 {
         let sign = if self.byte().is_multiple_of(2) {
             1.0
@@ -38,11 +38,11 @@ impl Feed<'_> {
     }
 }
 
-/// Numbers that look drawn, from a seed (SplitMix64).
+/// Pseudo-random numbers from a seed (SplitMix64).
 pub struct Random(u64);
 
 impl Random {
-    /// From all of `bytes`.
+    /// A generator whose seed depends on all of `bytes`.
     pub fn of(bytes: &[u8]) -> Self {
         let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
         Self(bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix))
@@ -55,7 +55,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Any float: one of the odd ones, of ordinary size, or of any bits.
+    /// Any float: a special value, one of ordinary size, or any bit pattern.
     pub fn float(&mut self) -> f32 {
         const ODD: [f32; 12] = [
             f32::NAN,

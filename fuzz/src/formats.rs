@@ -10,10 +10,10 @@ use mesh_damper_recording::read_limit::ReadLimit;
 
 use crate::edit::edited;
 
-/// Most that is read of a file: more than each of them has, and little enough that what is beyond it is seen.
+/// The read limit of a file: larger than each good file, and small enough to detect reading beyond it.
 const LIMIT: u64 = 1 << 22;
 
-/// Marks of blocks, and numbers that a count or a place may be.
+/// Markers of blocks, and numbers that can be a count or an offset.
 const WORDS: [&str; 24] = [
     "##HD",
     "##DG",
@@ -41,12 +41,12 @@ const WORDS: [&str; 24] = [
     "",
 ];
 
-/// What programs wrote of one recording, as the tests read it.
+/// Files of one recording by several programs, as the tests read them.
 static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../hil/recording/tests/formats");
     let files = fs::read_dir(folder).expect("the files are beside the tests that read them");
     let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
-    // In one order on all machines.
+    // In the same order on all machines.
     paths.sort();
     let is_text = |path: &Path| {
         let ending = path.extension().unwrap_or_default();
@@ -59,8 +59,8 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         .collect()
 });
 
-/// What is read of a file is as much as the file says that it has, and all columns of a table have the same length. Nothing panics:
-/// what other people's decoders do is an error of the file.
+/// The reader gives as many values as the file declares, and all columns of a table have the same length. Nothing panics: a panic in
+/// a third-party decoder becomes an error of the file.
 pub fn check(script: &[u8]) -> bool {
     let bytes = edited(&GOOD, &WORDS, script);
     let name = Path::new("fuzzed");
@@ -72,7 +72,7 @@ pub fn check(script: &[u8]) -> bool {
     let Some((format, file)) = opened() else {
         return false;
     };
-    // Another check has those.
+    // Another check covers texts.
     if format.name() == "text" {
         return false;
     }
@@ -87,7 +87,7 @@ pub fn check(script: &[u8]) -> bool {
             })
             .collect();
         let Some((_, file)) = opened() else {
-            panic!("it is read, and is not when it is read again");
+            panic!("the second reading of the file fails");
         };
         let Ok(values) = file.read(index, &wanted, Kept::Channels) else {
             continue;
@@ -97,7 +97,7 @@ pub fn check(script: &[u8]) -> bool {
         for column in values.columns.iter().flatten() {
             assert_eq!(
                 Some(column.len() as u64),
-                // Of a sheet, as of a text, is known only when it is read which rows are samples.
+                // In a sheet, as in a text, only reading shows which rows are samples.
                 table.rows.or(first),
                 "{}: {}",
                 format.name(),

@@ -1,4 +1,4 @@
-//! The link's frames, damaged and forged.
+//! Frames of the link, damaged and forged.
 
 use mesh_damper::converter::Scale;
 use mesh_damper::effects::Motion;
@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 use crate::edit::edited;
 
-/// Parts of a frame, as its bytes.
+/// Fields of a frame, as bytes.
 const WORDS: [&str; 6] = [
     "MD",
     "MD\u{7}",
@@ -162,7 +162,7 @@ fn telemetry(state: State) -> Telemetry {
 
 static STREAM: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| vec![GOOD.concat()]);
 
-/// Frames that are damaged on their way: those that are found as they were sent. Says which were found.
+/// Damages a stream of frames, and checks each frame that the reader finds in it. Returns these frames.
 pub fn damaged(script: &[u8]) -> Vec<Vec<u8>> {
     let stream = edited(&STREAM, &WORDS, script);
     let mut found = Vec::new();
@@ -173,11 +173,11 @@ pub fn damaged(script: &[u8]) -> Vec<Vec<u8>> {
     found
 }
 
-/// What is said in [`damaged`]; and a payload under a right checksum is refused, or what it says.
+/// The check of [`damaged`]. In addition, a forged payload with a correct checksum is refused or read consistently.
 pub fn check(script: &[u8]) {
     damaged(script);
     if let Some((&kind, payload)) = script.split_first() {
-        // Of an existing kind, mostly.
+        // Mostly an existing kind.
         let kind = if kind < 128 {
             kind % 19
         } else {
@@ -202,7 +202,7 @@ fn sealed(header: Header, payload: &[u8]) -> FrameBuffer {
     buffer
 }
 
-/// What is read of a frame and written again is read alike, bit for bit.
+/// A frame that was read, written and read again is the same, bit for bit.
 fn is_what_it_says(frame: &Frame<'_>) {
     if let Some(Telemetered::Rows(rows)) = Telemetered::read(frame) {
         assert!(rows.count() <= ROWS);
@@ -231,7 +231,7 @@ fn written_again(frame: &Frame<'_>) -> Option<FrameBuffer> {
         }) => write_outcome(sequence, code, enabled, &telemetry, &mut buffer),
         Answer::Statistics(statistics) => write_statistics(sequence, &statistics, &mut buffer),
         Answer::About(about) => write_about(sequence, &about, &mut buffer),
-        // Their bytes are passed on as they are.
+        // Their bytes are passed on unchanged.
         Answer::Forces(_) | Answer::Again => return None,
     }
     Some(buffer)

@@ -1,8 +1,8 @@
-//! What mesh-damper is held to when it is given anything: nothing panics, what is read is right or refused, and no number
-//! that goes out is infinite or NaN.
+//! Properties of mesh-damper that hold for any input: nothing panics, each input is read correctly or refused, and no output is
+//! infinite or NaN.
 //!
-//! Each module holds one check, which panics where something is not as it has to be. `fuzz_targets/` gives it to libFuzzer,
-//! `bounded` runs it on seeded inputs, the same every time.
+//! Each module contains one check, which panics if a property does not hold. `fuzz_targets/` passes it to libFuzzer. `bounded` runs
+//! it on seeded inputs, the same every time.
 
 #[cfg(test)]
 mod bounded;

@@ -1,4 +1,4 @@
-//! The reader of model files, and what is built of them.
+//! The reader of model files, and the laws that are built from them.
 
 use std::sync::LazyLock;
 
@@ -173,7 +173,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     ]
 });
 
-/// A model that is read comes back as it was from a file, runs, and goes through a coefficient pack unchanged.
+/// A model that was read is unchanged after it is written and read again. It runs, and a coefficient pack keeps it unchanged.
 pub fn check(script: &[u8]) -> bool {
     const TICK: f64 = 1e-4;
     let Ok(file) = ModelFile::from_bytes("fuzzed.json", &edited(&GOOD, &WORDS, script)) else {

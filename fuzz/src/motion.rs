@@ -1,4 +1,4 @@
-//! Everything that runs every tick, fed any floats.
+//! All code that runs every tick, with any floats as input.
 
 use mesh_damper::crossing::CrossingAccumulator;
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
@@ -20,7 +20,7 @@ fn motion(random: &mut Random) -> Motion<f32> {
     }
 }
 
-/// A law's force at some motions, tabulated and not.
+/// A law's force at some motions, with and without the table of the fast law.
 pub fn forces_are_finite(law: &AugmentedLaw<f32, EFFECTS>) {
     let mut random = Random::of(b"motions");
     let mut running = RunningLaw::new(FastLaw::new(law.clone()));
@@ -35,12 +35,12 @@ pub fn forces_are_finite(law: &AugmentedLaw<f32, EFFECTS>) {
     }
 }
 
-/// Every field of it.
+/// Whether every field of the cycle is finite.
 pub fn is_finite(cycle: &Cycle) -> bool {
     cycle.values().iter().all(|value| value.is_finite())
 }
 
-/// Law, observer and cycles, for `ticks` ticks of any floats.
+/// Law, observer and cycles, for `ticks` ticks with any floats.
 pub fn check(script: &[u8], ticks: u32) {
     let feed = &mut Feed(script);
     let tick_rate = feed.between(1.0, 1e6);

@@ -16,7 +16,7 @@ use crate::feed::{Feed, Random};
 use crate::law::{EFFECTS, law};
 use crate::motion::forces_are_finite;
 
-/// Numbers of a pack, as its bytes.
+/// Numbers of a pack, as bytes.
 const WORDS: [&str; 8] = [
     "\0\0\0\0",
     "\0\0\u{1}\0",
@@ -30,7 +30,7 @@ const WORDS: [&str; 8] = [
 /// Bytes before a pack's body.
 const HEADER: usize = 12;
 
-/// Whole packs, the last ones with a residual table and of version 6.
+/// Whole packs; the last ones are one with a residual table and one of version 6.
 pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let mut random = Random::of(b"packs");
     let mut laws: Vec<_> = (0..12)
@@ -58,7 +58,7 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     (0..).zip(laws).map(packed).chain([old]).collect()
 });
 
-/// What the pack `number` says of itself: more with each.
+/// The description in the pack `number`; a higher number has more fields.
 fn info(number: u32) -> PackInfo {
     let range = OperatingRange::new([-0.2, 0.25], [-6.0, 6.5]).expect("they are in order");
     PackInfo {
@@ -79,18 +79,18 @@ fn info(number: u32) -> PackInfo {
 static BODIES: LazyLock<Vec<Vec<u8>>> =
     LazyLock::new(|| GOOD.iter().map(|pack| pack[HEADER..].to_vec()).collect());
 
-/// A pack as it is damaged on its way: refused, or not damaged at all. Says what came, where it was taken.
+/// A pack that was damaged in transfer is refused, or is not damaged at all. Returns the received bytes if they were accepted.
 pub fn damaged(script: &[u8]) -> Option<Vec<u8>> {
     let bytes = edited(&GOOD, &WORDS, script);
     is_a_law(&bytes).then_some(bytes)
 }
 
-/// What is said in [`damaged`]; and a body whose checksum is made right is refused, or a law like any other.
+/// The check of [`damaged`]. In addition, a body with a corrected checksum is refused or is a valid law.
 pub fn check(script: &[u8]) -> bool {
     let taken = damaged(script).is_some();
     let mut body = edited(&BODIES, &WORDS, script);
     body.truncate(usize::from(u16::MAX));
-    // That of the pack which the script begins with.
+    // The expectation for the pack with which the script begins.
     let which = script.first().copied().map_or(0, usize::from);
     let version = GOOD
         .get(which % (GOOD.len() + 1))
@@ -107,7 +107,7 @@ fn version_of(pack: &[u8]) -> u16 {
     u16::from_le_bytes([pack[4], pack[5]])
 }
 
-/// Slice by slice beside a law in force an upload is what it is at once, and no law waits before the last slice.
+/// An upload in slices, while a law is in force, has the same result as an upload at once. No law is pending before the last slice.
 fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: &FastLaw<EFFECTS>) {
     let passive = Expectation::default();
     let mut running = RunningLaw::<EFFECTS>::empty();
@@ -125,10 +125,11 @@ fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: 
     assert!(whole.is_err() || running.law() == law);
 }
 
-/// Whether `bytes` are taken: the law comes back from its own pack, and gives forces. In parts they are what they are whole.
+/// Whether `bytes` are accepted. If they are, the law survives encoding and decoding, and gives forces. An upload in parts has the
+/// same result.
 fn is_a_law(bytes: &[u8]) -> bool {
     let mut slot = FastLaw::<EFFECTS>::EMPTY;
-    // An active law comes back from its own pack too.
+    // An active law also survives encoding and decoding.
     let any = Expectation {
         allow_active: true,
         ..Expectation::default()
@@ -150,7 +151,7 @@ fn is_a_law(bytes: &[u8]) -> bool {
         }
         return false;
     };
-    // A load passes over what is behind the stamp, which may be nonsense.
+    // A load skips the bytes behind the stamp, which may be invalid.
     let Ok(described) = PackInfo::of(bytes) else {
         assert!(said.is_some());
         return false;
@@ -165,13 +166,13 @@ fn is_a_law(bytes: &[u8]) -> bool {
         ..Expectation::at(stamp.tick_rate)
     };
     let mut unused = FastLaw::<EFFECTS>::EMPTY;
-    // Without that the verdict is that of a check of the law alone.
+    // Without the expectation, the verdict is that of a check of the law alone.
     let passive = pack::decode(bytes, &mut unused, &Expectation::default());
     let range = info.operating_range.as_ref();
     let checked = Passivity::new(range, stamp.tick_rate).check(&slot);
     assert_eq!(passive, checked.map(|()| said).map_err(PackError::from));
     in_slices(sliced, &passive, &slot);
-    // One of version 6 says nothing of what is required.
+    // A pack of version 6 contains none of the required information.
     assert_eq!(
         pack::decode(bytes, &mut unused, &own).is_ok(),
         said.is_some()

@@ -127,7 +127,7 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     own.into_iter().chain([utf16]).chain(texts).collect()
 });
 
-/// A recording as another program writes it, below its header.
+/// A recording in the format of another program, below its header.
 fn foreign(header: &str, separator: &str, decimal: char) -> String {
     let row = |n: u32| {
         let y = (0.7 * f64::from(n)).sin();
@@ -151,9 +151,9 @@ fn stamped() -> String {
     "Time;Disp [mm];Load [kN]\n".to_owned() + &(0..12).map(row).collect::<String>()
 }
 
-/// A recording that is read is one when it is written: the same numbers, cells, units and comments. Rows that stood in it twice
-/// are written once, and one that may have been cut is not, so that the second reading finds none. What was read in another dialect
-/// is written in our own, with the same numbers to nine digits.
+/// A recording that was read and written is a recording with the same numbers, cells, units and comments. Duplicate rows are written
+/// once, and a row that may have been cut is not written, so that the second reading finds none. A recording in another dialect is
+/// written in our own format, with the same numbers to nine digits.
 pub fn check(script: &[u8]) -> bool {
     let name = Path::new("fuzzed.csv");
     let Ok(recording) = Recording::from_bytes(name, edited(&GOOD, &WORDS, script)) else {

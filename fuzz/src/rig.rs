@@ -1,5 +1,4 @@
-//! Rig and damper emulator on converters that deliver anything, with everything failing, stopped, started and swapped at any
-//! moment.
+//! Rig and damper emulation on converters that deliver anything. Every part fails, stops, starts and is swapped at any moment.
 
 use std::ops::{Deref as _, DerefMut as _};
 use std::rc::Rc;
@@ -25,7 +24,7 @@ use crate::wires::{Adc, Dac, Line, Wires};
 const BLOCKS: usize = 3;
 const ZERO: u16 = 0x8000;
 
-/// What both roles can be told.
+/// The operations of both controllers.
 trait Controller {
     fn start(&mut self) -> Result<(), StartRefused>;
     fn stop(&mut self);
@@ -82,7 +81,7 @@ type Driver = SpiActuator<Dac, Line>;
 controller!(Rig<Channels, Driver, EFFECTS, SineGenerator<BLOCKS>>);
 controller!(DamperEmulation<Channels, Driver, RunningLaw<EFFECTS>>);
 
-/// What the converters are wired to, with no control input, and their scales.
+/// The wiring of the converters, without a control input, and their scales.
 fn wired(adc: Ads8688<Adc>, dac: Ad5761<Dac>, guard: &Guard) -> (Wiring, Channels, Driver) {
     let [displacement, force] = adc.scales();
     let wiring = Wiring {
@@ -98,24 +97,24 @@ fn wired(adc: Ads8688<Adc>, dac: Ad5761<Dac>, guard: &Guard) -> (Wiring, Channel
     (wiring, sensors, SpiActuator::new(dac, line))
 }
 
-/// What is promised of every tick, and what has to be remembered to see it kept.
+/// The guarantees that hold at every tick, and the state that is needed to check them.
 struct Guard {
     wires: Rc<Wires>,
     command: Scale,
     displacement_limit: f32,
     force_limit: f32,
-    /// Most that is driven, in the command's unit.
+    /// Largest value that is driven, in the command's unit.
     most: f32,
     trip_ticks: u32,
     stop_ticks: u32,
-    /// Ticks on end beyond the limits of displacement and force.
+    /// Consecutive ticks beyond the limits of displacement and force.
     exceeded: [u32; 2],
-    /// Ticks since it stopped on which the DAC took the command.
+    /// Ticks since the trip on which the DAC accepted the command.
     stopped: u64,
     last: f32,
-    /// Of the clock to a tick.
+    /// Clock counts per tick.
     counts: u32,
-    /// A tick that came in no time, or in that of two.
+    /// Whether a tick took no time or the time of two.
     late: bool,
 }
 
@@ -156,7 +155,7 @@ impl Guard {
         self.last = now.command;
     }
 
-    /// A start was `refused` of one that was not running: the reason is the state that it is in.
+    /// A start of a controller that was not running was `refused`: the reason matches its state.
     fn see_refusal(&self, state: State, refused: StartRefused) {
         match refused {
             StartRefused::Faulted(cause) => assert_eq!(state, State::Faulted(cause)),
@@ -191,7 +190,7 @@ impl Guard {
         if self.wires.dac_fails.get() {
             return;
         }
-        // On the tick that stops it the DAC may still be driven where it was going.
+        // On the tick of the trip, the DAC may still drive the command in progress.
         let goes_back = now.command.abs() <= self.last.abs();
         assert!(
             before == State::Running || goes_back,
@@ -209,14 +208,14 @@ impl Guard {
     }
 }
 
-/// What moves when the DAC drives, seen by both channels of the ADC.
+/// The response to the DAC, on both channels of the ADC.
 #[derive(Clone, Copy)]
 enum Plant {
     /// Follows, with noise.
     Follows,
-    /// Does not move any more.
+    /// No longer moves.
     Stuck,
-    /// Goes to one end.
+    /// Moves to one end.
     Runs,
     /// Any code.
     Anything,
@@ -247,11 +246,12 @@ impl Plant {
     }
 }
 
-/// A rig or an emulator of any settings for `ticks` ticks.
+/// A rig or an emulation with any settings for `ticks` ticks.
 ///
-/// Every number that it tells is finite but the control inputs, which are those of the last reading, the DAC drives what it says
-/// and never beyond its range, a limit exceeded for as many ticks as it may be stops it, and stopped it has the enable line low
-/// and goes to 0 in its time, whatever comes. Says on how many ticks it was running.
+/// Every reported number is finite, except the control inputs, which are those of the last reading. The DAC drives the reported
+/// command, never beyond its range. A limit that is exceeded for the permitted number of ticks trips the controller. After a trip the
+/// enable line is low and the command returns to 0 in the specified time, whatever the input. Returns the number of ticks on which it
+/// was running.
 pub fn check(script: &[u8], ticks: u32) -> u64 {
     let feed = &mut Feed(script);
     let wires = Rc::new(Wires::default());
@@ -297,7 +297,7 @@ pub fn check(script: &[u8], ticks: u32) -> u64 {
     } else {
         rig(feed, adc, dac, guard, script, ticks)
     };
-    // One that is refused has nothing to be seen.
+    // A refused configuration gives nothing to check.
     ran.unwrap_or_default()
 }
 
@@ -357,7 +357,7 @@ fn rig(
         let amplitude = f64::from(guard.command.full_scale().abs()) * feed.between(1e-3, 1.0);
         let mut frequency = || tick_rate * feed.between(1e-3, 0.25);
         let (from, to) = (frequency(), frequency());
-        // So many that what is normal is learned, now and then.
+        // Sometimes enough cycles for the monitor to learn the normal state.
         let cycles = if feed.byte().is_multiple_of(8) {
             65
         } else {
@@ -415,7 +415,7 @@ fn emulator(
     Ok(run(emulator, guard, &laws, script, ticks))
 }
 
-/// Ticks between two things that happen to it, on average.
+/// Ticks between two events, on average.
 const BETWEEN: u64 = 128;
 
 fn run(
@@ -430,9 +430,9 @@ fn run(
     let mut plant = Plant::Follows;
     let mut ratio = 1.0;
     let mut ran = 0;
-    // The first tick is not judged.
+    // The first tick is not checked.
     let (mut clock, mut begun) = (u32::MAX - ticks, false);
-    // Of the sensors, and of the last reading that did not fail.
+    // The control inputs of the sensors, and those of the last reading that did not fail.
     let (mut given, mut read) = ([0.0; CONTROLS], [0.0; CONTROLS]);
     controller.start().expect("it is at rest");
     for _ in 0..ticks {
@@ -466,7 +466,7 @@ fn run(
                 }
             }
         }
-        // Whoever runs the rig tries again and again.
+        // The operator of the rig tries to start it again and again.
         if drawn >> 32 & 0xf == 0 && controller.state() != State::Running {
             let before = controller.state();
             if controller.clear().is_err() {
@@ -476,7 +476,8 @@ fn run(
                 Ok(()) => guard.exceeded = [0; 2],
                 Err(refused) => guard.see_refusal(controller.state(), refused),
             }
-            // It drives where the piston is before the line rises, and goes back from there where that does not.
+            // The controller drives to the position of the piston before the line rises. If the line does not rise, the command
+            // returns from there.
             guard.last = controller.driven();
             guard.stopped = 0;
         }
@@ -494,7 +495,7 @@ fn run(
         if !wires.adc_fails.get() {
             read = given;
         }
-        // As they came, odd ones included: the law clamps them.
+        // As received, including special values: the law clamps them.
         assert_eq!(
             telemetry.controls.map(f32::to_bits),
             read.map(f32::to_bits),

@@ -1,4 +1,4 @@
-//! Converters and an enable line that answer as their datasheets say, and fail when they are told to.
+//! Converters and an enable line that answer as in their datasheets, and fail on request.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -6,7 +6,7 @@ use std::rc::Rc;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 
-/// What is on the wires of a rig.
+/// The state of a rig's wires.
 #[derive(Debug, Default)]
 pub struct Wires {
     /// Codes of the ADC's channels.
@@ -32,7 +32,7 @@ fn answer(failing: bool) -> Result<(), ErrorKind> {
 #[derive(Debug)]
 pub struct Adc {
     pub wires: Rc<Wires>,
-    /// What the next frame converts.
+    /// The channel that the next frame converts.
     pub selected: usize,
     pub registers: [u8; 128],
 }
@@ -66,7 +66,7 @@ impl SpiDevice for Adc {
 pub struct Dac {
     pub wires: Rc<Wires>,
     pub control: u16,
-    /// What the next frame clocks out.
+    /// The answer that the next frame clocks out.
     pub answer: u16,
 }
 

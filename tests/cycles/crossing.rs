@@ -1,4 +1,4 @@
-//! Cycles between crossings of the mean: those by phase, under noise, drift, jumps and wild samples.
+//! Cycles between crossings of the mean: they equal the cycles by phase, under noise, drift, jumps and wild samples.
 
 use core::f64::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector, SWINGS};
 
 use crate::support::{near, sine, tolerance};
 
-/// Small noise that repeats itself, within ±1.
+/// Small periodic noise, within ±1.
 fn noise(n: u64) -> f64 {
     let mixed = (n ^ (n >> 3))
         .wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -28,7 +28,7 @@ fn cycles_by_zero_crossing_are_those_by_phase() {
         assert!((8..=10).contains(&found.len()), "{}", found.len());
         let exact = PI * c * TAU * 0.01;
         for cycle in found {
-            // The displacement's rounding weighs with the offset.
+            // The rounding of the displacement grows with the offset.
             let allowed = tolerance(per_cycle) + 1e-6 * f64::abs(offset);
             near(cycle.energy, exact, exact * allowed, "ΔW");
             near(cycle.energy_harmonic, exact, exact * allowed, "ΔW₁");
@@ -63,7 +63,7 @@ fn noise_makes_no_cycles_of_its_own() {
     }
     assert!((16..=18).contains(&found.len()), "{}", found.len());
     for cycle in &found {
-        // A crossing is off by the noise over the slope: 0.005/(0.1·2π) of a cycle = 8 ticks, twice.
+        // The noise shifts a crossing by the noise over the slope: 0.005/(0.1·2π) of a cycle = 8 ticks, at both ends.
         near(cycle.ticks, per_cycle, 17.0, "ticks");
         // Σ n·ΔF over 1000 ticks, n of 0.005/√3 and ΔF of 2π/1000·0.33/√2 RMS: 1.3e-4, four of them.
         near(cycle.energy, PI * 0.2 * TAU * 0.01, 6e-4, "ΔW");
@@ -91,7 +91,7 @@ fn crossings_follow_a_change_of_period_and_mean() {
         found.extend(accumulator.update((y + drift) as f32, (0.2 * v) as f32));
     }
     assert_eq!(found.len(), 19 - 2 + 32);
-    // One tick of drift is 5e-7/(2π·0.1/n) of a tick's motion.
+    // One tick of drift is 5e-7/(2π·0.1/n) of the motion in a tick.
     near(found.first().unwrap().ticks, 1_000.0, 2.0, "ticks at first");
     near(found.last().unwrap().ticks, 613.7, 1.5, "ticks at last");
     near(
@@ -102,7 +102,7 @@ fn crossings_follow_a_change_of_period_and_mean() {
     );
 }
 
-/// The boundaries' ticks in `cycles` cycles of 0.1 mm at 1000 ticks each, `disturbance` added.
+/// The ticks of the boundaries in `cycles` cycles of 0.1 mm at 1000 ticks each, with `disturbance` added.
 fn boundaries(cycles: u32, disturbance: impl Fn(u32) -> f64) -> Vec<u32> {
     let mut detector = CrossingDetector::new(0.01).unwrap();
     (0..cycles * 1_000)
@@ -113,20 +113,21 @@ fn boundaries(cycles: u32, disturbance: impl Fn(u32) -> f64) -> Vec<u32> {
         .collect()
 }
 
-/// Swings to see the loss, the rest of that cycle, one to the first crossing, two whole ones to the first boundary.
+/// The swings until the loss is detected, the rest of that cycle, one cycle to the first crossing, two whole cycles to the first
+/// boundary.
 const RECOVERY: u32 = (SWINGS as u32 + 1 + 1 + 2) * 1_000;
 
 #[test]
 fn crossings_come_back_after_the_mean_has_jumped_by_more_than_the_amplitude() {
     for jump in [0.15, -0.15, 3.0, -3.0] {
-        // At several phases of the cycle, with and without a period known by then.
+        // At several phases of the cycle, before and after a period is known.
         for at in [300, 20_000, 20_250, 20_500, 20_870] {
             let found = boundaries(60, |n| if n < at { 0.0 } else { jump });
             let after: Vec<_> = found.iter().filter(|&&n| n > at + 1_000).collect();
             let first = **after.first().unwrap();
             assert!(first <= at + RECOVERY, "{jump} at {at}: {first}");
-            // Every cycle from there on. The first two may still begin and end at different means, of which the first
-            // is a midpoint; two ticks for the f32 of the mean.
+            // Every cycle from there on is found. The first two may still begin and end at different means, the first of which is a
+            // midpoint. Two ticks allow for the f32 of the mean.
             let mut lengths = after.windows(2).map(|w| w[1] - w[0]);
             assert!(lengths.by_ref().take(2).all(|n| (980..=1_020).contains(&n)));
             assert!(lengths.all(|n| (998..=1_002).contains(&n)));
@@ -141,7 +142,7 @@ fn crossings_come_back_after_a_wild_sample() {
         for at in [0, 1, 500, 20_400] {
             let found = boundaries(60, |n| if n == at { wild } else { 0.0 });
             let first = *found.iter().find(|&&n| n > at + 1_000).unwrap();
-            // A crossing in the middle of a run takes the wild sample into its mean: a cycle more.
+            // A crossing in the middle of a run includes the wild sample in its mean: this takes one more cycle.
             assert!(first <= at + RECOVERY + 1_000, "{wild} at {at}: {first}");
             assert!(60_000 - found.last().unwrap() <= 1_002);
         }
@@ -171,7 +172,7 @@ fn a_hysteresis_that_makes_no_sense_is_refused() {
     }
 }
 
-/// The first way, down from 20, is no swing though nothing has gone up before it; each of the others ends at 10.
+/// The first motion, down from 20, is not a swing, because nothing went up before it. Each of the others ends at 10.
 #[test]
 fn a_mean_is_lost_with_the_last_of_its_swings_and_not_before() {
     let mut detector = CrossingDetector::new(0.1).unwrap();

@@ -1,4 +1,4 @@
-//! The results of a cycle against closed forms; which cycles are given, and that they are finite.
+//! The results of a cycle against closed forms; which cycles are reported, and that their values are finite.
 
 use core::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ fn spring_and_dashpot() {
                 0.5 * stiffness * amplitude * amplitude,
                 "W",
             );
-            // cω/k but for eq 3, whose K holds the dashpot's share.
+            // cω/k, except that K of eq 3 includes the dashpot's share.
             near(cycle.loss_factor, loss / stiffness, "η");
             near(cycle.ticks, per_cycle, "ticks");
             near(cycle.force_max, stiffness * amplitude, "F_max");
@@ -152,7 +152,7 @@ fn a_displacement_that_lags_the_generator() {
     let (k, c, offset) = (3.0, 0.2, 0.7);
     for cycle in run(lagging, |y, v| k * (y - 0.5) + c * v + offset, 1_234.567, 4) {
         let exact = PI * c * TAU * 0.01;
-        // The offset force turns with the small gap between the ends of the cycle, 0.7·0.1·(2π/n)²/8.
+        // The offset force does work over the small gap between the ends of the cycle, 0.7·0.1·(2π/n)²/8.
         let gap = (TAU / 1_234.567f64).powi(2) * offset * 0.1;
         near(
             cycle.energy,
@@ -288,12 +288,12 @@ fn only_whole_cycles_are_given() {
         let (y, v) = sine(phase);
         update(&mut accumulator, y as f32, v as f32, u32_phase(phase))
     };
-    // From a quarter on, the cycle under way is no whole one; the next is.
+    // After a quarter, the current cycle is not complete; the next one is.
     let found: Vec<_> = (25..250).filter_map(|n| at(f64::from(n) / 100.0)).collect();
     assert_eq!(found.len(), 1);
     near(found[0].ticks, 100.0, 1e-4, "ticks");
 
-    // A generator that holds at 0 does not lengthen the cycle that follows.
+    // A generator that stays at 0 does not lengthen the next cycle.
     accumulator.reset();
     let held = (0..500)
         .filter_map(|_| update(&mut accumulator, 0.0, 0.0, 0))

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 use crate::support::{near, sine, u32_phase, update};
 
-/// The accumulator's sums in f64, plainly.
+/// The accumulator's sums in f64, without compensation.
 #[derive(Default, Clone)]
 struct Plain {
     energy: f64,
@@ -133,8 +133,8 @@ fn compare(cycle: &Cycle, exact: &[f64; 7], amplitude: f64, what: &str) {
 }
 
 proptest! {
-    /// One rounding of each sample (6e-8), of each product, and of the sums (2.4e-7 of sixteen terms at the worst):
-    /// together within 1e-6 of f64 on the same samples.
+    /// One rounding of each sample (6e-8), of each product, and of the sums (2.4e-7 for sixteen terms at worst): together within 1e-6
+    /// of f64 on the same samples.
     #[test]
     fn the_same_samples_in_f64(
         per_cycle in 100.0f64..3_000.0,
@@ -157,7 +157,7 @@ proptest! {
             let exact = plain.update(f64::from(y), f64::from(f), f64::from(phase) / 2f64.powi(32));
             prop_assert_eq!(cycle.is_some(), exact.is_some());
             if let (Some(cycle), Some(exact)) = (cycle, exact) {
-                // ΔW and ΔW₁ are sums of terms that are larger by 1/η: their roundings weigh as much more.
+                // ΔW and ΔW₁ are sums of terms that are larger by 1/η: their rounding errors are larger by the same factor.
                 prop_assume!(exact[3] > 0.15);
                 compare(&cycle, &exact, amplitude, "same samples");
                 compared += 1;
@@ -198,7 +198,7 @@ fn every_cell_of_the_table_in_f32_is_the_f64() {
             let cycle = update(&mut accumulator, tick.displacement, force, tick.phase);
             let phase = (n % 10_000) as f64 / rate;
             let (sin, cos) = (TAU * phase).sin_cos();
-            // f64's own cosine is 6e-17 where it ought to be 0, and |v|^α would blow that up.
+            // The cosine in f64 is 6e-17 where it should be 0, and |v|^α would amplify that.
             let cos = if n % 10_000 == 2_500 || n % 10_000 == 7_500 {
                 0.0
             } else {
@@ -206,7 +206,7 @@ fn every_cell_of_the_table_in_f32_is_the_f64() {
             };
             let exact_force = law.force(amplitude * sin, amplitude * TAU * cos);
             if !tick.ramp {
-                // In the order of their weight: |v|^α 3e-7, sine and amplitude 1e-7 each, three sums and products.
+                // In the order of their size: |v|^α 3e-7, sine and amplitude 1e-7 each, three sums and products.
                 near(force, exact_force, 1e-6 * peak, "force");
             }
             let exact = plain.update(amplitude * sin, exact_force, phase);
@@ -228,7 +228,7 @@ fn every_cell_of_the_table_in_f32_is_the_f64() {
 
 #[test]
 fn a_long_run_does_not_drift() {
-    // 50 ticks a cycle exactly: the last of 200 000 cycles is the first, bit for bit.
+    // Exactly 50 ticks a cycle: the last of 200 000 cycles equals the first, bit for bit.
     let mut accumulator = CycleAccumulator::new();
     let samples: Vec<_> = (0..50).map(|n| sine(f64::from(n) / 50.0)).collect();
     let mut first = None;
@@ -266,8 +266,8 @@ fn ten_million_ticks_in_one_cycle() {
             )
         })
         .unwrap();
-    // A displacement's rounding is 6e-8 of X0, much more than its step, yet falls out of the sum but for the force's
-    // own step.
+    // The rounding of the displacement is 6e-8 of X0, much more than its step. It cancels in the sum, except for the force's own
+    // step.
     near(cycle.energy, 0.5 * PI, 1e-6 * PI, "ΔW");
     near(cycle.energy_harmonic, 0.5 * PI, 1e-6 * PI, "ΔW₁");
     near(cycle.mean_force, 2.0, 2e-6, "mean force");

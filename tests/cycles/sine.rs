@@ -38,7 +38,7 @@ fn sine_and_cosine_are_within_1e_7_everywhere() {
     let mut phase = 0u64;
     loop {
         let (sin, cos) = sin_cos(phase);
-        // 2⁶⁴ to the cycle; f64 keeps 2⁻⁵³ of it.
+        // A cycle has 2⁶⁴ units of phase; f64 resolves 2⁻⁵³ of it.
         let angle = phase as f64 / 2f64.powi(64) * TAU;
         assert!((f64::from(sin) - angle.sin()).abs() < 1e-7, "sin {phase}");
         assert!((f64::from(cos) - angle.cos()).abs() < 1e-7, "cos {phase}");
@@ -73,14 +73,14 @@ fn sine_and_cosine_keep_their_relative_accuracy_at_the_zero_crossings() {
     }
 }
 
-/// Phase after n ticks of p/q cycles each, 2³² to the cycle, to the nearest.
+/// Phase after n ticks of p/q cycles each, in units of 2⁻³² cycle, rounded to nearest.
 fn exact_phase(n: u128, p: u128, q: u128) -> u32 {
     ((((n * p % q) << 33) / q).div_ceil(2)) as u32
 }
 
 #[test]
 fn the_phase_stays_on_the_exact_rational_for_a_million_cycles() {
-    // (frequency, tick rate) that floats hold exactly, and their quotient p/q.
+    // (frequency, tick rate) that floats represent exactly, and their quotient p/q.
     for (frequency, tick_rate, p, q) in [(1234.5, 10_007.0, 2469, 20_014), (7.0, 64.0, 7, 64)] {
         let cycles = 1_000_000;
         let mut generator = generator(tick_rate, 1, [Block::sine(1.0, frequency, cycles).unwrap()]);
@@ -90,8 +90,8 @@ fn the_phase_stays_on_the_exact_rational_for_a_million_cycles() {
             if tick.done {
                 break;
             }
-            // One frequency throughout: the ramps count in. Rounding to the nearest leaves half a unit, the increment
-            // 2⁻³² of one.
+            // One frequency throughout: the ramps count as well. Rounding to nearest leaves half a unit, and the increment 2⁻³² of a
+            // unit.
             let exact = exact_phase(n, p, q);
             assert!(
                 tick.phase.wrapping_sub(exact).wrapping_add(1) <= 2,
@@ -100,7 +100,7 @@ fn the_phase_stays_on_the_exact_rational_for_a_million_cycles() {
             );
             n += 1;
         }
-        // cycles and two ramps of one cycle each, counted exactly.
+        // Exactly the cycles and two ramps of one cycle each.
         assert_eq!(
             n,
             (u128::from(cycles) + 2) * q / p + u128::from((u128::from(cycles) + 2) * q % p != 0)
@@ -110,7 +110,7 @@ fn the_phase_stays_on_the_exact_rational_for_a_million_cycles() {
 
 #[test]
 fn a_decimal_frequency_ends_its_cycles_on_the_ticks_it_says() {
-    // 0.7 Hz is no binary number: its cycles still end on the ticks that the decimal number says.
+    // 0.7 Hz has no exact binary representation: its cycles still end on the ticks of the decimal number.
     let mut generator = generator(70.0, 1, [Block::sine(1.0, 0.7, 20_000).unwrap()]);
     let mut ends = 0u64;
     for n in 0u64.. {
@@ -137,7 +137,7 @@ fn a_steady_block_is_the_exact_sine() {
         }
         let angle = (n as f64 * frequency / rate).fract() * TAU;
         let near = |value: f32, exact: f64, peak: f64| {
-            // Sine 1e-7, and two roundings of the factors.
+            // 1e-7 of the sine, and two roundings of the factors.
             assert!(
                 (f64::from(value) - exact).abs() < 3e-7 * peak,
                 "tick {n}: {value} {exact}"
@@ -218,8 +218,8 @@ fn the_cycle_ends_where_the_phase_wraps() {
 
 /// The derivatives against the positions, over every kind of segment and every boundary between them.
 ///
-/// From tick to tick y grows by h/2·(v₀ + v₁) − h²/12·(a₁ − a₀) but for h⁵/720·y⁽⁵⁾ (Hermite's quadrature). Where a
-/// boundary lies in the tick, a jumps by up to a·2π·k·f, which leaves at most h² of it in y, once.
+/// From tick to tick y grows by h/2·(v₀ + v₁) − h²/12·(a₁ − a₀), with an error of h⁵/720·y⁽⁵⁾ (Hermite's quadrature). At a boundary
+/// within the tick, a jumps by up to a·2π·k·f, which leaves an error of at most h² of it in y, once.
 fn check_derivatives<const N: usize>(tick_rate: f64, ramp: u32, blocks: [Block; N]) {
     let mut generator = generator(tick_rate, ramp, blocks);
     let ticks = whole_run(&mut generator);
@@ -238,7 +238,7 @@ fn check_derivatives<const N: usize>(tick_rate: f64, ramp: u32, blocks: [Block; 
         let grown =
             h / 2.0 * (v(a) + v(b)) - h * h / 12.0 * f64::from(b.acceleration - a.acceleration);
         let is = f64::from(b.displacement) - f64::from(a.displacement);
-        // Rounding: each position within 3e-7 of the amplitude, the velocities likewise.
+        // Rounding: each position within 3e-7 of the amplitude, and the velocities to the same fraction.
         let rounding = amplitude * (6e-7 + 6e-7 * omega * h);
         let boundary = a.ramp != b.ramp || a.block != b.block || b.done;
         let jump = if boundary {
@@ -250,7 +250,7 @@ fn check_derivatives<const N: usize>(tick_rate: f64, ramp: u32, blocks: [Block; 
             (is - grown).abs() < rounding + fifth + jump,
             "tick {n}: {is} {grown} {a:?} {b:?}"
         );
-        // The velocity by the trapezoid, which leaves h³/12·y⁽⁴⁾, in a ramp up to 16 times the sine's; and at a boundary
+        // The velocity by the trapezoidal rule, with an error of h³/12·y⁽⁴⁾, in a ramp up to 16 times the sine's; and at a boundary
         // the jump of the acceleration.
         let fourth = h.powi(3) / 12.0 * 16.0 * omega.powi(4) * amplitude;
         let jump = if boundary {
@@ -265,7 +265,7 @@ fn check_derivatives<const N: usize>(tick_rate: f64, ramp: u32, blocks: [Block; 
             "tick {n}: {a:?} {b:?}"
         );
         position += grown;
-        // And over the whole run: rounding errors of v accumulate at random, at the worst n·h·ω·a·3e-7.
+        // Over the whole run: rounding errors of v accumulate at random, at worst n·h·ω·a·3e-7.
         let drift = (n + 1) as f64 * (h * omega * amplitude * 3e-7 + fifth);
         let jumps = amplitude * omega * top * h * h * (2 * N + 2) as f64;
         assert!((position - f64::from(b.displacement)).abs() < drift + jumps + 3e-7 * amplitude);
@@ -330,12 +330,12 @@ fn a_sweep_is_logarithmic_in_time() {
         ));
         let k = (to - from) / f64::from(cycles);
         for (n, tick) in ticks.iter().enumerate().filter(|(_, t)| !t.ramp && !t.done) {
-            // One cycle of ramp at the first frequency goes before; the sweep begins within a tick.
+            // One cycle of ramp at the first frequency comes before; the sweep begins within a tick.
             let time = n as f64 / rate - 1.0 / from;
             let theta = from / k * (k * time).exp_m1();
             let is = f64::from(tick.cycle - 1) + f64::from(tick.phase) / 2f64.powi(32);
-            // What the step across the boundary leaves out, k²·f·h³/6 cycles, grows with the frequency; the phase is
-            // rounded to 2⁻³³, e^(kh) − 1 to 2⁻⁶⁵.
+            // The error of the step across the boundary, k²·f·h³/6 cycles, grows with the frequency. The phase is rounded to 2⁻³³,
+            // e^(kh) − 1 to 2⁻⁶⁵.
             let third = k * k * from * rate.powi(-3) / 6.0 * (to / from).max(1.0);
             assert!((is - theta).abs() < third + 2e-10, "{n}: {is} {theta}");
         }

@@ -19,7 +19,7 @@ pub fn two_harmonics(phase: f64) -> (f64, f64) {
     (0.1 * sin + 0.03 * sin3, TAU * (0.1 * cos + 0.09 * cos3))
 }
 
-/// Lags the generator by 40° and rides on an offset.
+/// A motion that lags the generator by 40° and has an offset.
 pub fn lagging(phase: f64) -> (f64, f64) {
     let (y, v) = sine(phase - 40.0 / 360.0);
     (y + 0.5, v)
@@ -29,7 +29,7 @@ pub fn u32_phase(cycles: f64) -> u32 {
     (cycles.fract() * 2f64.powi(32)) as u32
 }
 
-/// `cycles` whole cycles at `per_cycle` ticks each (any number), from phase 0 on.
+/// `cycles` whole cycles at `per_cycle` ticks each (not necessarily an integer), from phase 0 on.
 pub fn run(
     motion: MotionAt,
     force: impl Fn(f64, f64) -> f64,
@@ -54,7 +54,7 @@ pub fn run(
     found
 }
 
-/// [`CycleAccumulator::update`] of one force.
+/// [`CycleAccumulator::update`] with one force.
 pub fn update(
     accumulator: &mut CycleAccumulator<1>,
     displacement: f32,
@@ -72,8 +72,8 @@ pub fn near(is: f32, exact: f64, tolerance: f64, what: &str) {
     );
 }
 
-/// Of a smooth motion at n ticks a cycle: (2π/n)²/6 of the trapezoids, (π/n)²/2 of the extremes, and where the tick
-/// is split (2π/n)²/8 at both ends; of f32: 6e-8 in each sample's rounding, 2.4e-7 of sixteen terms. Twice that.
+/// Tolerance for a smooth motion at n ticks a cycle: (2π/n)²/6 of the trapezoids, (π/n)²/2 of the extremes, and (2π/n)²/8 at both
+/// ends, where the tick is split. For f32: 6e-8 of rounding in each sample, 2.4e-7 for sixteen terms. The tolerance is twice the sum.
 pub fn tolerance(per_cycle: f64) -> f64 {
     let step = TAU / per_cycle;
     2.0 * (step * step * (1.0 / 6.0 + 1.0 / 8.0 + 1.0 / 4.0) + 3e-7)

@@ -1,4 +1,4 @@
-//! Friction that is felt through a play, against the closed forms of its loop.
+//! Friction behind a play, against the closed forms of its loop.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ fn effect<R: Real>(stiffness: f64, slip_limit: f64, slack: f64) -> Effect<R> {
     Effect::Backlash(Backlash::new(k, x, s).unwrap())
 }
 
-/// 4·k·x·(X − x − s/2) where it slides, and nothing where it does not.
+/// 4·k·x·(X − x − s/2) if it slides, and 0 if it does not.
 #[test]
 fn it_dissipates_its_closed_form() {
     for (k, x, s, amplitude) in [
@@ -23,7 +23,7 @@ fn it_dissipates_its_closed_form() {
         (5.0, 0.02, 0.0, 0.03),
     ] {
         let force = last_cycle::<f64>(effect(k, x, s), amplitude, 1.0, 2);
-        // A corner falls within a tick: an error of the second order in the tick.
+        // A corner falls within a tick: an error of second order in the tick.
         let expected = 4.0 * k * x * (amplitude - x - 0.5 * s);
         close(energy(&force, amplitude), expected, 1e-5);
     }
@@ -32,7 +32,7 @@ fn it_dissipates_its_closed_form() {
     close(stuck[TICKS / 4], 2.0 * (0.2 - 0.105), 1e-9);
 }
 
-/// From the turn on: k·(x − u) until the spring is slack, nothing over the play, −k·(u − x − s) until it slides.
+/// After the reversal: k·(x − u) until the spring is slack, 0 over the play, −k·(u − x − s) until it slides.
 #[test]
 fn after_a_reversal_it_goes_through_the_play() {
     let (k, x, s, amplitude) = (1.2, 0.03, 0.05, 0.2);
@@ -51,7 +51,7 @@ fn after_a_reversal_it_goes_through_the_play() {
     assert!(in_the_play > 500, "{in_the_play}");
 }
 
-/// The first motion has half of the play before it.
+/// Half of the play lies before the first motion.
 #[test]
 fn it_begins_in_the_middle_of_the_play() {
     for sign in [1.0, -1.0] {
@@ -64,12 +64,12 @@ fn it_begins_in_the_middle_of_the_play() {
             };
             law.force(&mut state, &motion)
         };
-        // Wherever it begins.
+        // At any start position.
         assert_eq!(to(5.0), 0.0);
         assert_eq!(to(5.0 + sign * 0.0399), 0.0);
         close(to(5.0 + sign * 0.05), sign * 2.0 * 0.01, 1e-9);
         close(to(5.0 + sign * 0.3), sign * 2.0 * 0.03, 1e-9);
-        // It came along, and at rest the force stays.
+        // The slider moved with it, and at rest the force stays.
         close(to(5.0 + sign * 0.3), sign * 2.0 * 0.03, 1e-9);
         assert_eq!(to(5.0 + sign * 0.2), 0.0);
         assert_eq!(to(5.0 + sign * 0.2), 0.0);
@@ -87,8 +87,8 @@ fn without_a_play_it_is_a_jenkins_element() {
     }
 }
 
-/// Of displacements that are the same in both, steps are exact, and their sums round by at most 2^-24 of half the play and the slip
-/// limit. That is a walk over the 10⁴ ticks of a half cycle, √10⁴·2^-24·(s/2 + x)/√3; the worst is three of these.
+/// For equal displacements in both precisions, steps are exact, and their sums round by at most 2^-24 of half the play and the slip
+/// limit. This is a random walk over the 10⁴ ticks of a half cycle, √10⁴·2^-24·(s/2 + x)/√3; the worst case is three of these.
 #[test]
 fn f32_follows_f64_within_rounding() {
     let (k, x, s) = (1.5_f64, 0.02, 0.05);
@@ -112,7 +112,7 @@ fn f32_follows_f64_within_rounding() {
 }
 
 proptest! {
-    /// It never holds more than stiffness times its limit, however wide the play and long the steps.
+    /// The force never exceeds stiffness times limit, for any play and any step length.
     #[test]
     fn it_stays_within_its_limit(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
@@ -123,10 +123,10 @@ proptest! {
         prop_assert!(largest_force(backlash, path) <= k * x);
     }
 
-    /// Passive: along any path it takes at least what its spring holds in the end, which it may give back.
+    /// Passive: along any path it absorbs at least the energy that its spring stores at the end, which it may return.
     ///
-    /// A step that ends in the play counts for more than the spring gives: by k·a·b/2, a before the play's edge and b behind, at most
-    /// k·step²/8. There is one such step in a leg.
+    /// A step that ends in the play counts more energy than the spring returns: by k·a·b/2, with a before the play's edge and b
+    /// behind it, at most k·step²/8. There is one such step in a leg.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 1..9), k in 0.1..5.0_f64, x in 1e-3..0.2_f64,

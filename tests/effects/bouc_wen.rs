@@ -1,4 +1,4 @@
-//! Bouc–Wen friction against what its equation comes to in closed form, or integrated finely.
+//! Bouc–Wen friction against the closed form of its equation, or against a fine integration.
 
 use mesh_damper::effects::{BoucWen, Effect, Motion, StickSlip};
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ fn the_first_loading_is_an_exponential_or_a_hyperbolic_tangent() {
     for y in [0.005, 0.02, 0.06, -0.06] {
         let u: f64 = f64::abs(y) / 0.03;
         let sign = f64::signum(y);
-        // Steps of a thousandth: an error of their square.
+        // Steps of a thousandth: an error of second order.
         let one = backbone(effect(1.2, 0.03, 1.0), y, 1000);
         close(one, sign * 1.2 * 0.03 * (1.0 - (-u).exp()), 1e-6);
         let two = backbone(effect(1.2, 0.03, 2.0), y, 1000);
@@ -39,7 +39,7 @@ fn the_first_loading_is_an_exponential_or_a_hyperbolic_tangent() {
     }
 }
 
-/// From z = −0.5·x a step of x: straight as far as 0, and 1 − e^(−½) from there; what stands for eᵃ is within a⁴/24.
+/// A step of x from z = −0.5·x: straight up to 0, and 1 − e^(−½) from there. The approximation of eᵃ is within a⁴/24.
 #[test]
 fn a_step_through_0_bends_behind_it() {
     let law = alone(effect(1.0, 1.0, 1.0));
@@ -58,7 +58,7 @@ fn a_step_through_0_bends_behind_it() {
     close(through, 1.0 - (-0.5f64).exp(), 5e-3);
 }
 
-/// dζ = (1 − ζⁿ)·dη from 0, by a hundred thousand steps of Euler's midpoint.
+/// dζ = (1 − ζⁿ)·dη from 0, by a hundred thousand steps of the midpoint rule.
 fn integrated(eta: f64, n: f64) -> f64 {
     let steps = 100_000;
     let h = eta / f64::from(steps);
@@ -68,8 +68,8 @@ fn integrated(eta: f64, n: f64) -> f64 {
     })
 }
 
-/// A step of half the slip limit is within 6 % of that limit, and one of an eighth within half a per cent: at 1000 ticks to
-/// the cycle that is of an amplitude of twenty slip limits.
+/// A step of half the slip limit is within 6 % of that limit, and one of an eighth within 0.5 %. At 1000 ticks a cycle, an eighth
+/// corresponds to an amplitude of twenty slip limits.
 #[test]
 fn long_steps_stay_close_for_any_sharpness() {
     for n in [0.5, 0.8, 1.7, 3.7, 8.0] {
@@ -87,12 +87,12 @@ fn long_steps_stay_close_for_any_sharpness() {
     }
 }
 
-/// From +Z at y = X it unloads straight to 0 at X − Z, and bends from there to −Z at −X: with L = 2X − Z and Z the backbone
+/// From +Z at y = X it unloads in a straight line to 0 at X − Z, and bends from there to −Z at −X. With L = 2X − Z and Z the backbone
 /// at L, the loop's energy is 2·k·(∫backbone to L − Z²/2).
 #[test]
 fn the_steady_loop_has_the_energy_of_its_branches() {
     let (k, x, amplitude) = (1.2, 0.03, 0.1);
-    // What Z is follows from itself: it is nearly x.
+    // Z is defined implicitly: it is nearly x.
     let fixed_point =
         |backbone: &dyn Fn(f64) -> f64| (0..100).fold(x, |z, _| backbone(2.0 * amplitude - z));
     let exponential = |l: f64| x * (1.0 - (-l / x).exp());
@@ -115,7 +115,7 @@ fn the_steady_loop_has_the_energy_of_its_branches() {
     );
 }
 
-/// The sharper, the closer to a Jenkins element, whose loop is 4·k·x·(X − x).
+/// The larger the sharpness, the closer to a Jenkins element, whose loop is 4·k·x·(X − x).
 #[test]
 fn sharp_ones_tend_to_a_jenkins_element() {
     let jenkins = Effect::StickSlip(StickSlip::new(&[(1.2, 0.03)]).unwrap());
@@ -140,7 +140,7 @@ fn it_knows_no_frequency() {
 }
 
 proptest! {
-    /// It never holds more than stiffness times slip limit, whatever the steps.
+    /// The force never exceeds stiffness times slip limit, for any steps.
     #[test]
     fn it_stays_within_its_limit(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
@@ -150,7 +150,7 @@ proptest! {
         prop_assert!(force <= k * x);
     }
 
-    /// Passive: over any closed path it takes energy and gives none.
+    /// Passive: over any closed path it absorbs energy and supplies none.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), x in 1e-3..0.2_f64, n in 0.5..8.0_f64,

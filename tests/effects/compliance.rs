@@ -10,7 +10,7 @@ use mesh_damper::real::Real;
 
 use crate::loops::{close, nothing};
 
-/// One cycle of `ticks` after four others, under y = X·sin ωt.
+/// One cycle of `ticks` after four others, with y = X·sin ωt.
 fn steady<R: Real>(
     law: Law<R>,
     effects: &[Effect<R>],
@@ -93,7 +93,7 @@ fn a_spring_in_series_with_a_dashpot_is_a_maxwell_branch() {
             ];
             for force in forces {
                 let (storage, loss) = moduli(&force, 0.1);
-                // The second backward difference is off by (ωΔt)²/3.
+                // The second backward difference has an error of (ωΔt)²/3.
                 close(storage, stiffness * s * s / (1.0 + s * s), tolerance);
                 close(loss, stiffness * s / (1.0 + s * s), tolerance);
             }
@@ -118,7 +118,7 @@ fn a_spring_in_series_with_coulomb_friction_is_a_jenkins_element() {
     }
 }
 
-/// K·(y − x) = F(x, ẋ) is ẋ = ((K·(y − x) − k1·x − k3·x³)/c)^(1/α): integrated by Runge and Kutta, many steps to a tick.
+/// K·(y − x) = F(x, ẋ) is ẋ = ((K·(y − x) − k1·x − k3·x³)/c)^(1/α): integrated by Runge–Kutta, with many steps in a tick.
 fn integrated(
     law: &Law<f64>,
     stiffness: f64,
@@ -174,8 +174,8 @@ fn the_law_in_series_follows_a_fine_integration() {
     }
 }
 
-/// The stiffer the spring, the closer to the law alone, and without noise in f32. It is the turn of the friction that takes
-/// long to come closer: the force turns within the spring's deflection, that is in a time with the root of 1/K.
+/// The stiffer the spring, the closer to the law alone, and without noise in f32. The reversal of the friction converges slowly: the
+/// force reverses within the spring's deflection, so within a time proportional to the root of 1/K.
 #[test]
 fn a_very_stiff_spring_is_none() {
     let law = Law::new(1.05_f32, 10.5, 0.11, 0.4).unwrap();
@@ -188,7 +188,7 @@ fn a_very_stiff_spring_is_none() {
     }
 }
 
-/// In f32 at 10 kHz as in f64, for friction of every kind: no tick is off by more than a few roundings of the force.
+/// f32 at 10 kHz agrees with f64, for friction of every kind: no tick differs by more than a few roundings of the force.
 #[test]
 fn f32_follows_f64() {
     for alpha in [0.0, 0.005, 0.16, 0.4, 1.0] {
@@ -232,11 +232,11 @@ fn a_stuck_slider_in_series_is_a_spring_in_series() {
         2.0,
         ticks,
     );
-    // A tick late: an angle of ωΔt·k/(K + k).
+    // One tick late: an angle of ωΔt·k/(K + k).
     close(moduli(&force, 0.1).0, 20.0 * 1.5 / 21.5, 1e-3);
 }
 
-/// With friction, relaxation, an offset and a delay beside it nothing grows over a thousand cycles of coarse ticks.
+/// With friction, relaxation, an offset and a delay in the same law, nothing grows over a thousand cycles of coarse ticks.
 #[test]
 fn nothing_grows_in_series_with_other_effects() {
     let effects = [
@@ -247,12 +247,12 @@ fn nothing_grows_in_series_with_other_effects() {
     ];
     let law = Law::new(1.05, 10.5, 0.11, 0.4).unwrap();
     let force = steady(law, &effects, 0.2, 5.0, 100);
-    // Less than all springs stretched at once.
+    // Less than the force of all springs at full stretch.
     let most = (1.05 + 10.5 * 0.04 + 3.0 + 1.0 + 2.0) * 0.2 + 1.0;
     assert!(force.iter().all(|f| f.abs() < most));
     let offset = [effects[0], Effect::Offset(Offset::new(0.4).unwrap())];
     let moved = steady(law, &offset, 1e-6, 5.0, 100);
-    // The spring and k1 share the offset, but for what friction holds.
+    // The spring and k1 share the offset, except for the part that friction holds.
     for force in moved {
         close(force, 0.4 * 10.0 / (10.0 + 1.05), 2e-2);
     }

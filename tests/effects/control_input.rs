@@ -1,4 +1,4 @@
-//! A branch and a dashpot that a control input makes as strong as it is, against closed forms.
+//! A branch and a dashpot whose strength a control input sets, against closed forms.
 
 use mesh_damper::effects::{CONTROLS, ControlInput, Effect, Motion, Yielding};
 use mesh_damper::error::ConfigError;
@@ -26,7 +26,7 @@ fn under<R: Real>(displacement: f64, velocity: f64, control: f64) -> Motion<R> {
     }
 }
 
-/// The force after the specimen has gone at a steady velocity for long under a steady input.
+/// The force after a long motion at a steady velocity under a steady input.
 fn steady(effect: ControlInput<f64>, velocity: f64, control: f64) -> f64 {
     let law = alone(Effect::ControlInput(effect));
     let mut state = law.at_rest();
@@ -53,14 +53,14 @@ fn at_a_steady_velocity_the_force_is_the_inputs_strength() {
     }
 }
 
-/// A step of the input arrives as 1 − e^(−t/T), whatever the tick, and in f32 as in f64 where a tick takes a millionth of it.
+/// A step of the input arrives as 1 − e^(−t/T), for any tick. f32 agrees with f64 even if a tick takes a millionth of the step.
 #[test]
 fn a_step_of_the_input_arrives_exponentially() {
     fn arrived<R: Real>(tick: f64, lag: f64, time: f64) -> f64 {
         let late = effect::<R>(2, tick).with_lag(R::from_f64(lag), R::from_f64(tick));
         let law = alone(Effect::ControlInput(late.unwrap()));
         let mut state = law.at_rest();
-        // Of a dashpot alone there is nothing to settle: the specimen stands where it is.
+        // Only the dashpot acts, which has no state that must settle: the displacement stays at 0.
         let mut force = |control| {
             law.force(&mut state, &under::<R>(0.0, 1.0, control))
                 .to_f64()
@@ -81,7 +81,7 @@ fn a_step_of_the_input_arrives_exponentially() {
     close(slow, 1.0 - (-1.0_f64).exp(), 1e-6);
 }
 
-/// What was on before the first tick has arrived, and only the input at its own place counts.
+/// An input that was on before the first tick has arrived, and only the input at its own index counts.
 #[test]
 fn a_steady_input_has_arrived_and_others_are_of_no_matter() {
     let late = effect(1, TICK).with_lag(10.0, TICK).unwrap();
@@ -98,7 +98,7 @@ fn a_steady_input_has_arrived_and_others_are_of_no_matter() {
 fn what_is_out_of_range_is_named() {
     let field = |error: ConfigError| match error {
         ConfigError::NonFinite(field) | ConfigError::OutOfRange { field, .. } => field,
-        other => panic!("{other} names no field"),
+        other => panic!("{other} contains no field"),
     };
     let branch = || Yielding::new(1.0, 0.1, 1.0, 0.0, TICK).unwrap();
     assert_eq!(
@@ -121,7 +121,7 @@ fn what_is_out_of_range_is_named() {
 }
 
 proptest! {
-    /// Passive under a steady input: over a closed path it takes energy and gives none.
+    /// Passive under a steady input: over a closed path it absorbs energy and supplies none.
     #[test]
     fn under_a_steady_input_it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), control in -3.0..3.0_f64, saturation in 0.1..10.0_f64,
@@ -143,7 +143,7 @@ proptest! {
         prop_assert!(work > -1e-9, "{work}");
     }
 
-    /// However large the input: on the first tick the branch has no force yet, and the dashpot none beyond s·c·|v|.
+    /// For any size of the input: on the first tick the branch has no force yet, and the dashpot no more than s·c·|v|.
     #[test]
     fn the_strength_never_passes_the_saturation(control in -1e9..1e9_f64, velocity in -10.0..10.0_f64) {
         let bent = effect(0, TICK).with_saturation(1.5).unwrap();

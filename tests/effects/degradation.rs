@@ -11,7 +11,7 @@ fn effect<R: Real>(stiffness: f64, softening: f64, pinching: f64) -> Effect<R> {
     Effect::Degradation(Degradation::new(k, m0, p).unwrap())
 }
 
-/// The forces at each of `path`, mm.
+/// The force at each displacement of `path`, mm.
 fn along<R: Real>(effect: Effect<R>, path: &[f64]) -> Vec<f64> {
     let law = alone(effect);
     let mut state = law.at_rest();
@@ -25,7 +25,7 @@ fn along<R: Real>(effect: Effect<R>, path: &[f64]) -> Vec<f64> {
     path.iter().map(force).collect()
 }
 
-/// k·y/(1 + |y|/m₀), whatever the pinching.
+/// k·y/(1 + |y|/m₀), for any pinching.
 #[test]
 fn a_first_stroke_is_the_backbone() {
     let (k, m0) = (1.5, 0.08);
@@ -41,7 +41,7 @@ fn a_first_stroke_is_the_backbone() {
     }
 }
 
-/// Within what has been it is elastic: k·y·(1 − p + p·|y|/m)/(1 + m/m₀), on both sides, and its loop takes nothing.
+/// Within the previous range it is elastic: k·y·(1 − p + p·|y|/m)/(1 + m/m₀), on both sides, and its loop dissipates nothing.
 #[test]
 fn within_the_largest_displacement_it_is_elastic() {
     let (k, m0, m) = (1.5, 0.08, 0.2);
@@ -63,8 +63,8 @@ fn within_the_largest_displacement_it_is_elastic() {
     }
 }
 
-/// What a first stroke to m takes, k·m₀²·(r − ln(1 + r)) with r = m/m₀, less what comes back, k·m²·((1 − p)/2 + p/3)/(1 + r), is
-/// gone; a second stroke that goes no further loses nothing.
+/// The first stroke to m absorbs k·m₀²·(r − ln(1 + r)) with r = m/m₀, and returns k·m²·((1 − p)/2 + p/3)/(1 + r). The difference is
+/// lost. A second stroke that goes no further loses nothing.
 #[test]
 fn a_first_stroke_loses_its_closed_form() {
     for (k, m0, p, m) in [
@@ -82,7 +82,7 @@ fn a_first_stroke_loses_its_closed_form() {
     }
 }
 
-/// What does not soften is a spring.
+/// Without softening it is a spring.
 #[test]
 fn a_long_softening_leaves_a_spring() {
     let path = [0.1, -0.2, 0.05, 0.3];
@@ -91,7 +91,7 @@ fn a_long_softening_leaves_a_spring() {
     }
 }
 
-/// Before the first displacement there is no force, and the smallest there is has one that is finite.
+/// Before the first displacement there is no force, and the smallest displacement has a finite one.
 #[test]
 fn at_rest_it_has_no_force() {
     for pinching in [0.0, 1.0] {
@@ -109,7 +109,7 @@ fn at_rest_it_has_no_force() {
 }
 
 proptest! {
-    /// No more than k·m₀, within the four roundings of its factors.
+    /// The force is at most k·m₀, within the four roundings of its factors.
     #[test]
     fn it_stays_within_its_limit(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
@@ -120,10 +120,10 @@ proptest! {
         prop_assert!(f64::from(largest_force(spring, path)) <= most * (1.0 + 8.0 * 2.0_f64.powi(-24)));
     }
 
-    /// Passive: along any path it takes at least what it holds in the end.
+    /// Passive: along any path it absorbs at least the energy that it stores at the end.
     ///
-    /// Trapezoids err by step²/8 times how the slope changes, at most 2·k and on no more than four occasions in a leg: about 0, at the
-    /// largest displacement, and along the two bent branches.
+    /// Trapezoids have an error of step²/8 times the change of the slope. The change is at most 2·k and occurs at most four times in
+    /// a leg: about 0, at the largest displacement, and along the two curved branches.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 1..9), k in 0.1..5.0_f64, m0 in 1e-3..1.0_f64, p in 0.0..=1.0_f64,
@@ -134,7 +134,7 @@ proptest! {
         prop_assert!(work > -rounding, "{work}");
     }
 
-    /// Along displacements that are the same in both: eight roundings of 2^-24, no sum of which cancels.
+    /// For equal displacements in both precisions: eight roundings of 2^-24, and no sum in which they cancel.
     #[test]
     fn f32_follows_f64(
         path in prop::collection::vec(-0.3..0.3_f32, 1..50), m0 in 1e-3..1.0_f32, p in 0.0..=1.0_f32,

@@ -1,4 +1,4 @@
-//! Damping that differs between the directions, beside eq 13's own.
+//! Damping that differs between the directions, together with eq 13's damping.
 
 use std::f64::consts::TAU;
 
@@ -21,12 +21,12 @@ fn force<R: Real>(law: &AugmentedLaw<R, 1>, motion: &Motion<R>) -> f64 {
     law.force(&mut law.at_rest(), motion).to_f64()
 }
 
-/// The half of a cycle in which the displacement rises takes 1 + d of what the law's does, the other 1 − d: of the whole the
-/// difference is nothing. A half cycle of eq 13 takes c·ω^α·X^(1+α)·∫cos^(1+α).
+/// The half cycle with rising displacement dissipates 1 + d of the law's energy, the other half 1 − d. Over the whole cycle the
+/// difference is zero. A half cycle of eq 13 dissipates c·ω^α·X^(1+α)·∫cos^(1+α).
 #[test]
 fn half_cycles_take_their_closed_forms() {
     let (c, amplitude, frequency) = (0.09, 0.15, 3.0);
-    // ∫cos^(1+α) over half a turn, by its closed forms: 2 for α = 0, π/2 for α = 1.
+    // ∫cos^(1+α) over half a period, by its closed forms: 2 for α = 0, π/2 for α = 1.
     for (alpha, mean) in [(0.0, 2.0), (1.0, 0.25 * TAU)] {
         let half = c * (TAU * frequency * amplitude).powf(alpha) * amplitude * mean;
         for difference in [-1.0, -0.35, 0.6, 1.0] {
@@ -49,7 +49,7 @@ fn half_cycles_take_their_closed_forms() {
     }
 }
 
-/// With d = 1 a damper damps one way only, twice as much, and with d = −1 the other.
+/// With d = 1 the damper acts in one direction only, with twice the force, and with d = −1 in the other.
 #[test]
 fn one_way_damping_is_the_whole_difference() {
     let moving = |velocity| Motion {
@@ -70,7 +70,7 @@ fn one_way_damping_is_the_whole_difference() {
     }
 }
 
-/// Nothing is damped at rest, Coulomb's friction of α = 0 included.
+/// At rest there is no damping force, including the Coulomb friction of α = 0.
 #[test]
 fn at_rest_it_has_no_force() {
     for alpha in [0.0, 0.4, 1.0] {
@@ -85,7 +85,7 @@ fn at_rest_it_has_no_force() {
 }
 
 proptest! {
-    /// The law and it together never drive the motion, nor has it more force than the law's damping.
+    /// Together with the law it never drives the motion, and its force never exceeds the law's damping.
     #[test]
     fn its_power_is_never_negative_beside_the_law(
         difference in -1.0..=1.0f64, c in 0.0..1.0f64, alpha in 0.0..1.0f64,
@@ -100,7 +100,7 @@ proptest! {
         prop_assert!((total - damping).abs() <= damping.abs() + rounding);
     }
 
-    /// One product and one sum more than the law, each within 2^-24 of itself: of at most twice its damping.
+    /// One product and one sum more than the law, each within 2^-24 of itself, which is at most twice the law's damping.
     #[test]
     fn f32_follows_f64(
         difference in -1.0..=1.0f32, velocity in prop_oneof![-10.0..10.0f32, -1e-3..1e-3f32],

@@ -1,4 +1,4 @@
-//! All effects in one law: one of each, f32 against f64, finite whatever comes.
+//! All effects in one law: one of each, f32 against f64, and finite for any input.
 
 use mesh_damper::effects::{
     Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 use crate::loops::{TICKS, alone, close, nothing, sine};
 
-/// Each family has its row in the page about them.
+/// Each family has its row in the page about effects.
 #[test]
 fn the_page_of_effects_has_every_family() {
     let page = include_str!("../../docs/effects.md");
@@ -23,7 +23,7 @@ fn the_page_of_effects_has_every_family() {
     }
 }
 
-/// A state that was made for fewer effects has the rest at rest, and drops none.
+/// In a state that was created for fewer effects, the others start at rest, and no state is dropped.
 #[test]
 fn a_state_of_fewer_effects_serves_more() {
     let offset = Effect::Offset(Offset::new(0.5).unwrap());
@@ -55,7 +55,7 @@ fn a_full_set_refuses_one_more() {
     );
 }
 
-/// Two of a kind are one with other coefficients, or more elements.
+/// Two effects of a kind equal one with other coefficients or more elements.
 #[test]
 fn a_second_effect_of_a_kind_is_refused() {
     let law = one_of_each::<f64>();
@@ -71,10 +71,10 @@ fn a_second_effect_of_a_kind_is_refused() {
     assert_eq!(roomy.effects().count(), EFFECTS);
 }
 
-/// Effects that there are.
+/// Number of effects.
 const EFFECTS: usize = 24;
 
-/// One of each, of ordinary size.
+/// One of each, with ordinary parameters.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
     let r = R::from_f64;
     let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
@@ -135,9 +135,9 @@ fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
 
 /// f32 and f64 through the same code, ten cycles of 2·10^4 ticks, every effect at once.
 ///
-/// The state of relaxation is updated by differences of displacements: each rounds by 2^-24·X = 1.2e-8 mm, which at
-/// k = 1.5 kN/mm is a random walk with memory τ/Δt = 1000 ticks, √1000·1.5·1.2e-8/√3 = 3.3e-7 kN, worst 3 of these; that of
-/// stick-slip is a walk over one half cycle, √10⁴·1.2·1.2e-8/√3 = 8e-7 kN. The peak force is 0.8 kN.
+/// Differences of displacements update the state of relaxation. Each rounds by 2^-24·X = 1.2e-8 mm, which at k = 1.5 kN/mm is a
+/// random walk with a memory of τ/Δt = 1000 ticks: √1000·1.5·1.2e-8/√3 = 3.3e-7 kN, at worst 3 of these. For stick-slip it is a walk
+/// over one half cycle, √10⁴·1.2·1.2e-8/√3 = 8e-7 kN. The peak force is 0.8 kN.
 #[test]
 fn f32_follows_f64_within_rounding() {
     let (single, double) = (one_of_each::<f32>(), one_of_each::<f64>());
@@ -176,7 +176,7 @@ fn any_motion() -> impl Strategy<Value = Motion<f32>> {
 }
 
 proptest! {
-    /// The force is finite for any motion, NaN and infinities included, and stays so afterwards.
+    /// The force is finite for any motion, including NaN and infinities, and remains so afterwards.
     #[test]
     fn every_force_is_finite(motions in prop::collection::vec(any_motion(), 1..40)) {
         let law = one_of_each::<f32>();

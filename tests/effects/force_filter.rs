@@ -1,4 +1,4 @@
-//! A force channel behind a low-pass, against the continuous filter's own gain, lag and step.
+//! A force channel behind a low-pass, against the gain, lag and step response of the continuous filter.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::loops::{alone, close};
 
-/// A spring of 1 kN/mm behind it, so that the force is the displacement.
+/// A spring of 1 kN/mm before the filter, so that the force equals the displacement.
 fn filter<R: Real>(corner: f64, tick: f64) -> AugmentedLaw<R, 1> {
     let r = R::from_f64;
     let spring = Law::new(r(1.0), r(0.0), r(0.0), r(0.0)).unwrap();
@@ -18,7 +18,7 @@ fn filter<R: Real>(corner: f64, tick: f64) -> AugmentedLaw<R, 1> {
     law.with(Effect::ForceFilter(filter)).unwrap()
 }
 
-/// What is shown of forces in kN, one a tick.
+/// The filter's output for forces in kN, one a tick.
 fn shown<R: Real>(law: &AugmentedLaw<R, 1>, forces: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut state = law.at_rest();
     let force = |force| {
@@ -48,16 +48,16 @@ fn response(law: &AugmentedLaw<f64, 1>, period: usize, settled: usize) -> (f64, 
     (part * in_phase.hypot(across), lag.rem_euclid(TAU))
 }
 
-/// H = 1/(1 − r² + i·√2·r) at r corners: gain 1/√(1 + r⁴), 1/√2 and a quarter turn at the corner.
+/// H = 1/(1 − r² + i·√2·r) at r times the corner: gain 1/√(1 + r⁴), which is 1/√2 with a lag of a quarter period at the corner.
 #[test]
 fn gain_and_lag_are_butterworths() {
     let (corner, tick) = (40.0, 1e-5);
     let law = filter(corner, tick);
     for period in [100_000, 10_000, 5_000, 2_500, 1_250, 500] {
         let r = 1.0 / (period as f64 * tick * corner);
-        // The start fades by e^(−ω·t/√2): over 0.2 s by e^(−35).
+        // The start decays as e^(−ω·t/√2): over 0.2 s by e^(−35).
         let (gain, lag) = response(&law, period, 20_000);
-        // A sine is chords between ticks, (π/period)²/3 too small: 1.3e-5 of the fastest.
+        // Between ticks a sine is approximated by chords, which are (π/period)²/3 too small: 1.3e-5 for the fastest.
         let chords = 0.4 * (PI / period as f64).powi(2) + 1e-9;
         close(gain, 1.0 / (1.0 + r.powi(4)).sqrt(), chords);
         let expected = (SQRT_2 * r).atan2(1.0 - r * r);
@@ -65,7 +65,7 @@ fn gain_and_lag_are_butterworths() {
     }
 }
 
-/// Along straight lines the step is exact, however few the ticks: the closed form of a ramp from rest.
+/// Along straight lines the step is exact, for any number of ticks: the closed form of a ramp from rest.
 #[test]
 fn a_ramp_is_late_by_the_closed_form_at_every_tick() {
     for (corner, tick) in [(40.0, 1e-4), (40.0, 1e-2), (0.3, 0.5), (1.2e4, 1e-4)] {
@@ -75,7 +75,7 @@ fn a_ramp_is_late_by_the_closed_form_at_every_tick() {
             (0..300).map(|n| tick * f64::from(n)),
         );
         for (n, force) in all.into_iter().enumerate() {
-            // Late by √2/ω = 1/a, and what has not settled yet.
+            // The delay √2/ω = 1/a, and the part that has not settled yet.
             let time = tick * n as f64;
             let expected = time - (1.0 - (-a * time).exp() * (a * time).cos()) / a;
             assert!((force - expected).abs() < 1e-12, "{force} {expected}");
@@ -83,7 +83,7 @@ fn a_ramp_is_late_by_the_closed_form_at_every_tick() {
     }
 }
 
-/// 1 − √2·e^(−a)·sin(a + π/4) goes beyond by e^(−π) = 4.3 % at a = π, and settles at all of the force.
+/// 1 − √2·e^(−a)·sin(a + π/4) overshoots by e^(−π) = 4.3 % at a = π, and settles at the whole force.
 #[test]
 fn a_step_goes_beyond_by_a_23rd_and_settles_at_all_of_it() {
     let (corner, tick) = (25.0, 1e-4);
@@ -97,7 +97,7 @@ fn a_step_goes_beyond_by_a_23rd_and_settles_at_all_of_it() {
     assert_eq!(least, 0.5);
 }
 
-/// It shows the sum of all forces, the first for ever before, and stands beside a delay.
+/// It filters the sum of all forces, starts in the steady state of the first one, and works together with a delay.
 #[test]
 fn every_effects_force_passes_and_the_first_has_stood_for_ever() {
     let offset = Effect::Offset(Offset::new(0.7).unwrap());
@@ -127,7 +127,7 @@ fn every_effects_force_passes_and_the_first_has_stood_for_ever() {
     }
 }
 
-/// Of one that does not move nothing changes, to the last bit and at every corner.
+/// A constant force is unchanged, to the last bit and at every corner.
 #[test]
 fn what_stands_still_is_shown_as_it_is_in_f32() {
     for corner in [1.0, 3.7, 200.0, 1e4, 1e7] {
@@ -142,7 +142,8 @@ fn what_stands_still_is_shown_as_it_is_in_f32() {
 }
 
 proptest! {
-    /// f32 within 2e-5 of f64 at the corners of a rig's tick, and at the slowest within what rounding leaves of a tick's change, 2⁻²⁵/a.
+    /// f32 is within 2e-5 of f64 at the corners of a rig's tick. At the slowest it is within the rounding error of a tick's change,
+    /// 2⁻²⁵/a.
     #[test]
     fn f32_follows_f64(corner in 1.0..5e3_f64, period in 40..4000_u32) {
         let force = |tick: u32| f64::from((TAU * f64::from(tick) / f64::from(period)).sin() as f32);
@@ -155,7 +156,8 @@ proptest! {
         }
     }
 
-    /// It never shows more than 1 + 2·e^(−π)/(1 − e^(−π)) times the largest force there was, which its impulse response adds up to.
+    /// Its output never exceeds 1 + 2·e^(−π)/(1 − e^(−π)) times the largest input force. This is the sum of the magnitudes of its
+    /// impulse response.
     #[test]
     fn nothing_grows(
         corner in -4.0..3.0_f64, forces in prop::collection::vec(-1.0..1.0_f64, 1..400), scale in 0..30,

@@ -1,4 +1,4 @@
-//! An effect for ticks twice as long is what its constructor makes of these.
+//! An effect that is converted to ticks twice as long equals the one that its constructor creates for these ticks.
 
 use mesh_damper::effects::description::Description;
 use mesh_damper::effects::{ControlInput, Equations, LawForce, Motion, Relaxation, Yielding};
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 /// s
 const TICK: f64 = 1e-4;
 
-/// Of parameters about the typical ones, a hundredth to a hundred times of them.
+/// Parameters from a hundredth to a hundred times the typical ones.
 fn parameters(description: &Description, parts: &[f64]) -> Vec<f64> {
     let pairs = description.typical.iter().zip(parts).enumerate();
     let value = |(place, (typical, part)): (usize, (&f64, &f64))| {
@@ -21,7 +21,7 @@ fn parameters(description: &Description, parts: &[f64]) -> Vec<f64> {
     pairs.map(value).collect()
 }
 
-/// Its forces along a sine of `ticks` to the cycle, over four of them.
+/// Its forces along a sine of `ticks` a cycle, over four cycles.
 fn forces<E: Equations<f32>>(effect: &E, amplitude: f64, ticks: u32, tick: f64) -> Vec<f32> {
     let mut state = E::AT_REST;
     let turn = std::f64::consts::TAU / f64::from(ticks);
@@ -38,8 +38,9 @@ fn forces<E: Equations<f32>>(effect: &E, amplitude: f64, ticks: u32, tick: f64) 
     (0..4 * ticks).map(force).collect()
 }
 
-/// `doublings` times over, beside one that was made so: where a search starts is found from where it started, within a thousandth of a
-/// search's own errors, and each rounds by 2⁻²⁴ of the largest force, some times.
+/// Converts `doublings` times, and compares with an effect that was constructed for the long tick. The start value of a search is
+/// computed from the previous start value, within a thousandth of the search's own errors. Each step rounds a few times by 2⁻²⁴ of
+/// the largest force.
 fn holds<E: Equations<f32>>(
     parts: &[f64],
     amplitude: f64,

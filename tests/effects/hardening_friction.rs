@@ -1,4 +1,4 @@
-//! Friction that hardens against the closed forms of its equation.
+//! Friction that hardens, against the closed forms of its equation.
 
 use mesh_damper::effects::{BoucWen, Effect, HardeningFriction, Motion};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ fn effect(stiffness: f64, limit: f64, sharpness: f64, hardening: f64, loss: f64)
     )
 }
 
-/// The forces at the ends of legs of `steps` equal steps from 0 to the first of `turns`, and on.
+/// The forces at the ends of legs of `steps` equal steps: from 0 to the first of `turns`, and from each to the next.
 fn at_turns(effect: Effect<f64>, turns: &[f64], steps: usize) -> Vec<f64> {
     let law = alone(effect);
     let mut state = law.at_rest();
@@ -44,12 +44,12 @@ fn branches_are_the_closed_forms() {
     let (up, back) = (0.5, 0.1);
     let top = ((a * up).exp() - 1.0) / a;
     let returned = ((1.0 + b * top) * (-b * back).exp() - 1.0) / b;
-    // To 0, and as far again on the other side.
+    // To 0, and the same distance on the other side.
     let to_zero = (1.0 + b * returned).ln() / b;
     let beyond = 0.3;
     let end = -((a * beyond).exp() - 1.0) / a;
     let turns = [up, up - back, up - back - to_zero - beyond];
-    // However long the steps.
+    // For any step length.
     for (sign, steps) in [(1.0, 500), (-1.0, 500), (1.0, 1), (-1.0, 2)] {
         let turns = turns.map(|y| sign * y);
         let found = at_turns(effect(1.5, x, 1.0, h, l), &turns, steps);
@@ -59,7 +59,7 @@ fn branches_are_the_closed_forms() {
     }
 }
 
-/// With h = −1 and l = 1 a branch away from 0 bends, and one towards 0 is straight: as of [`BoucWen`].
+/// With h = −1 and l = 1 a branch away from 0 bends, and one towards 0 is straight, as for [`BoucWen`].
 #[test]
 fn without_hardening_it_is_the_softening_one() {
     for n in [0.7, 1.0, 2.5] {
@@ -75,11 +75,11 @@ fn without_hardening_it_is_the_softening_one() {
     }
 }
 
-/// Steps of half the length leave a quarter of the error.
+/// Steps of half the length have a quarter of the error.
 #[test]
 fn a_step_is_of_the_second_order() {
     for n in [1.3, 2.0, 3.0] {
-        // Within the limit, and not through 0, where steps end at other places.
+        // Within the limit, and not through 0, where steps end at other positions.
         let turns = [0.5, 0.3];
         let of = |steps| at_turns(effect(1.0, 1.5, n, 1.5, 6.0), &turns, steps);
         let exact = of(20_000);
@@ -92,7 +92,8 @@ fn a_step_is_of_the_second_order() {
     }
 }
 
-/// With h + l < 0 a branch towards 0 falls less than its way: n = 1 has the closed form of [`branches_are_the_closed_forms`] with b < 0.
+/// With h + l < 0 the force of a branch towards 0 falls less than in proportion: n = 1 has the closed form of
+/// [`branches_are_the_closed_forms`] with b < 0.
 #[test]
 fn a_branch_that_falls_less_than_its_way_ends_where_it_must() {
     let (x, h, l): (f64, f64, f64) = (1.0, -0.9, 0.2);
@@ -109,7 +110,7 @@ fn a_branch_that_falls_less_than_its_way_ends_where_it_must() {
     }
 }
 
-/// Twenty steps to a cycle, of sharp and lossy ones too: about the energy of many steps is lost.
+/// Twenty steps a cycle, also for sharp and lossy friction: the dissipated energy is about that with many steps.
 #[test]
 fn few_steps_lose_about_as_much() {
     for (n, loss) in [
@@ -130,7 +131,7 @@ fn few_steps_lose_about_as_much() {
 }
 
 proptest! {
-    /// It never holds more than stiffness times its limit, whatever the steps.
+    /// The force never exceeds stiffness times its limit, for any steps.
     #[test]
     fn it_stays_within_its_limit(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
@@ -142,7 +143,7 @@ proptest! {
         prop_assert!(force <= k * x);
     }
 
-    /// Passive: over any closed path it takes energy and gives none.
+    /// Passive: over any closed path it absorbs energy and supplies none.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), x in 0.05..1.0_f64, n in 0.5..4.0_f64,

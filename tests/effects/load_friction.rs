@@ -1,4 +1,4 @@
-//! Friction that grows with the load, beside eq 13's own.
+//! Friction that grows with the load, together with eq 13's friction.
 
 use std::f64::consts::TAU;
 
@@ -25,7 +25,7 @@ fn cycle(law: &AugmentedLaw<f64, 1>, amplitude: f64, frequency: f64) -> Vec<f64>
         .collect()
 }
 
-/// What the load adds is 4·λ·c·ω^α·X^(2+α)/(2 + α).
+/// The load adds a dissipation of 4·λ·c·ω^α·X^(2+α)/(2 + α).
 #[test]
 fn it_dissipates_its_closed_form() {
     for (amplitude, frequency, c, alpha) in [
@@ -42,13 +42,13 @@ fn it_dissipates_its_closed_form() {
         let omega = TAU * frequency;
         let expected =
             4.0 * LOAD * c * omega.powf(alpha) * amplitude.powf(2.0 + alpha) / (2.0 + alpha);
-        // |v|^α turns within a tick at the reversals, the steeper the smaller α.
+        // |v|^α changes sign within a tick at the reversals, more steeply for a smaller α.
         close(with - without, expected, 1e-5);
     }
 }
 
-/// α = 0 is Coulomb friction on contacts whose pressing is in proportion to |y|: ΔW = 2·λ·c·X², of a loop that is closed
-/// at its middle.
+/// α = 0 is Coulomb friction at contacts with a normal force proportional to |y|: ΔW = 2·λ·c·X², from a loop that is closed at its
+/// middle.
 #[test]
 fn without_rate_it_is_coulombs_with_the_load_as_its_normal_force() {
     let (c, amplitude) = (0.05, 0.1);
@@ -67,7 +67,7 @@ fn without_rate_it_is_coulombs_with_the_load_as_its_normal_force() {
 }
 
 proptest! {
-    /// It never drives the motion, but for the rounding of the law's force.
+    /// It never drives the motion, except for the rounding of the law's force.
     #[test]
     fn its_power_is_never_negative(
         load in 0.0..1e3f64,

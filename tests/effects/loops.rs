@@ -1,4 +1,4 @@
-//! Loops of one effect, and the energy that they take.
+//! Loops of one effect, and their dissipated energy.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use mesh_damper::real::Real;
 /// Ticks per cycle of the sampled loops.
 pub const TICKS: usize = 20_000;
 
-/// A law without a force of its own.
+/// A law without a force.
 pub fn nothing<R: Real>() -> Law<R> {
     Law::new(R::ZERO, R::ZERO, R::ZERO, R::ZERO).unwrap()
 }
@@ -50,7 +50,7 @@ pub fn last_cycle<R: Real>(
     all[(cycles - 1) * TICKS..].to_vec()
 }
 
-/// ∮F dy over one cycle, trapezoids.
+/// ∮F dy over one cycle, by trapezoids.
 pub fn energy(force: &[f64], amplitude: f64) -> f64 {
     let y = |n: usize| amplitude * (TAU * n as f64 / TICKS as f64).sin();
     (0..TICKS)
@@ -77,7 +77,7 @@ pub fn close(value: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// ∫F dy of an effect from rest at 0 along legs of `steps` equal steps to each of `turns`, trapezoids.
+/// ∫F dy of an effect from rest at 0 along legs of `steps` equal steps to each of `turns`, by trapezoids.
 pub fn work(effect: Effect<f64>, turns: impl IntoIterator<Item = f64>, steps: u32) -> f64 {
     let law = alone(effect);
     let mut state = law.at_rest();
@@ -113,7 +113,7 @@ pub fn largest_force(effect: Effect<f32>, path: Vec<f32>) -> f32 {
         };
         law.force(&mut state, &motion).abs()
     });
-    // Not a number is the largest.
+    // NaN counts as the largest.
     forces.fold(0.0, |most, force| {
         if force > most || force.is_nan() {
             force

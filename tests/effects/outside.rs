@@ -1,4 +1,4 @@
-//! How forces grow outside the operating range: each as its description says, and the page with it.
+//! The growth of forces outside the operating range: as in each description and in the page.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ use crate::loops::{TICKS, close, nothing, sine};
 const RANGE: f64 = 0.1;
 const FREQUENCY: f64 = 1.0;
 const TICK: f64 = 1.0 / (FREQUENCY * TICKS as f64);
-/// How far the motion goes, in times the range.
+/// The size of the motion in multiples of the range.
 const TIMES: [f64; 5] = [1.0, 3.0, 10.0, 30.0, 100.0];
 const ALPHA: f64 = 0.4;
 
@@ -40,7 +40,7 @@ fn peak(law: &AugmentedLaw<f64, 1>, other: &AugmentedLaw<f64, 1>, times: f64) ->
         .fold(0.0, |most: f64, force| most.max(force.abs()))
 }
 
-/// What an effect beside `law` adds at each of [`TIMES`], or what comes through it where it is a stage: kN.
+/// The force that an effect adds to `law` at each of [`TIMES`], or the output of a stage: kN.
 fn peaks(description: &Description, law: Law<f64>) -> [f64; 5] {
     let with = AugmentedLaw::new(law).with(effect(description)).unwrap();
     let without = match description.kind {
@@ -72,7 +72,8 @@ fn is_power(peaks: [f64; 5], exponent: f64) {
     }
 }
 
-/// Of friction: what its springs carry at their limits, Σ k·x. Its first two parameters are these, or all are pairs of them.
+/// The limit of friction: the force of its springs at their limits, Σ k·x. The first two parameters are k and x, or all parameters
+/// are pairs of them.
 fn friction_limit(description: &Description) -> f64 {
     let used = match description.most {
         1 => 2,
@@ -96,7 +97,7 @@ fn each_force_grows_as_its_description_says() {
                 for peak in peaks {
                     assert!(peak <= limit * (1.0 + 1e-9), "{}: {peak}", description.name);
                 }
-                // A spring that softens comes near its limit as 1/|y| falls, others within the motion.
+                // A spring that softens approaches its limit as 1/|y|, the others reach it within the motion.
                 let reached = match description.name {
                     "degradation" => {
                         let [thirty, hundred] = [3, 4].map(|place| TIMES[place] / peaks[place]);
@@ -112,7 +113,7 @@ fn each_force_grows_as_its_description_says() {
             Growth::LinearBeyondGap => {
                 let [_, three, ten, thirty, _] = alone();
                 close((thirty - ten) / (ten - three), 20.0 / 7.0, 1e-9);
-                // Not as the motion: the gap is missing.
+                // Not in proportion to the motion: the gap is missing.
                 assert!(ten / three > 1.01 * 10.0 / 3.0);
             }
             Growth::AtMostLinear => {
@@ -134,7 +135,7 @@ fn each_force_grows_as_its_description_says() {
                     (law(0.0, 30.0, 0.0), 3.0),
                     (law(0.0, 0.0, 0.1), ALPHA),
                 ] {
-                    // A stiffness beside the law's forces is linear, which one that grows less may be hidden behind.
+                    // A stiffness next to the law's forces is linear, and may hide a force that grows less.
                     let most = f64::max(power, 1.0);
                     let found = exponent(peaks(description, of));
                     assert!(
@@ -169,7 +170,7 @@ fn the_mixed_damping_law_grows_with_its_cubic_part() {
     is_power(of_law_alone(law(0.0, 0.0, 0.1)), ALPHA);
 }
 
-/// Beyond its reach and its speed a residual table gives what it gives there.
+/// Beyond its reach and its speed a residual table gives its value at the edge.
 #[test]
 fn a_residual_table_holds_its_edge() {
     assert_eq!(ResidualTable::<f64>::OUTSIDE, Growth::Held);
@@ -203,7 +204,7 @@ fn a_residual_table_holds_its_edge() {
     }
 }
 
-/// k·x + k·τ·v of a dashpot that yields, 2·k·Y of a Maxwell branch, 2·K·Y of a spring in series, Y the largest displacement.
+/// k·x + k·τ·v for a dashpot that yields, 2·k·Y for a Maxwell branch, 2·K·Y for a spring in series; Y is the largest displacement.
 #[test]
 fn what_is_at_most_linear_or_linear_stays_below_what_the_page_says() {
     let named = |name: &str| DESCRIPTIONS.iter().find(|d| d.name == name).unwrap();
@@ -231,17 +232,18 @@ fn what_is_at_most_linear_or_linear_stays_below_what_the_page_says() {
             assert!(force > 0.0 && force <= limit, "{force} of {limit}");
         }
     }
-    // Without the spring the law's force is a hundred times of that.
+    // Without the spring the law's force is more than a hundred times as large.
     assert!(of_law_alone(law)[4] > 100.0 * forces[2][4]);
 }
 
-/// (1 + e^(−π))/(1 − e^(−π)), by a force that turns where it hurts: every half cycle of the low-pass's own oscillation.
+/// (1 + e^(−π))/(1 − e^(−π)), with a force that reverses at the worst times: after every half cycle of the low-pass's own
+/// oscillation.
 #[test]
 fn a_low_pass_shows_at_most_nine_percent_more_than_there_is() {
     let (corner, tick) = (10.0, 1e-4);
     let filter = Effect::ForceFilter(ForceFilter::new(corner, tick).unwrap());
     let spring: AugmentedLaw<f64, 1> = AugmentedLaw::new(law(1.0, 0.0, 0.0)).with(filter).unwrap();
-    // ω/√2 is the frequency at which it swings.
+    // ω/√2 is the frequency of its oscillation.
     let half = (std::f64::consts::SQRT_2 * 0.5 / corner / tick).round() as usize;
     let mut state = spring.at_rest();
     let most = (0..40 * half).fold(0.0, |most: f64, n| {
@@ -260,7 +262,7 @@ fn a_low_pass_shows_at_most_nine_percent_more_than_there_is() {
     close(most, expected, 1e-3);
 }
 
-/// Temperature turns a force round beyond 1/β; cycles never go beyond the whole change.
+/// The temperature reverses a force beyond 1/β; the number of cycles never causes more than the whole change.
 #[test]
 fn temperature_turns_a_force_round_and_cycles_do_not() {
     let alone = law(1.7, 30.0, 0.1);
@@ -315,7 +317,7 @@ fn the_page_says_how_each_force_grows() {
         rows.iter().map(|row| (row[0].to_owned(), row[1])).collect();
     assert_eq!(said, expected);
     for row in rows {
-        // Of four columns, from where and what bounds it included.
+        // Four columns, including the start of the growth and its bound.
         assert_eq!(row.len(), 4, "{row:?}");
         assert!(row.iter().all(|cell| !cell.is_empty()), "{row:?}");
     }

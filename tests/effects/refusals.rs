@@ -1,4 +1,4 @@
-//! Constructors name the field that they refuse.
+//! Constructors report the field that they refuse.
 
 use mesh_damper::effects::{
     Asymmetry, Backlash, BoucWen, Compliance, Degradation, Delay, Directional, Drift, ForceFilter,
@@ -12,7 +12,7 @@ fn constructors_name_the_field_they_refuse() {
     let field = |error: ConfigError| match error {
         ConfigError::NonFinite(field) | ConfigError::Empty(field) => field,
         ConfigError::OutOfRange { field, .. } | ConfigError::Full { field, .. } => field,
-        other => panic!("{other} names no field"),
+        other => panic!("{other} contains no field"),
     };
     assert_eq!(field(Offset::new(f32::NAN).unwrap_err()), "force");
     assert_eq!(field(Asymmetry::new(1e10).unwrap_err()), "k2");

@@ -12,7 +12,7 @@ fn relaxation_has_the_moduli_of_a_maxwell_branch() {
     for frequency in [0.5, 3.0, 10.0] {
         let tick = 1.0 / (frequency * TICKS as f64);
         let effect = Effect::Relaxation(Relaxation::new(&[(1.5, 0.05)], tick).unwrap());
-        // The start has faded after 10 cycles: e^(−10/(10·0.05)) at the fastest.
+        // The start has decayed after 10 cycles: e^(−10/(10·0.05)) at the fastest.
         let (storage, loss) = moduli(&last_cycle(effect, 0.1, frequency, 40), 0.1);
         let x = TAU * frequency * 0.05;
         // Straight lines between ticks: an error of (ωΔt)²/12 = 8e-9, and e^(−80) of the start.
@@ -21,7 +21,7 @@ fn relaxation_has_the_moduli_of_a_maxwell_branch() {
     }
 }
 
-/// Branches act side by side.
+/// Branches act in parallel.
 #[test]
 fn branches_of_relaxation_add_up() {
     let branches = [(1.5, 0.02), (0.4, 0.3), (-0.2, 2.0)];
@@ -37,7 +37,7 @@ fn branches_of_relaxation_add_up() {
     }
 }
 
-/// A step held for one time constant fades to 1/e in f32 too, however little a tick takes.
+/// The force of a step held for one time constant decays to 1/e in f32 too, for any decay per tick.
 #[test]
 fn relaxation_fades_over_long_times_in_f32() {
     for time in [1.0, 100.0, 3000.0] {
@@ -56,8 +56,8 @@ fn relaxation_fades_over_long_times_in_f32() {
                 },
             );
         }
-        // The step takes a tick, so that the fall is half a tick short of τ. loss = Δt/τ rounds by 2^-24 of itself; the sum
-        // of the ticks is compensated.
+        // The step takes a tick, so the decay is half a tick short of τ. loss = Δt/τ rounds by 2^-24 of itself; the sum over the
+        // ticks is compensated.
         let expected = 1.2 * (-1.0 + 0.5e-4 / f64::from(time)).exp();
         close(f64::from(force), expected, 1e-6);
     }

@@ -1,4 +1,4 @@
-//! The correction without a name: what its table gives between its nodes and outside, and what it remembers.
+//! The residual table: its force between its nodes and outside, and its memory.
 
 use mesh_damper::effects::residual_table::{
     CELLS, DISPLACEMENTS, FINE, Memory, NODES, ResidualTableParts, ResidualTableState,
@@ -32,7 +32,7 @@ fn table(force: impl Fn(f64, f64) -> f64) -> Vec<i16> {
     (0..CELLS).map(count).collect()
 }
 
-/// Cells that say how far along its range what stands in the place of speed is, in 4000ths, whatever the displacement.
+/// Cells that give the position of the second coordinate along its range, in 4000ths, for any displacement.
 fn ramp() -> Vec<i16> {
     let node = |cell: usize| cell / DISPLACEMENTS % NODES;
     (0..CELLS).map(|cell| 250 * node(cell) as i16).collect()
@@ -85,7 +85,7 @@ impl<R: Real> Alone<R> {
     }
 }
 
-/// What is remembered, which stands in `range`, after each displacement and velocity.
+/// The remembered value, which is in `range`, after each displacement and velocity.
 fn remembered_of(
     memory: Memory<f64>,
     range: [f64; 2],
@@ -98,7 +98,7 @@ fn remembered_of(
         .collect()
 }
 
-/// The same of what is not of the velocity, at rest on every third tick.
+/// The same for a memory that does not depend on the velocity, with every third tick at rest.
 fn remembered(memory: Memory<f64>, range: [f64; 2], motion: impl Iterator<Item = f64>) -> Vec<f64> {
     let speeds = [0.3, 0.0, -5.0].into_iter().cycle();
     remembered_of(memory, range, motion.zip(speeds))
@@ -111,7 +111,7 @@ fn close(value: f64, expected: f64, within: f64) {
     );
 }
 
-/// y·|v| and v are straight between the nodes, and a jump at rest is one.
+/// y·|v| and v are linear between the nodes, and a jump at rest is represented exactly.
 #[test]
 fn what_is_straight_between_the_nodes_is_exact() {
     let force = |y: f64, v: f64| 0.5 + 2.0 * y + 0.1 * v + 1.5 * y * v.abs() + 0.3 * v.signum();
@@ -139,7 +139,7 @@ fn outside_the_edge_holds() {
     close(alone.force(f64::NAN, f64::NAN, f64::NAN), 0.0, 2e-3);
 }
 
-/// The stop operator: it follows until the limit, and turns with the motion.
+/// The stop operator: it follows the displacement up to the limit, and reverses with the motion.
 #[test]
 fn slip_is_a_stop() {
     let motion = [0.0, 0.02, 0.15, 0.14, 0.08, -0.1, -0.08];
@@ -163,7 +163,7 @@ fn lag_fades_with_its_time() {
     }
 }
 
-/// A triangle of 2 mm/s, seen since long.
+/// A triangle of 2 mm/s, long after its start.
 #[test]
 fn travel_is_the_mean_speed() {
     let motion = |tick: i32| (0.0, if tick % 100 < 50 { 2.0 } else { -2.0 });
@@ -176,7 +176,7 @@ fn travel_is_the_mean_speed() {
     close(z[1999], 2.0, 4e-3);
 }
 
-/// Over 300,000 ticks, in which an average of few counts would stand still.
+/// Over 300,000 ticks, in which an average in a few counts would not change.
 #[test]
 fn a_slow_motion_is_averaged_over_a_long_time() {
     let time = 300.0;
@@ -208,7 +208,7 @@ fn age_grows_with_the_logarithm_of_time() {
         std::iter::repeat_n(0.0, 701),
     );
     for (ticks, octaves) in [(0, 0.0), (10, 1.0), (30, 2.0), (70, 3.0), (630, 6.0)] {
-        // The range is resolved in 2⁻¹⁰, and both the memory and its place are cut off.
+        // The range is resolved to 2⁻¹⁰, and both the memory and its position are truncated.
         close(z[ticks], octaves, 2.0 * 8.0 / 1024.0);
     }
 }
@@ -229,14 +229,14 @@ fn temperature_stands_where_it_is_measured() {
         (-1e30, 0.0),
         (f64::NAN, 1.0 / 3.0),
     ] {
-        // A gain of 170.7 readings is one of 170.
+        // A gain of 170.7 readings is truncated to 170.
         close(force_at(temperature, [-20.0, 40.0]), part, 5e-3);
     }
     // A narrow range as well.
     close(force_at(60.5, [60.0, 62.0]), 0.25, 5e-3);
 }
 
-/// A tent half as wide as another table resolves, forwards only.
+/// A tent half as wide as the resolution of another table, in the forward direction only.
 #[test]
 fn a_line_resolves_what_happens_at_one_place() {
     let width = 2.0 * REACH / (FINE - 1) as f64;
@@ -267,7 +267,7 @@ fn a_line_resolves_what_happens_at_one_place() {
     }
 }
 
-/// Friction and a dashpot above one edge, another below the other, nothing between: the jump is within a 4096th of a node.
+/// Friction and a dashpot above one edge, another pair below the other, nothing between: the jump is within a 4096th of a node.
 #[test]
 fn a_side_begins_at_its_edge() {
     let (below, above) = (-0.12, 0.05);
@@ -280,7 +280,7 @@ fn a_side_begins_at_its_edge() {
     for (way, sign) in [(0, 1.0), (CELLS / 2, -1.0)] {
         for (side, y) in [(0, REACH), (NODES, -REACH)] {
             for node in 0..NODES {
-                // At rest the friction of this direction.
+                // At rest the friction of this direction acts.
                 let speed = (SPEED * part_of_speed(node)).max(f64::MIN_POSITIVE);
                 lines[way + side + node] = (force(y, sign * speed) / UNIT).round() as i16;
             }
@@ -311,7 +311,7 @@ fn a_side_begins_at_its_edge() {
     close(one.force(-50.0, 2.0, 0.0), 0.0, 1e-3);
 }
 
-/// Of 2 and 8 Hz the logarithm is exact; after more cycles than a counter of fractions could hold as well.
+/// The logarithm is exact for 2 and 8 Hz, also after more cycles than a counter with fractions could represent.
 #[test]
 fn frequency_is_that_of_the_cycles() {
     let range = [0.0, 4.0];
@@ -329,9 +329,9 @@ fn frequency_is_that_of_the_cycles() {
         };
         close(after(2.0, 1.0), 1.0, 1e-2);
         close(after(8.0, 1.0), 3.0, 1e-2);
-        // A half of the way back, of which 5 Hz is a quarter below 6.
+        // Halfway back, at 5 Hz: a quarter of the octave from 4 Hz to 8 Hz, in which the logarithm is approximated by a line.
         close(after(2.0, 0.05 * f64::ln(2.0)), 2.25, 2e-2);
-        // No cycles at all are of the first node.
+        // Without any cycles the value is that of the first node.
         close(after(0.0, 2.0), 0.0, 1e-2);
     }
 }
@@ -380,7 +380,7 @@ fn what_cannot_be_is_refused() {
 }
 
 proptest! {
-    /// In f32 as in f64, but for where a displacement or a speed is rounded.
+    /// f32 agrees with f64, except for the rounding of a displacement or a speed.
     #[test]
     fn both_floats_give_the_same(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..200),
@@ -408,19 +408,19 @@ proptest! {
         let mut single = Alone::new(correction::<f32>(&cells, Some(memory(kind))).unwrap());
         for (tick, (y, v)) in motion.into_iter().enumerate() {
             let cycles = 0.01 * tick as f64;
-            // To beyond both ends of the range.
+            // From below to above the range.
             let temperature = -5.0 + tick as f64;
             let forces = [
                 double.force_at(temperature, y, v, cycles),
                 single.force_at(temperature, y, v, cycles),
             ];
             let difference = forces[0] - forces[1];
-            // Of 2.4 kN.
+            // Of a force of 2.4 kN.
             prop_assert!(difference.abs() < 5e-3, "{difference}");
         }
     }
 
-    /// What an identification is told of the cells is what the force is made of.
+    /// The cells and weights that an identification receives give the force.
     #[test]
     fn the_support_is_what_the_force_comes_from(
         motion in prop::collection::vec((-0.3f64..0.3, -8.0f64..8.0), 1..50),
@@ -446,7 +446,8 @@ proptest! {
     }
 }
 
-/// What one kind of memory holds says nothing to another kind, nor to its own over another reach, and goes on with its own.
+/// The state of one kind of memory is not used for another kind, nor for the same kind with another reach. The same kind keeps its
+/// state.
 #[test]
 fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_same() {
     let lag = (Memory::Lag { time: 0.05 }, [-0.2, 0.2]);
@@ -472,7 +473,7 @@ fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_sa
         displacement,
         ..Motion::default()
     };
-    // After 0.15 mm before another law takes over, the force at 0.02 mm.
+    // The force at 0.02 mm, after a motion to 0.15 mm under the first law and a swap to the second.
     let swapped = |first, second| {
         let mut running = RunningLaw::new(first);
         for _ in 0..300 {

@@ -1,4 +1,4 @@
-//! Drift over cycles and the temperature, which scale the law.
+//! Drift over cycles and temperature, which scale the law.
 
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect, Motion, Offset, Temperature};
 use mesh_damper::law::Law;

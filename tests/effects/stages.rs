@@ -1,4 +1,4 @@
-//! What lies between the specimen and the measurement: the gap before the law and every effect, the delay after them.
+//! The stages between the specimen and the measurement: the gap before the law and every effect, and the delay after them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -25,8 +25,8 @@ fn gap(half_width: f64, damps_inside: bool) -> Effect<f64> {
     Effect::Gap(Gap::new(half_width, damps_inside).unwrap())
 }
 
-/// Behind the play a slider moves by X − w only, so that it takes 4·k·x·(X − w − x) from what it is moved by, and 4·k·x·w more
-/// from the mounting, which meets its force within the play too.
+/// Behind the play a slider moves by X − w only. So it absorbs 4·k·x·(X − w − x) from its own motion, and 4·k·x·w more from the
+/// mounting, which also meets its force within the play.
 #[test]
 fn the_dead_zones_loop_is_that_of_the_amplitude_left() {
     let slider = Effect::StickSlip(StickSlip::new(&[(1.2, 0.03)]).unwrap());
@@ -58,7 +58,7 @@ fn eq_13_does_not_feel_the_play() {
     }
 }
 
-/// ∮c·v dy over the whole cycle is π·c·ω·X², over what lies beyond the play (π − 2θ − sin 2θ)·c·ω·X² with sin θ = w/X.
+/// ∮c·v dy over the whole cycle is π·c·ω·X², over the part beyond the play (π − 2θ − sin 2θ)·c·ω·X² with sin θ = w/X.
 #[test]
 fn a_dashpot_beside_the_play_dissipates_all_the_way() {
     let dashpot = Effect::Viscous(Viscous::new(0.01).unwrap());
@@ -103,7 +103,7 @@ fn the_public_transformation_is_the_one_that_runs() {
         (0.0, 0.0, 0.0)
     );
     assert_eq!((inside.cycles, inside.temperature), (2.5, 31.0));
-    // A delay of 2.4 ticks: the force of the motion of 0.4 ticks ago, two ticks late.
+    // A delay of 2.4 ticks: the force for the motion 0.4 ticks ago, delayed by two ticks.
     let delay = Delay::new(2.4e-3, 1e-3).unwrap();
     assert_eq!(delay.whole_ticks(), 2);
     let shifted = delay.shifted(&motion);
@@ -117,7 +117,7 @@ fn the_public_transformation_is_the_one_that_runs() {
     assert_eq!(rest(shifted), rest(motion));
 }
 
-/// A spring behind a channel that is T late has the moduli k·cos ωT and −k·sin ωT.
+/// A spring behind a channel with a delay T has the moduli k·cos ωT and −k·sin ωT.
 #[test]
 fn a_delay_turns_the_phase() {
     let law = Law::new(1.5, 0.0, 0.0, 0.0).unwrap();
@@ -126,13 +126,13 @@ fn a_delay_turns_the_phase() {
         let delay = Effect::Delay(Delay::new(ticks * tick, tick).unwrap());
         let (storage, loss) = moduli(&steady(&with(law, &[delay]), 0.1, 2.0), 0.1);
         let angle = TAU * ticks / TICKS as f64;
-        // Within half a tick the motion is taken as a parabola, within (ωΔt/2)²/2 = 5e-9 of the sine's velocity.
+        // Within half a tick the motion is approximated by a parabola, within (ωΔt/2)²/2 = 5e-9 of the sine's velocity.
         close(storage, 1.5 * angle.cos(), 2e-8);
         assert!((loss + 1.5 * angle.sin()).abs() < 2e-8, "{loss}");
     }
 }
 
-/// It is the last of all, and holds the first force until there is an older one.
+/// It is the last of all stages, and holds the first force until there is an older one.
 #[test]
 fn a_delay_holds_the_first_force_and_delays_every_effects() {
     let offset = Effect::Offset(Offset::new(0.5).unwrap());
@@ -149,7 +149,7 @@ fn a_delay_holds_the_first_force_and_delays_every_effects() {
             };
             let force = law.force(&mut state, &motion);
             let expected = at(f64::from(n) - ticks);
-            // Before the first tick the motion is taken to go on.
+            // Before the first tick the motion is extrapolated.
             if exact || f64::from(n) > ticks {
                 close(force, expected, 1e-12);
             }
@@ -166,7 +166,7 @@ fn the_longest_delay_is_of_255_ticks_in_f32_too() {
     assert!(Delay::new(255.1 * tick, tick).is_err());
 }
 
-/// All of them and nothing else: springs in series k·K/(k + K) beyond the play, T late.
+/// All stages and nothing else: springs in series k·K/(k + K) beyond the play, with a delay T.
 #[test]
 fn the_three_together_are_springs_in_series_behind_the_play_and_late() {
     let tick = 1e-3;

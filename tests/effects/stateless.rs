@@ -43,7 +43,7 @@ fn elastic_effects_dissipate_nothing_and_have_their_parity() {
     assert!(constant.iter().all(|&f| f == 0.05));
 }
 
-/// Several tones are each as it would be alone.
+/// Several tones are the sum of the separate tones.
 #[test]
 fn tones_add_up() {
     let tones = [(0.02, 50.0, 0.3), (0.005, 150.0, -1.0), (-0.01, 7.3, 2.0)];

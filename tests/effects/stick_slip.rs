@@ -1,4 +1,4 @@
-//! Sliders against Jenkins elements and the rule of Masing.
+//! Sliders against Jenkins elements and Masing's rule.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::loops::{TICKS, alone, close, energy, last_cycle, work};
 
-/// 4·k·x·(X − x) for each slider, and nothing below its slip limit.
+/// 4·k·x·(X − x) for each slider, and 0 below its slip limit.
 #[test]
 fn stick_slip_dissipates_as_jenkins_elements_do() {
     let elements = [(1.2, 0.03), (0.4, 0.08), (2.0, 0.5)];
@@ -18,7 +18,7 @@ fn stick_slip_dissipates_as_jenkins_elements_do() {
         1.0,
         2,
     );
-    // A slider's corner falls within a tick: an error of the second order in the tick.
+    // A slider's corner falls within a tick: an error of second order in the tick.
     close(energy(&force, 0.2), expected, 1e-5);
 
     let stuck = last_cycle(
@@ -31,7 +31,7 @@ fn stick_slip_dissipates_as_jenkins_elements_do() {
     close(stuck[TICKS / 4], 2.0 * 0.2, 1e-9);
 }
 
-/// Masing: the unloading branch is the backbone turned round and doubled, F(y) = F(X) − 2·B((X − y)/2).
+/// Masing: the unloading branch is the backbone reversed and doubled, F(y) = F(X) − 2·B((X − y)/2).
 #[test]
 fn stick_slip_unloads_along_its_doubled_backbone() {
     let elements = [(1.2, 0.03), (0.4, 0.08)];
@@ -69,7 +69,7 @@ fn stick_slip_knows_no_frequency() {
 }
 
 proptest! {
-    /// A stick-slip element never holds more than stiffness times slip limit.
+    /// The force of a stick-slip element never exceeds stiffness times slip limit.
     #[test]
     fn stick_slip_stays_within_its_limit(
         path in prop::collection::vec(-1.0..1.0_f64, 1..100), k in 0.01..10.0_f64, x in 1e-4..0.5_f64,
@@ -82,7 +82,7 @@ proptest! {
         }
     }
 
-    /// Passive: over any closed path a slider and a Maxwell branch take energy and give none.
+    /// Passive: over any closed path a slider and a Maxwell branch absorb energy and supply none.
     #[test]
     fn friction_and_relaxation_are_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), k in 0.1..5.0_f64, x in 1e-3..0.2_f64, tau in 1e-3..1.0_f64,

@@ -1,4 +1,4 @@
-//! The stop, an elastic contact, and the tone, which no motion changes.
+//! The stop, an elastic contact, and the tone, which does not depend on the motion.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,8 +7,8 @@ use mesh_damper::real::Real;
 
 use crate::loops::{TICKS, alone, close, energy, last_cycle, moduli};
 
-/// Beyond its gap k·(X − g), nothing on the other side, and nothing lost. Its first harmonic is that of a clipped sine: with
-/// cos θ = g/X, k/π·(θ − sin θ·cos θ).
+/// Beyond its gap k·(X − g), 0 on the other side, and no loss. Its first harmonic is that of a clipped sine: with cos θ = g/X, k/π·(θ
+/// − sin θ·cos θ).
 #[test]
 fn a_stop_is_a_spring_beyond_its_gap() {
     let force = last_cycle(
@@ -21,7 +21,7 @@ fn a_stop_is_a_spring_beyond_its_gap() {
     assert_eq!(force[3 * TICKS / 4], 0.0);
     assert!(energy(&force, 0.2).abs() < 1e-12);
     let theta = (0.12_f64 / 0.2).acos();
-    // The corner falls within a tick: an error of its square.
+    // The corner falls within a tick: an error of second order.
     close(
         moduli(&force, 0.2).0,
         4.0 / PI * (theta - theta.sin() * theta.cos()),
@@ -66,7 +66,7 @@ fn tone<R: Real>(ticks: usize, frequency: f64, phase: f64, tick: f64) -> Vec<f64
     forces.collect()
 }
 
-/// All of its power is at its frequency, with its amplitude and its phase, whatever moves.
+/// All of its power is at its frequency, with its amplitude and its phase, for any motion.
 #[test]
 fn the_tones_spectrum_is_one_line() {
     let ticks = 1000;
@@ -87,7 +87,7 @@ fn the_tones_spectrum_is_one_line() {
     }
 }
 
-/// A million ticks later it is in f32 where it should be: the phase is no float.
+/// After a million ticks it is still correct in f32, because the phase is not a float.
 #[test]
 fn a_million_ticks_later_the_tone_has_not_drifted() {
     let (frequency, tick) = (49.98, 1e-4);
@@ -95,7 +95,7 @@ fn a_million_ticks_later_the_tone_has_not_drifted() {
     for (n, &f) in force.iter().enumerate().step_by(1237) {
         let turns = frequency * tick * n as f64;
         let expected = 0.05 * (TAU * (turns - turns.floor()) - 2.0).sin();
-        // 0.05 rounded, and the sine's 1e-7.
+        // The rounding of 0.05, and 1e-7 of the sine.
         assert!((f - expected).abs() < 2e-7 * 0.05, "{n}: {f} {expected}");
     }
 }

@@ -1,4 +1,4 @@
-//! A slider that weakens with the energy that it has dissipated, against the closed form of that energy over the way that it slid.
+//! A slider that weakens with its dissipated energy, against the closed form of that energy over its sliding distance.
 
 use mesh_damper::effects::{Effect, Motion, StickSlip, Weakening};
 use mesh_damper::real::Real;
@@ -12,7 +12,7 @@ fn effect<R: Real>(parameters: [f64; 4]) -> Effect<R> {
 }
 
 /// E in J after `way` mm of sliding at k·x·(1 − d·E/(E + E₀)) kN: E/(1 − d) − d·E₀/(1 − d)²·ln(1 + (1 − d)·E/E₀) = k·x·way, by
-/// halves. d is below 1.
+/// bisection. d is below 1.
 fn dissipated(way: f64, [k, x, d, e0]: [f64; 4]) -> f64 {
     let left = 1.0 - d;
     let held = |e: f64| e / left - d * e0 / (left * left) * (left * e / e0).ln_1p();
@@ -28,14 +28,14 @@ fn dissipated(way: f64, [k, x, d, e0]: [f64; 4]) -> f64 {
     low
 }
 
-/// What is left of the strength then.
+/// The remaining strength at that point.
 fn strength(way: f64, parameters: [f64; 4]) -> f64 {
     let [k, x, d, e0] = parameters;
     let e = dissipated(way, parameters);
     k * x * (1.0 - d * e / (e + e0))
 }
 
-/// A quarter of a cycle slides X − x, each half one after it 2·(X − x): the force at the turns.
+/// The first quarter cycle slides X − x, each half cycle after it 2·(X − x): the force at the reversals.
 #[test]
 fn it_weakens_as_its_closed_form_says() {
     for parameters in [
@@ -53,7 +53,7 @@ fn it_weakens_as_its_closed_form_says() {
                 let turn = (2 * n / TICKS) as f64;
                 let way = (1.0 + 2.0 * turn) * (amplitude - x);
                 let expected = strength(way, parameters);
-                // A tick's strength by its ends: of the second order in the tick.
+                // A tick's strength by its ends: an error of second order in the tick.
                 close(force.abs(), expected, 1e-7);
                 fallen = expected / (parameters[0] * x);
             }
@@ -62,14 +62,14 @@ fn it_weakens_as_its_closed_form_says() {
     }
 }
 
-/// 4·k·x·(X − x)·(1 − d·E/(E + E₀)), with E of the middle of the cycle: it changes by a hundredth within one.
+/// 4·k·x·(X − x)·(1 − d·E/(E + E₀)), with E at the middle of the cycle: it changes by a hundredth within one cycle.
 #[test]
 fn a_steady_loop_dissipates_its_closed_form() {
     let (k, x, d, amplitude) = (1.5, 0.03, 0.7, 0.2);
     let whole = 4.0 * k * x * (amplitude - x);
     let e0 = 20.0 * whole;
     let force = last_cycle::<f64>(effect([k, x, d, e0]), amplitude, 1.0, 40);
-    // To the first turn, 77 half cycles, what is slid of another up to 0, and half of this cycle.
+    // The sliding to the first reversal, in 77 half cycles, in another one up to 0, and in half of this cycle.
     let way = (1.0 + 2.0 * 77.0 + 2.0) * (amplitude - x) + amplitude - 2.0 * x;
     let e = dissipated(way, [k, x, d, e0]);
     let expected = whole * (1.0 - d * e / (e + e0));
@@ -86,13 +86,13 @@ fn without_a_loss_it_is_a_jenkins_element() {
     );
 }
 
-/// What holds weakens nothing, however long.
+/// A slider that sticks does not weaken, for any time.
 #[test]
 fn what_does_not_slide_does_not_weaken() {
     let force = last_cycle::<f64>(effect([2.0, 0.3, 1.0, 1e-9]), 0.2, 1.0, 20);
     assert!(energy(&force, 0.2).abs() < 1e-12);
     close(force[TICKS / 4], 2.0 * 0.2, 1e-9);
-    // At rest it has no force before it was moved, and holds what it has after.
+    // At rest it has no force before the first motion, and keeps its force after a motion.
     let law = alone::<f32>(effect([2.0, 0.3, 1.0, 1e-9]));
     let mut state = law.at_rest();
     let mut to = |displacement| {
@@ -107,9 +107,10 @@ fn what_does_not_slide_does_not_weaken() {
     assert!((0..1000).all(|_| to(3.125) == held));
 }
 
-/// 10⁷ ticks in f32, of which the last add less than a rounding unit of the sum: to and fro by steps that are exact, of 2^-24 mm.
+/// 10⁷ ticks in f32, the last of which add less than a rounding unit of the sum: back and forth by exact steps of 2^-24 mm.
 ///
-/// The sum is compensated, so that its error is two units of 2^-24 and not some for each tick; each term has four roundings of its own.
+/// The sum is compensated, so its error is two units of 2^-24 and does not grow with the ticks. Each term has four roundings of its
+/// own.
 #[test]
 fn ten_million_ticks_add_up_in_f32() {
     // In steps.
@@ -119,7 +120,7 @@ fn ten_million_ticks_add_up_in_f32() {
     let law = alone::<f32>(effect(parameters));
     let mut state = law.at_rest();
     let (mut force, mut ticks) = (0.0, 0);
-    // To the first turn, and from turn to turn.
+    // To the first reversal, and from reversal to reversal.
     let mut place: i32 = 0;
     for number in 0..=turns {
         let way = if number % 2 == 0 { 1 } else { -1 };
@@ -134,14 +135,14 @@ fn ten_million_ticks_add_up_in_f32() {
         }
     }
     assert!(ticks > 9_990_000, "{ticks}");
-    // The first tick is where it begins.
+    // The first tick is at the start position.
     let slid = f64::from(turn - limit - 1) + 2.0 * f64::from(turns * (turn - limit));
     let expected = strength(slid * step, parameters);
     assert!(expected < 0.9 * parameters[1]);
     close(f64::from(force.abs()), expected, 1e-6);
 }
 
-/// The energy ends where it is no longer of interest: what is left is 1 − d, and nothing overflows.
+/// The energy ends where it no longer matters: the remaining strength is 1 − d, and nothing overflows.
 #[test]
 fn it_ends_with_what_is_left() {
     for (k, x, d) in [(1e9, 1e4, 0.75), (-1e9, 1e4, 1.0), (1e9, 1.0, 0.5)] {
@@ -164,7 +165,7 @@ fn it_ends_with_what_is_left() {
 }
 
 proptest! {
-    /// It never holds more than stiffness times its limit.
+    /// The force never exceeds stiffness times its limit.
     #[test]
     fn it_stays_within_its_limit(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 1..100),
@@ -174,7 +175,8 @@ proptest! {
         prop_assert!(largest_force(slider, path) <= k * x);
     }
 
-    /// Passive: along any path it takes at least what its spring holds in the end. No step here leads from one limit to the other.
+    /// Passive: along any path it absorbs at least the energy that its spring stores at the end. No step here leads from one limit to
+    /// the other.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 1..9), k in 0.1..5.0_f64, x in 1e-3..0.2_f64, d in 0.0..=1.0_f64,

@@ -16,7 +16,7 @@ fn effect<R: Real>(parameters: Parameters, tick: f64) -> Effect<R> {
     Effect::Yielding(Yielding::new(k, x, rate, time, R::from_f64(tick)).unwrap())
 }
 
-/// The forces along `path`, which begins at rest.
+/// The forces along `path`, starting at rest.
 fn along<R: Real>(effect: Effect<R>, path: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let law = alone(effect);
     let mut state = law.at_rest();
@@ -47,7 +47,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     largest(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
-/// w of x·tanh(w/v₀) + τ·w = e, by halves.
+/// w of x·tanh(w/v₀) + τ·w = e, by bisection.
 fn rate_at(e: f64, [_, x, v0, time]: Parameters) -> f64 {
     let (mut low, mut high) = (0.0, 1e4);
     for _ in 0..100 {
@@ -61,7 +61,7 @@ fn rate_at(e: f64, [_, x, v0, time]: Parameters) -> f64 {
     low.copysign(e)
 }
 
-/// The forces at the ticks of straight lines between them, each taken in many steps of the midpoint rule.
+/// The forces at the ticks, with straight lines between them, each integrated in many steps of the midpoint rule.
 fn reference(parameters: Parameters, path: &[f64], tick: f64) -> Vec<f64> {
     const STEPS: u32 = 400;
     let step = tick / f64::from(STEPS);
@@ -79,7 +79,7 @@ fn reference(parameters: Parameters, path: &[f64], tick: f64) -> Vec<f64> {
     forces
 }
 
-/// A dashpot that yields at no force is one that does not yield.
+/// With a yield stretch of 0 the dashpot is linear.
 #[test]
 fn without_a_yield_stretch_it_is_a_maxwell_branch() {
     let error = |rate: f64| {
@@ -97,7 +97,7 @@ fn without_a_yield_stretch_it_is_a_maxwell_branch() {
     );
 }
 
-/// So is one that is hardly moved, with x/v₀ + τ.
+/// The same for a small motion, with the time x/v₀ + τ.
 #[test]
 fn a_small_motion_does_not_make_it_yield() {
     let small = || wave(1000.0, 1.0).map(|y| 1e-4 * y);
@@ -119,7 +119,7 @@ fn a_steady_velocity_is_held_by_the_dashpot() {
     }
 }
 
-/// Behind a stiff spring the dashpot has all of the motion, and its rate at a tick's end is that of the line before.
+/// Behind a stiff spring the dashpot takes the whole motion, and its rate at a tick's end is that of the straight line before it.
 #[test]
 fn a_stiff_spring_leaves_the_dashpot() {
     let (yields, rate, c, stiffness) = (0.3, 2.0, 0.01, 1e7);
@@ -134,7 +134,7 @@ fn a_stiff_spring_leaves_the_dashpot() {
     }
 }
 
-/// One that yields at the slightest rate holds as long as a Jenkins element, and gives way where that slips.
+/// With a very small rate it holds as long as a Jenkins element, and yields where that slips.
 #[test]
 fn a_small_rate_makes_a_jenkins_element() {
     let [k, x] = [1.5, 0.03];
@@ -145,7 +145,7 @@ fn a_small_rate_makes_a_jenkins_element() {
     assert!(error < 1e-4 * k * x, "{error}");
 }
 
-/// Against an integration of another kind; steps of half the length leave a quarter of the error.
+/// Against an integration of another kind; steps of half the length have a quarter of the error.
 #[test]
 fn a_step_is_of_the_second_order() {
     for parameters in [
@@ -154,7 +154,7 @@ fn a_step_is_of_the_second_order() {
         [1.0, 0.02, 0.5, 0.05],
     ] {
         let error = |rate: f64| {
-            // The same path for all: a line within the coarsest tick.
+            // The same path for all tick lengths: a straight line within the coarsest tick.
             let corners: Vec<f64> = wave(200.0, 1.0).collect();
             let within = (rate / 200.0) as usize;
             let path: Vec<f64> = (0..within * (corners.len() - 1))
@@ -181,7 +181,7 @@ fn a_step_is_of_the_second_order() {
     }
 }
 
-/// Rounding is no more than that of a stretch of 0.1 mm.
+/// The rounding is no more than that of a stretch of 0.1 mm.
 #[test]
 fn f32_follows_f64() {
     for parameters in [
@@ -207,7 +207,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
 }
 
 proptest! {
-    /// Passive: over any closed path it takes energy and gives none.
+    /// Passive: over any closed path it absorbs energy and supplies none.
     #[test]
     fn it_is_passive(
         turns in prop::collection::vec(-0.3..0.3_f64, 2..8), parameters in parameters(), tick in 1e-5..1e-2_f64,
@@ -216,7 +216,7 @@ proptest! {
         prop_assert!(work > -1e-5, "{work}");
     }
 
-    /// Nor do steps give energy that are as long as they may be: what was taken since rest is never below 0.
+    /// The longest permitted steps supply no energy either: the energy absorbed since rest is never below 0.
     #[test]
     fn few_ticks_to_a_cycle_give_no_energy(
         turns in prop::collection::vec(-1.0..1.0_f64, 2..7), parameters in parameters(), tick in 0.1..10.0_f64,
@@ -235,7 +235,8 @@ proptest! {
         }
     }
 
-    /// It never holds more than the dashpot would at the largest velocity; where it forgets within a tick, a fifth more.
+    /// The force never exceeds that of the dashpot at the largest velocity. If its memory is shorter than a tick, the limit is a
+    /// fifth higher.
     #[test]
     fn it_stays_below_what_the_dashpot_holds(
         path in prop::collection::vec(prop_oneof![-1.0..1.0_f32, -1e4..1e4_f32], 2..100),
@@ -248,7 +249,7 @@ proptest! {
         prop_assert!(force <= 1.2001 * time * velocity + x * 1.00001, "{force}");
     }
 
-    /// Whatever the parameters and the path.
+    /// For any parameters and any path.
     #[test]
     fn it_is_finite(
         path in prop::collection::vec(prop_oneof![-1e-30..1e-30_f32, -1.0..1.0_f32, -1e4..1e4_f32], 2..50),

@@ -1,4 +1,4 @@
-//! The law as it runs on the target, and its swap.
+//! The law as the target runs it, and its swap.
 
 use mesh_damper::effects::{
     AugmentedLaw, Compliance, Delay, Effect, Gap, LoadFriction, Motion, StickSlip, Temperature,
@@ -14,7 +14,7 @@ fn law(k1: f32, c: f32, alpha: f32) -> FastLaw<1> {
     FastLaw::new(law.with(joints).unwrap())
 }
 
-/// Tick `n` of a motion that goes through every octave of the velocity again and again, in an order of its own.
+/// Tick `n` of a motion that passes every octave of the velocity repeatedly, in a varying order.
 fn motion(n: u32) -> Motion<f32> {
     let scattered = n.wrapping_mul(2_654_435_769);
     let velocity = 2f32.powf(scattered as f32 * (34.0 / 4_294_967_296.0) - 21.0);
@@ -29,7 +29,7 @@ fn motion(n: u32) -> Motion<f32> {
     }
 }
 
-/// Forces of `laws`, each taking over at the tick beside it.
+/// Forces of `laws`; each law takes over at its tick.
 fn forces(laws: &[(u32, FastLaw<1>)], ticks: u32) -> Vec<f32> {
     let mut running = RunningLaw::new(laws[0].1.clone());
     (0..ticks)
@@ -101,7 +101,7 @@ const FOLLOWED: Adaptation = Adaptation {
     c: 0.2,
 };
 
-/// A law that follows is the law with those coefficients, beside its effects and between the stages.
+/// A law with adaptation equals the law with the adapted coefficients, together with its effects and between the stages.
 #[test]
 fn a_law_that_follows_is_the_law_that_it_has_come_to() {
     let through: [&[Effect<f32>]; 4] = [
@@ -178,8 +178,8 @@ fn no_more_is_followed_than_the_whole() {
     assert_eq!(running.followed(), Adaptation::default());
 }
 
-/// Gap, compliance and delay around the tabulated law: in f32, while its table is being filled and after, what the f64 law
-/// gives.
+/// Gap, compliance and delay around the fast law: in f32, while its table is being filled and afterwards, the force equals that of
+/// the f64 law.
 #[test]
 fn stages_run_around_the_tabulated_law() {
     fn law<R: Real>() -> AugmentedLaw<R, 5> {

@@ -1,4 +1,4 @@
-//! What runs every tick is finite for whatever comes, NaN and infinities included.
+//! All code that runs every tick gives finite values for any input, including NaN and infinities.
 
 use mesh_damper::converter::Scale;
 use mesh_damper::crossing::{CrossingAccumulator, CrossingDetector};
@@ -39,7 +39,7 @@ proptest! {
         prop_assert!(law.force(y, v).is_finite());
         let double = law.cast::<f64>();
         prop_assert!(double.force(y.into(), v.into()).is_finite());
-        // Nothing but its sign distinguishes what lies beyond the limits from them.
+        // Beyond the limits, only the sign of the input affects the force.
         let edge = law.force(y.clamp(-limits::DISPLACEMENT as f32, limits::DISPLACEMENT as f32), v);
         if !y.is_nan() {
             prop_assert_eq!(law.force(y, v), edge);

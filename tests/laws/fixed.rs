@@ -1,4 +1,4 @@
-//! The law in integers against f64: every force, saturation, and the settings that are refused.
+//! The law in integers against f64: every force, saturation, and the refused settings.
 
 mod cycles;
 mod sine;
@@ -21,9 +21,9 @@ mod tolerance {
     /// One rounding of 16 bits.
     const R: f64 = 1.0 / (1u32 << 17) as f64;
 
-    /// sin and cos. Two terms of Taylor's series leave out (π/256)³/6 = 3.1e-7; the angle is rounded down twice, by less
-    /// than 4.3e-7 in all; the mean slope, three times by less than 2⁻¹⁵, is taken over at most π/256, but where an error of
-    /// the angle counts in full one of the other's slope does not: √(4.3² + 11.2²)·1e-7 = 1.2e-6.
+    /// sin and cos. Two terms of Taylor's series leave out (π/256)³/6 = 3.1e-7. The angle is rounded down twice, by less than 4.3e-7
+    /// in all. The mean slope, rounded three times by less than 2⁻¹⁵, acts over at most π/256. Where an error of the angle counts in
+    /// full, an error of the other's slope does not: √(4.3² + 11.2²)·1e-7 = 1.2e-6.
     pub const SINE: f64 = 1.6e-6;
 
     /// Position over amplitude: the sine, and the amplitude's 16 bits, rounded by at most one part in 2¹⁶.
@@ -37,24 +37,23 @@ mod tolerance {
     /// Full scale of displacement and velocity over the amplitudes, in the tests of the paper's cells.
     pub const SCALE: f64 = 1.1;
 
-    /// Full scale of force over the cycle's peak: the full scale is the sum of the largest elastic and the largest
-    /// damping force at 1.1 times the amplitude, 1.1³ at most of those at the amplitude, of which none exceeds the peak.
+    /// Full scale of force over the cycle's peak. The full scale is the sum of the largest elastic and the largest damping force at
+    /// 1.1 times the amplitude, at most 1.1³ times those at the amplitude. Neither of these exceeds the peak.
     const OVER_PEAK: f64 = 2.0 * SCALE * SCALE * SCALE;
 
-    /// Force of a tick over the cycle's peak: its own error; the position's times a slope of at most 3·F/y; the speed's
-    /// 16 bits; and the cosine's error δ = 5e-7 within π/256 of its zero, where the slope alone counts, which at
-    /// |cos| ≥ 0.001 is α·δ·|cos|^(α−1), at most 0.145·δ·1000^0.855 = 2.7e-5.
+    /// Force of a tick over the cycle's peak: its own error; the position's times a slope of at most 3·F/y; the speed's 16 bits; and
+    /// the cosine's error δ = 5e-7 within π/256 of its zero, where only the slope counts. At |cos| ≥ 0.001 this is α·δ·|cos|^(α−1),
+    /// at most 0.145·δ·1000^0.855 = 2.7e-5.
     pub const TICK: f64 = FORCE * OVER_PEAK + 3.0 * POSITION + 2.0 * R + 2.7e-5;
     pub const TICK_FROM: f64 = 1e-3;
 
-    /// K over itself: the force's error at the extremes, 7.2e-5 of the peak; the amplitude's 2·R is independent of it and
-    /// counts twice in the cubic term less once in K. √(7.2² + 3²)·1e-5 = 8e-5. The requirement is 1e-4.
+    /// K over itself: the force's error at the extremes, 7.2e-5 of the peak. The amplitude's 2·R is independent of it; it counts
+    /// twice in the cubic term, less once in K. √(7.2² + 3²)·1e-5 = 8e-5. The requirement is 1e-4.
     pub const STIFFNESS: f64 = 1e-4;
-    /// ΔW over itself. Every rounding that differs from tick to tick averages out; the amplitude's 2·R, α times the
-    /// speed's and the quadratics' 4e-6 stay, 2.8e-5; the trapezoids at 1000 ticks to the cycle add (2π/1000)²/6 = 6.6e-6.
-    /// The requirement is 1e-4.
+    /// ΔW over itself. Every rounding that differs from tick to tick averages out. The amplitude's 2·R, α times the speed's, and the
+    /// quadratics' 4e-6 remain, 2.8e-5. The trapezoids at 1000 ticks a cycle add (2π/1000)²/6 = 6.6e-6. The requirement is 1e-4.
     pub const ENERGY: f64 = 4e-5;
-    /// Loss factor over itself: √(8² + 4²)·1e-5 = 9e-5 of the two above. The requirement is 1e-4.
+    /// Loss factor over itself: √(8² + 4²)·1e-5 = 9e-5 from the two above. The requirement is 1e-4.
     pub const LOSS_FACTOR: f64 = 1e-4;
 }
 
@@ -73,7 +72,7 @@ fn generator(sine: Sine, scales: &Scales) -> SineGenerator {
     SineGenerator::new(sine, TICK_RATE, scales).unwrap()
 }
 
-/// The whole cycles at full amplitude of law, generator and accumulator.
+/// The complete cycles at full amplitude of law, generator and accumulator.
 fn cycles_of(law: &law::Law<f64>, scales: &Scales, sine: Sine) -> Vec<Cycle> {
     let own = Law::new(law, scales).unwrap();
     let mut generator = generator(sine, scales);
@@ -82,7 +81,7 @@ fn cycles_of(law: &law::Law<f64>, scales: &Scales, sine: Sine) -> Vec<Cycle> {
     while let Some(now) = generator.tick() {
         let force = own.force(now.displacement, now.velocity);
         let cycle = accumulator.update(now.displacement, force, now.cycle_end);
-        // Complete on the first tick after it.
+        // A cycle is complete on the first tick after it.
         let after_ramp = sine.ramp_cycles + 1..=sine.ramp_cycles + sine.cycles;
         if let (Some(cycle), true) = (cycle, after_ramp.contains(&now.cycle)) {
             cycles.push(cycle.over(scales));
@@ -129,7 +128,7 @@ fn the_force_of_every_tick_is_f64s() {
         }
     }
     worst.check("force", tolerance::TICK);
-    // δ^α: a tick that fell within δ of a reversal would be off by up to a tenth of the damping. These do not.
+    // δ^α: a tick within δ of a reversal would have an error of up to a tenth of the damping. These ticks are not that close.
     near.check("force next to a reversal", 1e-3);
 }
 
@@ -151,7 +150,7 @@ fn configurations_out_of_range_are_refused_by_name() {
             assert_eq!(refused(scales.unwrap_err()), field);
         }
     }
-    // Full scale is as much beyond |k1|·Y + |k3|·Y³ + c·V^α of any law.
+    // Full scale exceeds |k1|·Y + |k3|·Y³ + c·V^α by the same factor for any law.
     let full = |k1, k3, c| {
         let law = law::Law::new(k1, k3, c, 0.5).unwrap();
         Scales::covering(&law, 0.5, 4.0).unwrap().force()
@@ -216,7 +215,7 @@ fn a_value_beyond_full_scale_is_saturated() {
     assert_eq!(scales.force_part(1.0).to_bits(), 1 << 28);
 }
 
-/// Whatever fits in, the ends of the range and the smallest parts among them.
+/// Any permitted values, including the ends of the range and the smallest parts.
 fn part() -> impl Strategy<Value = Part> {
     prop_oneof![
         any::<i32>(),
@@ -226,7 +225,7 @@ fn part() -> impl Strategy<Value = Part> {
     .prop_map(Part::from_bits)
 }
 
-/// Laws whose parts weigh differently at full scale, stiffnesses of either sign.
+/// Laws whose parts have different weights at full scale, with stiffnesses of either sign.
 fn coefficients() -> impl Strategy<Value = law::Law<f64>> {
     (-10.0..10.0, -200.0..200.0, 0.0..1.0, 0.0..=1.0)
         .prop_map(|(k1, k3, c, alpha)| law::Law::new(k1, k3, c, alpha).unwrap())
@@ -235,7 +234,7 @@ fn coefficients() -> impl Strategy<Value = law::Law<f64>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Nothing overflows, which this profile would panic at, and nothing reaches full scale.
+    /// Nothing overflows, which would panic in this profile, and nothing reaches full scale.
     #[test]
     fn every_force_is_f64s(
         law in coefficients(),
@@ -253,7 +252,7 @@ proptest! {
         prop_assert!(force.abs() < 1.0);
     }
 
-    /// The damping never pushes, down to the smallest velocity.
+    /// The damping never drives the motion, down to the smallest velocity.
     #[test]
     fn damping_opposes_every_motion(alpha in 0.0..=1.0, v in part()) {
         let law = law::Law::new(0.0, 0.0, 1.0, alpha).unwrap();

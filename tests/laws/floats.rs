@@ -1,4 +1,4 @@
-//! How far the crate's f32 may be from the paper's equations in f64: one table, each entry derived.
+//! The permitted difference between the crate's f32 and the paper's equations in f64: one table, with a derivation of each entry.
 //!
 //! The oracle is `mesh_damper_reference`, which shares no code with the crate.
 
@@ -17,7 +17,7 @@ use mesh_damper_reference::{dynamic_test, tables};
 
 use crate::largest::Largest;
 
-/// The table. `U` = 2⁻²⁴ is the largest relative error of one rounding to f32; between ½ and 1 it is ½·U at most.
+/// The table. `U` = 2⁻²⁴ is the largest relative error of one rounding to f32; between ½ and 1 it is at most ½·U.
 mod tolerance {
     pub const U: f64 = 1.0 / (1u64 << 24) as f64;
 
@@ -28,24 +28,23 @@ mod tolerance {
     /// Velocity over ω·amplitude: the cosine as above; amplitude, ω, their product and the product with the cosine.
     pub const VELOCITY: f64 = 5.05 * U;
 
-    /// Velocity over itself, wherever it is not 0. Next to its zero the cosine is the turn alone, 4·U; around the next
-    /// node up to 2·U of the node, 4·U of the turn and the sum's 1·U; and 4·U for the scale as in [`VELOCITY`]. From
-    /// |cos| = 0.02 on, a node and its turn are at least 4:1, so that 1.33 + 1.33 + 1 + 4 = 7.7·U is left.
+    /// Velocity over itself, wherever it is not 0. Near its zero the cosine is the rotation alone, 4·U. Around the next node it is up
+    /// to 2·U of the node, 4·U of the rotation and the sum's 1·U; and 4·U for the scale as in [`VELOCITY`]. From |cos| = 0.02 on, a
+    /// node and its rotation are at least 4:1, so that 1.33 + 1.33 + 1 + 4 = 7.7·U remains.
     pub const VELOCITY_RELATIVE: f64 = 11.0 * U;
 
     /// Acceleration over ω²·amplitude: the sine; amplitude, ω twice, three products.
     pub const ACCELERATION: f64 = 7.05 * U;
 
-    /// Velocity in a sweep over ω·amplitude of the moment. f is a sum of positive terms: the chirp, the cycles to the
-    /// lower end (2·U) and their product make 4·U, the sum 5·U; 2π (½·U) and its product make ω 6.5·U instead of the
-    /// 1·U of [`VELOCITY`].
+    /// Velocity in a sweep over the current ω·amplitude. f is a sum of positive terms: the chirp, the cycles to the lower end (2·U)
+    /// and their product make 4·U, the sum 5·U. 2π (½·U) and its product make ω 6.5·U instead of the 1·U of [`VELOCITY`].
     pub const SWEEP_VELOCITY: f64 = VELOCITY + 5.5 * U;
 
-    /// Acceleration in a sweep over √(ω⁴ + ω̇²)·amplitude of the moment. ω² sin: twice ω's 6.5·U, amplitude and three
-    /// products, 17·U; ω̇ cos less. By Cauchy and Schwarz their sum is within 17·U; sine and cosine add 1.05·√2·U, the sum 1·U.
+    /// Acceleration in a sweep over the current √(ω⁴ + ω̇²)·amplitude. ω² sin: twice ω's 6.5·U, amplitude and three products, 17·U;
+    /// ω̇ cos has less. By Cauchy–Schwarz their sum is within 17·U; sine and cosine add 1.05·√2·U, the sum 1·U.
     pub const SWEEP_ACCELERATION: f64 = 19.5 * U;
 
-    /// Phase in units of 2⁻³² cycle: half a unit of rounding, and what n ticks leave of 2⁻¹²⁸ a tick.
+    /// Phase in units of 2⁻³² cycle: half a unit of rounding, and the remainder of n ticks with an error of 2⁻¹²⁸ a tick.
     pub const PHASE: f64 = 0.5 + 1e-9;
 
     /// |v|^α over itself, 5.04·U: `power::abs_pow` documents 4e-7, in which the logarithm counts α times, here at most 0.557.
@@ -54,37 +53,35 @@ mod tolerance {
     /// A table's coefficient at a node over itself: one rounding of the printed decimal.
     pub const NODE: f64 = U;
 
-    /// A coefficient between nodes over the largest of its table's four cells around. A density is rounded by 4·U, an
-    /// amplitude by 0.25·U, the node below by as much; in units of a step (0.5 g/cm³, 0.05 mm) that is 16·U and 10·U,
-    /// and a coefficient differs across a step by at most its largest cell. 6·U for the arithmetic.
+    /// A coefficient between nodes over the largest of the four surrounding cells of its table. A density is rounded by 4·U, an
+    /// amplitude by 0.25·U, and so is the node below. In units of a step (0.5 g/cm³, 0.05 mm) this is 16·U and 10·U, and a
+    /// coefficient changes across a step by at most its largest cell. 6·U for the arithmetic.
     pub const INTERPOLATION: f64 = 32.0 * U;
 
     /// Force of a tick over the cycle's peak.
     ///
-    /// Elastic part E: a displacement error of (2·|sin| + 1.05)·U amplitudes (see [`POSITION`]) times a slope of at
-    /// most 3·E/y gives 6·U·E + 3.15·U·E(A); coefficients and arithmetic add 5·U·E. Damping part D: α ≤ 0.557 times
-    /// 7.7·U (nearer to v = 0, α·11·U·0.02^α of its peak is less), [`POWER`], and a rounding each of c, α and the
-    /// product give 12.34·U·D. The sum is rounded once. On every tick E + D is the force of that tick or of its mirror image,
-    /// and E(A) a force too: none exceeds the peak. So 12.34 + 3.15 + 1, which is 9.83e-7.
+    /// Elastic part E: a displacement error of (2·|sin| + 1.05)·U amplitudes (see [`POSITION`]) times a slope of at most 3·E/y gives
+    /// 6·U·E + 3.15·U·E(A); coefficients and arithmetic add 5·U·E. Damping part D: α ≤ 0.557 times 7.7·U (nearer to v = 0,
+    /// α·11·U·0.02^α of its peak is less), [`POWER`], and a rounding each of c, α and the product give 12.34·U·D. The sum is rounded
+    /// once. On every tick E + D is the force of that tick or of its mirror image, and E(A) is a force too. None of these exceeds the
+    /// peak, so the bound is 12.34 + 3.15 + 1, which is 9.83e-7.
     pub const FORCE: f64 = 16.49 * U;
 
-    /// Force over the cycle's peak, K, ΔW and the loss factor over themselves in a virtual test: what is asked, and an
-    /// observation over the 25 cells. All parts at their bounds would make more: as in [`FORCE`], with the table's 4e-7 and the
-    /// turn's 2.2e-7 next to v = 0.
+    /// Force over the cycle's peak, K, ΔW and the loss factor over themselves in a simulation: the requirement, and an observation
+    /// over the 25 cells. If all parts were at their bounds, the sum would be larger: as in [`FORCE`], with the table's 4e-7 and the
+    /// rotation's 2.2e-7 near v = 0.
     pub const SHORT: f64 = 6e-7;
 
-    /// K over itself. Its extremes are forces, their parts independent: √(4.3² + 5.04² + 3.15² + 6) = 7.7·U; the
-    /// amplitude and three operations make it √(7.7² + 3.05² + 3) = 8.5·U = 5.1e-7, every part at its bound. What is
-    /// asked is 1e-6.
+    /// K over itself. Its extremes are forces, and their parts are independent: √(4.3² + 5.04² + 3.15² + 6) = 7.7·U. The amplitude
+    /// and three operations make it √(7.7² + 3.05² + 3) = 8.5·U = 5.1e-7, with every part at its bound. The requirement is 1e-6.
     pub const STIFFNESS: f64 = 1e-6;
 
-    /// Loss factor over itself. In ΔW every rounding that differs from tick to tick averages out; c, α, the power, the
-    /// velocity's scale, the amplitude and the trapezoids, (2π/10⁴)²/6 = 1.1·U, stay: √(1 + 1 + 5.04² + 1.7² + 2² +
-    /// 1.1²) = 6·U. W has K and X0 squared, √(8.5² + 3.05²) = 9·U. Together √(6² + 9²) = 10.8·U = 6.4e-7. What is asked is
-    /// 1e-6.
+    /// Loss factor over itself. In ΔW every rounding that differs from tick to tick averages out. c, α, the power, the velocity's
+    /// scale, the amplitude and the trapezoids, (2π/10⁴)²/6 = 1.1·U, remain: √(1 + 1 + 5.04² + 1.7² + 2² + 1.1²) = 6·U. W contains K
+    /// and X0 squared, √(8.5² + 3.05²) = 9·U. Together √(6² + 9²) = 10.8·U = 6.4e-7. The requirement is 1e-6.
     pub const LOSS_FACTOR: f64 = 1e-6;
 
-    /// ΔW over itself, by ∮F dy and by eq 5: the 6·U above, doubled.
+    /// ΔW over itself, by ∮F dy and by eq 5: twice the 6·U above.
     pub const ENERGY: f64 = 12.0 * U;
 }
 
@@ -92,7 +89,7 @@ const _: () = assert!(tolerance::FORCE < 1e-6, "the figure that is asked for");
 
 /// Ticks a second.
 const TICK_RATE: f64 = 10_000.0;
-/// Cycles a second over the table's cells, those of the paper's tests, and ticks to each.
+/// Cycles a second over the table's cells, those of the paper's tests, and ticks for each cycle.
 const FREQUENCY: f64 = 1.0;
 const TICKS: usize = 10_000;
 
@@ -160,7 +157,7 @@ fn the_sine_stays_with_f64_over_a_million_cycles() {
         let units = (turn % 20_000) as f64 / 20_000.0 * 2_f64.powi(32);
         phase.see(f64::from(excitation.phase) - units);
     }
-    // Those of cycle 1 to cycle 1,000,000, counted from 0.
+    // The ticks from cycle 1 to cycle 1,000,000, counted from 0.
     let first = |cycle: u64| (cycle * 20_000).div_ceil(2469);
     assert_eq!(steady, first(1_000_001) - first(1));
     position.check("position", tolerance::POSITION);
@@ -170,8 +167,7 @@ fn the_sine_stays_with_f64_over_a_million_cycles() {
     phase.check("phase", tolerance::PHASE);
 }
 
-/// With k = (f₁ − f₀)/cycles: θ = f₀/k·(eᵏᵗ − 1), f = f₀·eᵏᵗ, y = A sin 2πθ. The ramp ahead is one cycle of f₀, in whole
-/// ticks.
+/// With k = (f₁ − f₀)/cycles: θ = f₀/k·(eᵏᵗ − 1), f = f₀·eᵏᵗ, y = A sin 2πθ. The ramp before it is one cycle of f₀, in whole ticks.
 #[test]
 fn a_sweep_stays_with_f64_up_and_down() {
     let amplitude = 0.1;
@@ -273,7 +269,7 @@ fn the_force_of_every_tick_is_f64s_within_a_millionth_of_its_peak() {
         let peak = exact.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let mut generator = generator(amplitude, FREQUENCY, 2);
         let mut steady = 0;
-        // The ramp is one cycle: ticks count from phase 0 in it too.
+        // The ramp is one cycle: its ticks also count from phase 0.
         for n in 0.. {
             let excitation = generator.tick();
             if excitation.done {
@@ -306,7 +302,7 @@ fn stiffness_and_loss_factor_of_every_cycle_are_f64s_within_a_millionth() {
             }
             let force = own.force(excitation.displacement, excitation.velocity);
             let report = accumulator.update(excitation.displacement, [force], excitation.phase);
-            // Complete on the first tick after it: cycle 0 was the ramp's, 1 to 3 are the block's.
+            // Complete on the first tick after it: cycle 0 is the ramp, 1 to 3 are the block's.
             if let (Some([cycle]), 2..=4) = (report, excitation.cycle) {
                 stiffness.see(f64::from(cycle.stiffness) / exact.stiffness - 1.0);
                 loss_factor.see(f64::from(cycle.loss_factor) / exact.loss_factor - 1.0);
@@ -323,7 +319,7 @@ fn stiffness_and_loss_factor_of_every_cycle_are_f64s_within_a_millionth() {
     energy.check("ΔW by ∮F dy", tolerance::ENERGY);
 }
 
-/// The same by the short way: the force of every tick, and K, ΔW and η of every cycle.
+/// The same by the simulation's short cut: the force of every tick, and K, ΔW and η of every cycle.
 #[test]
 fn the_virtual_test_is_f64s_within_six_tenths_of_a_millionth() {
     let [mut worst, mut stiffness, mut loss_factor, mut energy] = [const { Largest(0.0) }; 4];
@@ -342,7 +338,7 @@ fn the_virtual_test_is_f64s_within_six_tenths_of_a_millionth() {
                 continue;
             }
             worst.see((force - exact[n % TICKS]) / peak);
-            // The first results are the ramp's.
+            // The first results are those of the ramp.
             if let (2.., own) = test.results() {
                 stiffness.see(f64::from(own.stiffness) / cycle.stiffness - 1.0);
                 loss_factor.see(f64::from(own.loss_factor) / cycle.loss_factor - 1.0);

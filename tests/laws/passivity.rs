@@ -1,4 +1,4 @@
-//! Which laws give more energy in a closed cycle than they take, and that the check finds these and no others.
+//! Which laws supply more energy in a closed cycle than they absorb, and that the check finds these and no others.
 
 use std::f64::consts::TAU;
 
@@ -37,8 +37,8 @@ fn nothing() -> Law<f32> {
     Law::new(0.0, 0.0, 0.0, 0.0).unwrap()
 }
 
-/// Whether an effect of these parameters is passive whatever their value, as its file says; of a spring that slips, yields or fades,
-/// and of a dashpot, where it is no less than 0.
+/// The smallest value of this parameter for which the effect is passive, whatever its other parameters, as its source file states: 0
+/// for a spring that slips, yields or fades, and for a dashpot.
 fn least(description: &Description, parameter: usize) -> f64 {
     let parameter = &description.parameters[parameter];
     let low = parameter.range[0];
@@ -49,7 +49,7 @@ fn least(description: &Description, parameter: usize) -> f64 {
     }
 }
 
-/// `part` of the way from `low` to `high`, by powers of ten to either side of 0.
+/// The value at the fraction `part` of the range from `low` to `high`, on a logarithmic scale on either side of 0.
 fn spread(low: f64, high: f64, part: f64) -> f64 {
     let floor = 1e-6_f64.min(high * 1e-3);
     if low > 0.0 {
@@ -64,8 +64,8 @@ fn spread(low: f64, high: f64, part: f64) -> f64 {
     if side { -value } else { value }
 }
 
-/// An effect that is passive by construction: of parameters about the typical ones, up to 30 times of them either way, or from all of
-/// their ranges where `wide`.
+/// An effect that is passive by construction. Its parameters are within a factor of 30 of the typical ones, or anywhere in their
+/// ranges if `wide`.
 fn effect(description: &Description, parts: &[f64], wide: bool, tick: f64) -> Option<Effect<f32>> {
     let count = description.parameters.len();
     let mut values: Vec<f64> = description
@@ -91,7 +91,7 @@ fn effect(description: &Description, parts: &[f64], wide: bool, tick: f64) -> Op
         }
         "control_input" => values[6] = (4.0 * parts[0]).floor().min(3.0),
         "gap" => values[1] = f64::from(parts[0] < 0.5),
-        // What scales the law's damping is added to it: beside a temperature that takes 0.4 of it, a drift may take half.
+        // Factors on the law's damping add up: together with a temperature that takes 0.4 of it, a drift may take half.
         "drift" => {
             for change in &mut values[2..] {
                 *change = change.max(-0.5);
@@ -102,14 +102,14 @@ fn effect(description: &Description, parts: &[f64], wide: bool, tick: f64) -> Op
     Effect::from_parameters(description.number, &values, tick).ok()
 }
 
-/// At least 64 ticks of the fastest cycle of `range`: of fewer, the effects' own steps are as coarse as the loop.
+/// At least 64 ticks in the fastest cycle of `range`: with fewer, the effects' own steps are as coarse as the loop.
 fn tick_rate(range: &OperatingRange<f32>, times: f64) -> f64 {
     let [[low, high], [_, speed]] = [range.displacement(), range.velocity()];
     let fastest = f64::from(speed) / (TAU * 0.5 * f64::from(high - low));
     (10f64.powf(times) * 64.0 * fastest).clamp(10.0, 1e6)
 }
 
-/// A range of half a µm to 50 mm and 0.05 to 200 Hz, about any middle within it.
+/// A range of half a µm to 50 mm and 0.05 to 200 Hz, about any centre within the amplitude.
 fn range() -> impl Strategy<Value = OperatingRange<f32>> {
     (-3.3..1.7f64, -1.3..2.3f64, -1.0..1.0f64).prop_map(|(amplitude, frequency, middle)| {
         let (amplitude, frequency) = (10f64.powf(amplitude), 10f64.powf(frequency));
@@ -128,7 +128,7 @@ fn law() -> impl Strategy<Value = Law<f32>> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Each effect alone, where nothing beside it hides what it gives.
+    /// Each effect alone, so that no other force hides the energy that it supplies.
     #[test]
     fn an_effect_that_is_passive_by_construction_passes(
         parts in prop::collection::vec(0.0..1.0f64, 12),
@@ -137,7 +137,7 @@ proptest! {
         times in 0.0..3.0f64,
     ) {
         for description in DESCRIPTIONS {
-            // Where it stiffens by much, its step of the second order supplies some energy at a hundred ticks a cycle.
+            // If it stiffens much, its step of second order supplies some energy at a hundred ticks a cycle.
             let times = match description.name {
                 "hardening_friction" => times.max(2.0),
                 _ => times,
@@ -146,7 +146,7 @@ proptest! {
             let Some(effect) = effect(description, &parts, wide, 1.0 / rate) else {
                 continue;
             };
-            // What scales the law's forces needs some.
+            // An effect that scales the law's forces needs a law with forces.
             for law in [nothing(), mesh(), Law::new(1.0, 0.0, 0.0, 0.0).unwrap()] {
                 let law = AugmentedLaw::<f32, 1>::new(law).with(effect).unwrap();
                 let checked = Passivity::new(Some(&range), rate as f32).check(&FastLaw::new(law));
@@ -155,7 +155,7 @@ proptest! {
         }
     }
 
-    /// Several of them beside any law.
+    /// Several effects together with any law.
     #[test]
     fn a_law_of_passive_parts_passes(
         law in law(),
@@ -175,8 +175,8 @@ proptest! {
     }
 }
 
-/// −c1·v beside c·|v|^α·sgn v: of a sine 4·A·c·(Aω)^α·∫₀^(π/2) cos^(1+α) against π·A·c1·Aω. At which of these the sum falls below 0 is the
-/// motion that is named.
+/// −c1·v together with c·|v|^α·sgn v: for a sine, 4·A·c·(Aω)^α·∫₀^(π/2) cos^(1+α) against π·A·c1·Aω. The check reports the motion at
+/// which the sum falls below 0.
 #[test]
 fn a_dashpot_below_0_is_found_where_it_outweighs_the_friction() {
     let dashpot = |c1: f32| [Effect::Viscous(Viscous::new(c1).unwrap())];
@@ -184,7 +184,7 @@ fn a_dashpot_below_0_is_found_where_it_outweighs_the_friction() {
     let active = checked(mesh(), &dashpot(-0.5)).unwrap_err();
     assert_eq!(active.amplitude, 0.3);
     assert!((active.frequency - 20.0).abs() < 1e-3, "{active}");
-    // ∫ cos^1.2 from 0 to π/2 by rectangles in the middle.
+    // ∫ cos^1.2 from 0 to π/2 by the midpoint rule.
     let steps = 1000;
     let power: f64 = (0..steps)
         .map(|n| {
@@ -202,7 +202,7 @@ fn a_dashpot_below_0_is_found_where_it_outweighs_the_friction() {
         let checked = checked(mesh(), &dashpot((-part * balance) as f32));
         assert_eq!(checked.is_ok(), passes, "{part}");
     }
-    // Without friction it is active everywhere, and by however little.
+    // Without friction it is active everywhere, for any negative value.
     for c1 in [-1e-6, -1e3] {
         assert!(checked(nothing(), &dashpot(c1)).is_err(), "{c1}");
     }
@@ -221,8 +221,8 @@ fn friction_and_branches_below_0_are_refused() {
     }
 }
 
-/// A branch of −k with a time of 0.05 s gives π·k·A²·ωτ/(1 + (ωτ)²) a cycle, at 3.2 Hz most, where the ticks it was made for would be a
-/// hundredth of a cycle's points: the check asks it for longer ones.
+/// A branch of −k with a time of 0.05 s supplies π·k·A²·ωτ/(1 + (ωτ)²) a cycle, with a maximum at 3.2 Hz. There, the ticks for which
+/// it was made would be a hundredth of the interval between a cycle's points: the check requests the effect for longer ticks.
 #[test]
 fn memory_passes_as_the_motion_says() {
     let branch = |k: f32| {
@@ -230,7 +230,7 @@ fn memory_passes_as_the_motion_says() {
             Relaxation::new(&[(k, 0.05)], TICK as f32).unwrap(),
         )]
     };
-    // A dashpot takes π·c1·ω·A²: as much as a branch of k at c1 = k·τ/(1 + (ωτ)²).
+    // A dashpot absorbs π·c1·ω·A²: as much as a branch of k at c1 = k·τ/(1 + (ωτ)²).
     let omega = TAU * 20.0 * 0.158;
     let balance = 0.05 / (1.0 + (omega * 0.05f64).powi(2));
     let with = |part: f64| {
@@ -243,7 +243,7 @@ fn memory_passes_as_the_motion_says() {
         let law = FastLaw::new(law.and_then(|law| law.with(dashpot)).unwrap());
         Passivity::new(Some(&slow.unwrap()), TICK_RATE).check(&law)
     };
-    // At a tenth of the frequency the branch gives nearly c1 = k·τ.
+    // At a tenth of the frequency the branch supplies nearly as much as c1 = k·τ.
     let slowest = (1.0 + (omega * 0.05f64).powi(2)) / (1.0 + (0.025 * omega * 0.05f64).powi(2));
     assert_eq!(with(1.05 * slowest), Ok(()));
     let active = with(0.95 * slowest).unwrap_err();
@@ -258,8 +258,8 @@ fn memory_passes_as_the_motion_says() {
     );
 }
 
-/// 1 + (T0 − T)·β_damping of the law's damping is left: with T0 = 120 °C none at T = 20 °C for −0.01, at the coldest of −60 °C for −1/180, and
-/// at the hottest of 200 °C for 1/80.
+/// The fraction 1 + (T0 − T)·β_damping of the law's damping remains. With T0 = 120 °C it is 0 at T = 20 °C for −0.01, at the coldest
+/// of −60 °C for −1/180, and at the hottest of 200 °C for 1/80.
 #[test]
 fn damping_that_temperature_turns_round_is_refused() {
     for (beta_damping, passes) in [
@@ -279,7 +279,7 @@ fn damping_that_temperature_turns_round_is_refused() {
     }
 }
 
-/// What a law is at the end of all cycles, and without its control input, is looked at too.
+/// The check also covers a law after all cycles, and without its control input.
 #[test]
 fn both_states_of_a_law_are_looked_at() {
     let weak = Effect::Viscous(Viscous::new(-0.01).unwrap());
@@ -294,13 +294,13 @@ fn both_states_of_a_law_are_looked_at() {
         let effect = ControlInput::new(2, branch(), viscosity).unwrap();
         checked(nothing(), &[weak, Effect::ControlInput(effect)])
     };
-    // With an input it is passive, without one the dashpot is alone.
+    // With an input it is passive; without one, only the dashpot acts.
     assert!(controlled(1.0).is_err());
     let effect = ControlInput::new(2, branch(), -1.0).unwrap();
     assert!(checked(mesh(), &[Effect::ControlInput(effect)]).is_err());
 }
 
-/// By themselves a tone drives, and a force that is late gives back more than was stored.
+/// By themselves a tone drives the motion, and a delayed force returns more energy than was stored.
 #[test]
 fn what_supplies_energy_by_its_description_is_left_out() {
     let elastic = Law::new(1.6, 20.0, 0.0, 0.2).unwrap();
@@ -314,7 +314,7 @@ fn what_supplies_energy_by_its_description_is_left_out() {
         for law in [elastic, mesh()] {
             assert_eq!(checked(law, &[effect]), Ok(()), "{effect:?}");
         }
-        // They hide nothing.
+        // They hide no other active effect.
         let weak = Effect::Viscous(Viscous::new(-0.5).unwrap());
         assert!(checked(mesh(), &[effect, weak]).is_err());
     }
@@ -322,7 +322,7 @@ fn what_supplies_energy_by_its_description_is_left_out() {
     assert_eq!(others.count(), effects.len());
 }
 
-/// A loop of one sign beyond a slip: what it takes is positive where the cells rise with the direction, and the other way round.
+/// A loop of one sign beyond a slip: the absorbed energy is positive if the cells rise with the direction, and negative otherwise.
 #[test]
 fn a_residual_table_may_supply_energy() {
     let table = |sign: i16, memory: Option<Memory<f32>>| {
@@ -350,7 +350,7 @@ fn a_residual_table_may_supply_energy() {
     }
 }
 
-/// A slice is one force: so many ticks a load takes that goes by slices.
+/// A slice is one force, so this is the number of ticks of a load in slices.
 #[test]
 fn it_takes_a_tenth_of_a_second_at_10_khz() {
     let all = AugmentedLaw::<f32, 1>::new(mesh());

@@ -1,18 +1,18 @@
-//! |v|^α against libm's in f64.
+//! |v|^α against libm in f64.
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::power::{PowerSeed, PowerTable, ROWS, abs_pow};
 use mesh_damper::real::Real;
 use proptest::prelude::*;
 
-/// With U = 2⁻²⁴ = 6e-8. The logarithm, at most 0.58 and times α·ln 2: its fit, 1.5·U, four roundings and one down to Q24.
-/// The power: its fit, 1.3·U, what rounding the exponent down leaves about its mean, 0.7·U, and two roundings. 7.8·U or
-/// 4.7e-7 if all conspired at α = 1.
+/// With U = 2⁻²⁴ = 6e-8. The logarithm, at most 0.58 and multiplied by α·ln 2: its fit, 1.5·U, four roundings and one down to Q24.
+/// The power: its fit, 1.3·U, the deviation from the mean when the exponent is rounded down, 0.7·U, and two roundings. 7.8·U or
+/// 4.7e-7 if all errors added up at α = 1.
 const SHORT_FORM: f64 = 4e-7;
 
-/// A coefficient is the product of two rounded numbers, rounded, 3·U; their magnitudes' sum is up to 1.6 times the force,
-/// 4.8·U. Two sums and two products 2.5·U, and the cubic's own error, at most (α·(1−α)·(2−α)·(3−α)/24)·(1/17)⁴/8 = 1·U.
-/// 8.3·U or 5e-7 if all conspired.
+/// A coefficient is the rounded product of two rounded numbers, 3·U. The sum of their magnitudes is up to 1.6 times the force, 4.8·U.
+/// Two sums and two products 2.5·U, and the cubic's own error, at most (α·(1−α)·(2−α)·(3−α)/24)·(1/17)⁴/8 = 1·U. 8.3·U or 5e-7 if all
+/// errors added up.
 const TABLE: f64 = 4e-7;
 
 fn table(c: f64, alpha: f64) -> PowerTable {
@@ -31,7 +31,7 @@ fn the_short_form_over_a_dense_grid() {
             .chain([0.1581, 0.4014, 0.5571, 1e-3, 1e-7, 0.999_999_94]);
     let mut worst = 0.0f64;
     for alpha in alphas {
-        // Every exponent, mantissas a prime number of units apart, about 1700 to the octave.
+        // Every exponent, with mantissas a prime number of units apart, about 1700 an octave.
         let mut bits = 0x0080_0000u32;
         while bits <= 0x7f00_0000 {
             let v = f32::from_bits(bits);
@@ -111,7 +111,7 @@ fn the_table_over_a_dense_grid() {
     for c in [1.0, 0.0235, 0.6592] {
         for alpha in [0.0, 0.01, 0.1581, 0.2569, 0.3279, 0.4429, 0.5571, 0.8, 1.0] {
             let table = table(c, alpha);
-            // 1.125·2⁻²¹ to 1920, about 3700 to the octave.
+            // 1.125·2⁻²¹ to 1920, about 3700 an octave.
             let mut bits = (1.125 * 2f32.powi(-21)).to_bits();
             while bits <= 1920f32.to_bits() {
                 let v = f32::from_bits(bits);
@@ -127,7 +127,7 @@ fn the_table_over_a_dense_grid() {
     println!("largest relative error {worst:e}");
 }
 
-/// Proportional to v, but for steps of at most an eighth: the edge's force is multiplied by v without its lower bits.
+/// Proportional to v, except for steps of at most an eighth: the edge's force is multiplied by v without its lower bits.
 #[test]
 fn outside_the_table_it_is_proportional_in_steps() {
     for (c, alpha) in [(0.5, 0.3), (0.1, 0.0), (2.0, 1.0)] {
@@ -152,7 +152,7 @@ fn outside_the_table_it_is_proportional_in_steps() {
     }
 }
 
-/// Whatever is in the other rows: what a swap rests on.
+/// For any content of the other rows: a swap relies on this.
 #[test]
 fn one_row_serves_its_velocities() {
     let (seed, other) = (
@@ -186,7 +186,7 @@ fn a_table_that_makes_no_sense_is_refused() {
     }
 }
 
-/// What a host computed is what firmware that knows its law gives, and no other number is taken.
+/// The table that a host computed equals the one that firmware computes from its law, and no other number is accepted.
 #[test]
 fn a_seed_comes_back_of_its_parts() {
     let seed = PowerSeed::new(0.1, 0.3).unwrap();

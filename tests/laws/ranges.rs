@@ -1,4 +1,4 @@
-//! Every constructor takes exactly the range that it documents, of every number, and names the one that it refuses.
+//! Every constructor accepts exactly the range that it documents for each number, and reports the number that it refuses.
 
 use mesh_damper::amplitude_independent;
 use mesh_damper::converter::Scale;
@@ -26,7 +26,7 @@ struct Number {
     field: &'static str,
     low: f64,
     high: f64,
-    /// The constructor with this for the number, and what fits for all others.
+    /// The constructor with this value for the number, and with valid values for all others.
     give: fn(f64) -> Result<(), ConfigError>,
 }
 
@@ -46,7 +46,7 @@ fn controlled(viscosity: f64) -> Result<ControlInput<f64>, ConfigError> {
     ControlInput::new(3, branch, viscosity)
 }
 
-/// The field is set to `x`.
+/// Sets the field to `x`.
 macro_rules! setting {
     ($field:ident, $low:expr, $high:expr) => {
         number!(stringify!($field), $low, $high, |x| RigSettings {
@@ -57,7 +57,7 @@ macro_rules! setting {
     };
 }
 
-/// The same of the monitor.
+/// The same for the monitor.
 macro_rules! health {
     ($field:ident, $low:expr, $high:expr) => {
         number!(stringify!($field), $low, $high, |x| RigSettings {
@@ -71,7 +71,7 @@ macro_rules! health {
     };
 }
 
-/// The same of the damper emulator; `$named` where its part is refused by another name.
+/// The same for the damper emulation; `$named` if the refusal reports another name for its part.
 macro_rules! emulator {
     ($field:ident, $named:expr, $low:expr, $high:expr) => {
         number!($named, $low, $high, |x| emulator(DamperEmulationSettings {
@@ -94,7 +94,7 @@ fn emulator(settings: DamperEmulationSettings) -> Result<(), ConfigError> {
     }
 }
 
-/// In integers, with room for any speed.
+/// In integers, with a full scale for any speed.
 fn generator(amplitude: f64, frequency: f64, tick_rate: f64) -> Result<(), ConfigError> {
     let sine = Sine {
         amplitude,
@@ -300,7 +300,7 @@ fn numbers() -> Vec<Number> {
     ]
 }
 
-/// In f32 the ends are the nearest floats, so that what lies less than a float beyond them is taken.
+/// In f32 the ends are the nearest floats, so a value less than one float beyond them is accepted.
 fn check(number: &Number, x: f64) -> Result<(), TestCaseError> {
     let given = (number.give)(x);
     let expected = if !x.is_finite() {
@@ -356,7 +356,7 @@ proptest! {
     #[test]
     fn what_is_taken_is_what_lies_in_the_range(x in any_number(), part in 0.0..1.0f64) {
         for number in numbers() {
-            // Nearer to an end than its float is, f32 rounds.
+            // Closer to an end than the spacing of its floats, f32 rounds.
             if x.is_finite() && [number.low, number.high].iter().any(|end| (x - end).abs() <= 1e-7 * end.abs()) {
                 continue;
             }
@@ -439,7 +439,7 @@ fn counts_of_none_or_too_many_are_refused() {
     );
 }
 
-/// What an effect's description says of its parameters is what its constructor takes.
+/// The ranges of parameters in an effect's description are those that its constructor accepts.
 #[test]
 fn every_effect_takes_the_ranges_that_its_description_states() {
     for effect in DESCRIPTIONS {

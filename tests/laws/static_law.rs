@@ -1,4 +1,4 @@
-//! A law whose type names its effects gives the same force as one that is put together while it runs.
+//! A law whose type contains its effects gives the same force as one that is assembled at run time.
 
 use std::f64::consts::TAU;
 use std::rc::Rc;
@@ -50,7 +50,7 @@ fn motion(tick: u32, phase: f32) -> Motion<f32> {
     }
 }
 
-/// Both laws over the same ticks, followed by a part from the middle on, and at rest again for the last third.
+/// Both laws over the same ticks, with an adaptation from the middle on, and at rest again for the last third.
 fn agree(fixed: &mut impl TickLaw, running: &mut impl TickLaw, phase: f32) {
     for tick in 0..3000 {
         if tick == 1500 {
@@ -117,7 +117,7 @@ proptest! {
     }
 }
 
-/// A table of 4 KiB, and what its effects are and remember.
+/// A table of 4 KiB, and the configuration and state of its effects.
 #[test]
 fn a_law_takes_memory_in_proportion_to_its_effects() {
     let without = size_of::<StaticLaw<()>>();
@@ -152,7 +152,7 @@ fn converters() -> (
     (pins, adc, dac)
 }
 
-/// A damper emulation that borrows a law whose type names its effect, and one that owns a running law.
+/// A damper emulation that borrows a law whose type contains its effect, and one that owns a running law.
 #[test]
 fn an_emulator_runs_either_law() {
     let mut law = StaticLaw::<Slider>::empty();

@@ -1,4 +1,4 @@
-//! The coefficient grid: the paper's cells, interpolation, edges, and what a builder refuses.
+//! The coefficient grid: the paper's cells, interpolation, edges, and the inputs that a builder refuses.
 
 use core::f64::consts::{PI, TAU};
 use mesh_damper::amplitude_independent;
@@ -35,7 +35,7 @@ fn the_nodes_are_the_papers_cells() {
         assert!(!lookup.clamped());
         coefficients(&lookup.law)
     };
-    // The corners, the cells that lie off the surface, and Table 7's last row.
+    // The corners, the cells that deviate from the surface, and Table 7's last row.
     assert_eq!(at(2.0, 0.05), [0.3365, 86.7, 0.0235, 0.4014]);
     assert_eq!(at(4.0, 0.05), [7.5503, 160.9, 0.1107, 0.2569]);
     assert_eq!(at(3.0, 0.10), [1.0539, 10.5, 0.1114, 0.3969]);
@@ -64,7 +64,7 @@ fn every_cell_is_a_law() {
 
 #[test]
 fn the_cells_give_the_loss_factors_that_were_recomputed_from_the_paper() {
-    // At 0.1 mm and 1 Hz, from 2.0 to 4.0 g/cm³, to three digits: it catches a coefficient in the wrong cell.
+    // At 0.1 mm and 1 Hz, from 2.0 to 4.0 g/cm³, to three digits: this detects a coefficient in the wrong cell.
     let expected = [0.557, 0.481, 0.625, 0.311, 0.257];
     for (density, expected) in nodes().0.into_iter().zip(expected) {
         let law = PAPER.lookup(density, 0.1).law.cast::<f64>();
@@ -133,7 +133,8 @@ proptest! {
         for ((is, exact), largest) in
             coefficients(&lookup.law).into_iter().zip(bilinear(density, amplitude)).zip(largest)
         {
-            // Nodes, cells, both parts and three mixes, each rounded to 6e-8; the nodes' spacing magnifies the part's.
+            // Nodes, cells, both fractions and three mixes, each rounded to 6e-8; the spacing of the nodes amplifies the fraction's
+            // error.
             prop_assert!((f64::from(is) - exact).abs() < 2e-6 * largest, "{} {}", is, exact);
         }
     }
@@ -266,7 +267,7 @@ fn a_cell_that_makes_no_sense_is_refused_with_its_place() {
             error: ConfigError::OutOfRange { field: "c", .. }
         }
     ));
-    // A third density would fit into the capacity but is no node.
+    // A third density would fit the capacity but is not a node.
     assert_eq!(
         builder().cell(2, 0, good).unwrap_err(),
         TableError::NoSuchCell {
@@ -305,7 +306,7 @@ fn a_cell_that_makes_no_sense_is_refused_with_its_place() {
     );
 }
 
-/// It is that of the nearest density, and has both of its effects.
+/// The law of the nearest density, with both of its effects.
 #[test]
 fn the_law_without_amplitude_is_the_nearest_densitys() {
     let law = |density| amplitude_independent::law(density).unwrap();

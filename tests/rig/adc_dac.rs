@@ -1,4 +1,4 @@
-//! The converters' drivers, byte for byte against their datasheets.
+//! The converters' drivers, compared byte for byte with the datasheets.
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
@@ -55,7 +55,7 @@ fn dac_start() -> Vec<Transaction<u8>> {
 fn adc_reads_displacement_then_force() {
     let expected = [
         adc_start(),
-        // The first frame only selects: its result is of an unknown channel.
+        // The first frame only selects a channel: its result belongs to an unknown channel.
         transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x12, 0x34]).to_vec(),
         transfer(&[0xC4, 0, 0, 0], &[0, 0, 0xC0, 0x00]).to_vec(),
         transfer(&[0xC0, 0, 0, 0], &[0, 0, 0x40, 0x00]).to_vec(),
@@ -99,7 +99,7 @@ fn adc_that_does_not_hold_its_register_is_refused() {
     spi.done();
 }
 
-/// A bus without a part: this makes the received bytes of the sent ones.
+/// A bus without a part: the function computes the received bytes from the sent ones.
 struct NoPart<F>(F);
 
 impl<F> ErrorType for NoPart<F> {
@@ -119,8 +119,8 @@ impl<F: FnMut(&mut [u8])> SpiDevice for NoPart<F> {
     }
 }
 
-/// Neither part is found on a data line that is held low or high, is connected to the sent data, or gives the data of the frame
-/// before.
+/// Neither part is detected on a data line that is held low or high, is connected to the sent data, or repeats the data of the
+/// previous frame.
 #[test]
 fn a_line_that_is_held_or_echoes_is_no_part() {
     fn check<F: FnMut(&mut [u8])>(line: impl Fn() -> F, found: u8, read: u16) {
@@ -151,7 +151,7 @@ fn a_line_that_is_held_or_echoes_is_no_part() {
     );
 }
 
-/// One bit that comes out wrong is found: the three of a range at either level, the others where they are not 0 as they should.
+/// A single wrong bit is detected: the three bits of a range at either level, the others if they are not 0 as required.
 #[test]
 fn each_bit_of_a_range_is_checked() {
     for bit in 0..8 {
@@ -242,7 +242,7 @@ fn dac_is_read_back() {
         (CONTROL | 0xE000, driven, Ok(())),
         (CONTROL | 0x1000, driven, status(0x1000)),
         (CONTROL | 0x0800, driven, status(0x0800)),
-        // After it lost its supply; another range; another output.
+        // After a loss of its supply; with another range; with another output.
         (0, 0, Err(DacError::Control { read: 0 })),
         (
             CONTROL | 1,
@@ -267,7 +267,7 @@ fn dac_is_read_back() {
     }
 }
 
-/// A part with the right registers stays as it is; another one is set up, and is at 0 then.
+/// A part with the correct registers stays unchanged. Any other is set up, and then outputs 0.
 #[test]
 fn dac_is_restored_where_it_has_to_be() {
     let healthy = dac_verified(CONTROL, 0x8000);
@@ -331,7 +331,7 @@ fn errors_of_a_dac_say_the_remedy() {
     );
 }
 
-/// Fails from transaction `fails_at` on, for `failures` of them; answers with zeros but for its registers, counting frames to ADC
+/// Fails for `failures` transactions from `fails_at` on. Answers with zeros except for its registers, and counts the frames to ADC
 /// channels.
 struct Flaky {
     transactions: usize,
@@ -392,7 +392,7 @@ fn bus_errors_are_values() {
         let refused = Ads8688::new(flaky(fails_at), unit(), kilonewtons()).err();
         assert_eq!(refused, Some(AdcError::Bus(ErrorKind::Overrun)));
     }
-    // Four before the DAC's answer is judged.
+    // Four transactions before the DAC's answer is checked.
     for fails_at in 0..4 {
         let refused = Ad5761::new(flaky(fails_at), unit()).err();
         assert_eq!(refused, Some(DacError::Bus(ErrorKind::Overrun)));

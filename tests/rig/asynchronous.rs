@@ -21,7 +21,7 @@ use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8
 
 use crate::support::{Ticks, unit, units};
 
-/// Polls until it is ready; most polls may be in vain.
+/// Polls until the future is ready; most polls may be unsuccessful.
 pub fn run<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
     let mut context = Context::from_waker(Waker::noop());
@@ -33,11 +33,11 @@ pub fn run<F: Future>(future: F) -> F::Output {
     panic!("never ready");
 }
 
-/// The part at the end of a bus that is busy now and then, for up to three polls.
+/// The part on a bus that is sometimes busy, for up to three polls.
 pub struct Busy<S> {
     part: S,
     turn: u32,
-    /// Polls that found it busy.
+    /// Number of polls that found it busy.
     waited: Rc<Cell<u32>>,
 }
 
@@ -89,7 +89,7 @@ fn controller() -> RigController<1, mesh_damper::sine::SineGenerator<2>> {
     RigController::new(&settings, &units(), programme, law).unwrap()
 }
 
-/// The pins of one rig, whose actuator moves what it commands at once and whose force is in proportion.
+/// The pins of one rig. Its actuator follows the command at once, with a force in proportion.
 #[derive(Default)]
 struct Pins {
     adc: Rc<AdcPins>,
@@ -122,7 +122,7 @@ fn awaited_it_gives_the_bits_of_the_blocking_rig() {
     let mut awaited = run(Asynchronous::wire(controller(), adc, actuator));
     assert_eq!(run(awaited.clear()), Err(ClearRefused::NoFault));
 
-    // Whole, stopped halfway, late, and with either bus failing for a while.
+    // Complete, dropped halfway, late, and with failures of either bus for a while.
     let mut ticks = Ticks::default();
     let mut reports = 0;
     for (case, fails_at) in [None, Some(333), Some(334), Some(500), Some(720)]
@@ -172,7 +172,7 @@ fn awaited_it_gives_the_bits_of_the_blocking_rig() {
     assert!(waited.get() > 1000, "{}: the bus was busy", waited.get());
 }
 
-/// A line at one level is no part; a bus that fails says so.
+/// A line at a constant level is not a part; a bus that fails reports this.
 #[test]
 fn a_part_that_is_not_there_is_refused() {
     struct Held(Result<u8, ErrorKind>);
@@ -214,7 +214,7 @@ fn a_part_that_is_not_there_is_refused() {
     assert_eq!(refused, Some(DacError::Bus(ErrorKind::Overrun)));
 }
 
-/// A reading that was dropped halfway does not exchange the channels, and control inputs go with it.
+/// A reading that was dropped halfway does not swap the channels or the control inputs.
 #[test]
 fn a_dropped_reading_is_as_one_that_failed() {
     let pins = Pins::default();

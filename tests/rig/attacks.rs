@@ -19,7 +19,7 @@ use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
 const SEEDS: u64 = 12;
 const AMPLITUDE: f64 = 0.1;
 const FREQUENCY: f64 = 2.0;
-/// V at a channel's full scale.
+/// Voltage at a channel's full scale, V.
 const FULL: f64 = 10.24;
 /// Cycles after the start at which attacks begin, the ramp included.
 const BEGINS: f64 = 31.0;
@@ -29,7 +29,7 @@ struct Attacked<'a> {
     /// Cycles since the start.
     cycle: f64,
     tick: u64,
-    /// V of displacement and force, and the amplitude of each.
+    /// Voltages of displacement and force, V, and the amplitude of each.
     volts: [&'a mut f64; 2],
     amplitudes: [f64; 2],
     temperature: &'a mut f64,
@@ -51,15 +51,15 @@ struct Rig {
     tick: u64,
 }
 
-/// How a run went.
+/// The result of a run.
 struct Run {
     events: Vec<(f64, Event)>,
     state: State,
-    /// Cycles until it stopped or was over.
+    /// Cycles until the trip or the end of the run.
     cycles: f64,
     /// Largest true displacement over the demanded one.
     furthest: f64,
-    /// Most ticks on end with a force beyond 1.01 times its limit.
+    /// Most consecutive ticks with a force beyond 1.01 times its limit.
     beyond: u32,
 }
 
@@ -68,7 +68,7 @@ impl Run {
         self.events.iter().map(|(_, event)| event.cause).collect()
     }
 
-    /// The first event from where attacks begin, and its cycle.
+    /// The first event after the start of the attack, and its cycle.
     fn first(&self) -> (f64, Event) {
         let mut events = self.events.iter().filter(|(cycle, _)| *cycle >= BEGINS);
         *events.next().expect("an event")
@@ -80,7 +80,7 @@ impl Rig {
         Self::limited(blocks, cycles, seed, 1.9)
     }
 
-    /// With a limit of the force of `limit` times its amplitude.
+    /// With a force limit of `limit` times its amplitude.
     fn limited(blocks: u32, cycles: u32, seed: u64, limit: f64) -> Self {
         let (specimen, condition) = Damaged::new(3.0, AMPLITUDE);
         let c = specimen.coefficients();
@@ -171,7 +171,7 @@ fn run(seed: u64, attack: impl FnMut(&mut Attacked<'_>)) -> Run {
     Rig::new(1, 45, seed).run(attack)
 }
 
-/// Noise of −0.5 to 0.5, other at each tick.
+/// Noise of −0.5 to 0.5 that differs at each tick.
 fn noise(tick: u64) -> f64 {
     let mut x = tick.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     x ^= x >> 29;

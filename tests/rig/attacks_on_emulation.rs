@@ -1,4 +1,4 @@
-//! A damper emulation whose sensors lie, whose actuator is dead, whose law is swapped, and which stands still.
+//! A damper emulation with wrong sensors, with a dead actuator, with a swapped law, and at rest.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +31,7 @@ fn motion(tick: u32) -> f64 {
     0.2 * (TAU * 2.0 * f64::from(tick) / TICK_RATE).sin()
 }
 
-/// A tick in which the sensors show these, mm and kN, of ±1 mm and ±5 kN.
+/// A tick with these sensor values, mm and kN, of ±1 mm and ±5 kN.
 fn shown(bench: &mut EmulatorBench<2>, displacement: f64, force: f64) -> Telemetry {
     bench.adc.volts[0].set(displacement * INPUT_RANGE);
     bench.adc.volts[1].set(force / 5.0 * INPUT_RANGE);
@@ -58,7 +58,7 @@ fn a_displacement_that_is_frozen_stops_it_within_a_second() {
     assert!(!bench.enabled.get());
 }
 
-/// The measured force stays at 0 beside a command of up to 0.5 kN, or where it was.
+/// The measured force stays at 0, or at its previous value, with a command of up to 0.5 kN.
 #[test]
 fn an_actuator_that_is_dead_stops_it_within_a_cycle() {
     for stands in [0.0, 0.3] {
@@ -83,7 +83,7 @@ fn an_actuator_that_is_dead_stops_it_within_a_cycle() {
     }
 }
 
-/// By 40° of phase, at 10 Hz, with a law that has friction alone: the force that it lags most.
+/// By 40° of phase, at 10 Hz, with a law that has only friction: this force lags most.
 #[test]
 fn an_actuator_that_lags_goes_on() {
     let mut bench = started(law(0.0, 0.5, 0.2), 1);
@@ -97,13 +97,13 @@ fn an_actuator_that_lags_goes_on() {
     }
 }
 
-/// Laws that chattered with 0.33 kN and 1660 changes of sign a second.
+/// Laws that once chattered with 0.33 kN and 1660 changes of sign a second.
 #[test]
 fn at_rest_it_does_not_chatter() {
     for (c, alpha) in [(0.66, 0.16), (0.1, 0.4), (0.3, 0.0)] {
         for seed in 0..4 {
             let mut bench = started(law(1.0, c, alpha), seed);
-            // A motion, which ends at the crest, and rest from there on.
+            // A motion that ends at the crest, and then rest.
             for tick in 0..21_250 {
                 bench.tick(motion(tick));
             }
@@ -114,7 +114,7 @@ fn at_rest_it_does_not_chatter() {
                 if tick >= 10_000 {
                     square += command * command;
                 }
-                // From rest, which begins after 0.05 s, what was left of its friction goes in 0.5 s.
+                // Rest begins after 0.05 s. From then on the remaining friction decays in 0.5 s.
                 match tick {
                     1000 => early = command,
                     3250 => assert!((command - 0.5 * early).abs() < 0.05 * early.abs() + 1e-3),
@@ -122,18 +122,18 @@ fn at_rest_it_does_not_chatter() {
                 }
             }
             assert!(early.abs() > 0.05 * f64::from(c), "{early}");
-            // What is left is the spring's force of the noise: 1e-4 kN.
+            // The remainder is the spring's force due to the noise: 1e-4 kN.
             let rms = (square / 20_000.0f64).sqrt();
             assert!(rms < 3e-4, "{rms} kN of c {c}, α {alpha}");
             assert_eq!(bench.emulator.state(), State::Running);
-            // It moves again, and has its friction at once.
+            // The motion starts again, and the friction acts at once.
             let mut most = 0.0f64;
             for tick in 0..1250 {
                 let y = motion(21_250 + tick);
                 most = most.max((bench.tick(y).force - y).abs());
             }
             assert!(most > 0.9 * f64::from(c), "{most} kN of {c}");
-            // After rests that are too short for their force to have gone, it has that friction and no more.
+            // After rests that are too short for the force to decay, the friction is no larger than before.
             let fastest = 0.2 * TAU * 2.0f64;
             let law = f64::from(c) * fastest.powf(alpha.into());
             let mut most = 0.0f64;
@@ -151,7 +151,7 @@ fn at_rest_it_does_not_chatter() {
     }
 }
 
-/// c from 0.05 to 1 kN in the middle of a motion: the force goes over in half a second.
+/// c changes from 0.05 to 1 kN in the middle of a motion: the force changes over half a second.
 #[test]
 fn a_swap_of_the_law_has_no_step() {
     let mut bench = started(law(1.0, 0.05, 0.3), 1);
@@ -165,17 +165,17 @@ fn a_swap_of_the_law_has_no_step() {
         assert_eq!(seen.telemetry.state, State::Running);
         let step = (seen.force - last).abs();
         last = seen.force;
-        // From when the force is all there; the law takes over at the next crossing, and half a second later is all of it there.
+        // Starts when the force is fully ramped in. The law takes over at the next crossing, and acts fully half a second later.
         match tick {
             10_000..20_100 => most[0] = most[0].max(step),
-            // Friction turns at a crest, where its own law steps.
+            // Friction reverses at a crest, where its own law has a step.
             20_100..24_000 if motion(tick).abs() < 0.19 => most[1] = most[1].max(step),
             _ => {}
         }
     }
     let [before, after] = most;
     assert!(after < 3.0 * before, "{after} kN in a tick after {before}");
-    // It is the new law in the end.
+    // At the end the new law acts fully.
     let expected = 1.0 * (0.2 * TAU * 2.0f64).powf(0.3);
     let at_zero = bench.tick(motion(40_000)).force;
     assert!((at_zero - expected).abs() < 0.05, "{at_zero} of {expected}");

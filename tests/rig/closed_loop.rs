@@ -1,4 +1,4 @@
-//! The rig in closed loop with the simulated actuator and specimen: the motion is the demanded one.
+//! The rig in closed loop with the simulated actuator and specimen: the motion equals the demand.
 
 mod correction;
 mod dead_parts;
@@ -47,8 +47,8 @@ fn started(setup: Setup) -> Bench<Specimen, 8, 4> {
     bench
 }
 
-/// Amplitude and phase of the last whole cycle of displacements with their phases, 2³² to the cycle, at `frequency`,
-/// which has a whole number of ticks.
+/// Amplitude and phase of the last complete cycle of displacements with their phases, in units of 2⁻³² cycle, at `frequency`, whose
+/// period is a whole number of ticks.
 fn demodulate(moved: &[(f64, u32)], frequency: f64) -> (f64, f64) {
     let n = (TICK_RATE / frequency).round() as usize;
     let (mut in_phase, mut quadrature) = (0.0, 0.0);
@@ -66,7 +66,7 @@ fn demodulate(moved: &[(f64, u32)], frequency: f64) -> (f64, f64) {
 
 #[test]
 fn amplitude_and_phase_are_as_demanded() {
-    // The soft and the stiff end of the table, both ends of the amplitudes.
+    // The soft and the stiff end of the table, and both ends of the amplitudes.
     for (density, amplitude) in [(2.0, 0.05), (3.0, 0.1), (4.0, 0.05), (4.0, 0.25)] {
         let blocks: Vec<_> = [0.5, 1.0, 2.0, 5.0, 10.0]
             .map(|frequency| (amplitude, frequency, 6))
@@ -88,20 +88,19 @@ fn amplitude_and_phase_are_as_demanded() {
             }
         }
         for (block, &(_, frequency, cycles)) in blocks.iter().enumerate() {
-            // A cycle that begins between two ticks has one more or one less at its ends.
+            // A cycle that begins between two ticks has one tick more or less at its ends.
             let ticks = (TICK_RATE / frequency) as usize * cycles as usize;
             assert!(steady[block].len().abs_diff(ticks) <= 1);
             let (measured, phase) = demodulate(&steady[block], frequency);
             let at = format!("{density} g/cm³, {amplitude} mm, {frequency} Hz");
-            // Five corrections of gain 0.8, begun from the correction of the block before, leave 0.2⁵ of the first error
-            // and the part that the specimen's nonlinearity adds.
+            // Five corrections of gain 0.8, starting from the correction of the previous block, leave 0.2⁵ of the first error and the
+            // error due to the specimen's nonlinearity.
             assert!(
                 (measured / amplitude - 1.0).abs() < 2e-3,
                 "{at}: {measured}"
             );
             assert!(phase.abs() < 2e-3, "{at}: {phase} rad");
-            // The sensor's lag, which the rig cannot see, adds to it: sampled every h, a lag of T delays by
-            // h/(e^(h/T) − 1).
+            // The sensor's lag, which the rig cannot measure, adds to it. Sampled every h, a lag of T delays by h/(e^(h/T) − 1).
             let delay = 1e-4 / (1e-4f64 / 1.5e-4).exp_m1();
             let (moved, ahead) = demodulate(&truth[block], frequency);
             assert!((moved / amplitude - 1.0).abs() < 2e-3, "{at}: {moved}");
@@ -126,7 +125,7 @@ fn a_sensor_offset_and_friction_do_not_shift_the_mean() {
             mean = report.measured.mean_displacement;
         }
     }
-    // 5 1/s over 4 s leaves e⁻²⁰ of 0.02 mm; the mean of 5000 ticks' noise is 1.4e-6 mm, ten of those.
+    // 5 1/s over 4 s leaves e⁻²⁰ of 0.02 mm. The mean of 5000 ticks' noise is 1.4e-6 mm; the test allows ten times that.
     assert!(mean.abs() < 2e-5, "{mean}");
 }
 
@@ -152,7 +151,7 @@ fn stops(bench: &mut Bench<Specimen, 8, 4>, stop_ticks: usize, fault: TripCause)
         "and cannot be raised"
     );
     let mut command: f32 = last.command;
-    // The command of the tick before is the most that the way back begins from.
+    // The return begins at the command of the previous tick at most.
     assert!(command.abs() <= before.abs().max(1.0));
     let step = before.abs().max(command.abs()) / stop_ticks as f32 * 1.001 + 1e-9;
     for tick in 0..stop_ticks + 2 {

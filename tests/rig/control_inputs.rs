@@ -15,7 +15,7 @@ use crate::controller::programme;
 use crate::on_chip::{OnChip, Timer};
 use crate::support::{elastic, unit, units};
 
-/// A law that is the sum of its control inputs, for each mm.
+/// A law whose force is the displacement in mm times the sum of its control inputs.
 struct Controlled;
 
 impl TickLaw for Controlled {
@@ -48,7 +48,7 @@ fn control_inputs_reach_the_law_and_the_telemetry() {
     // 0xA000 is 0.25 mm.
     let given = [1.0, 0.0, 0.5, 0.0];
     assert_eq!(said(damper.tick(Some(at(given)), 0)), (0.375, given));
-    // Where reading fails, the last ones stay.
+    // If a reading fails, the previous values stay.
     assert_eq!(said(damper.tick(None, 1)), (0.375, given));
     assert_eq!(damper.state(), State::Faulted(TripCause::AdcBus));
     let none = [0.0; CONTROLS];
@@ -73,7 +73,7 @@ fn control_inputs_reach_the_law_and_the_telemetry() {
     assert_eq!(said(damper.tick(1)), (1.0, [0.0, 4.0, 0.0, 0.0]));
 }
 
-/// At rest, while it runs, and where reading fails, which stops it.
+/// At rest, while it runs, and when a reading fails, which trips it.
 #[test]
 fn a_rig_reports_its_control_inputs_in_every_state() {
     let config = RigSettings::default().at(TICK_RATE).unwrap();

@@ -1,4 +1,4 @@
-//! The controllers without I/O, called directly, are the ones on their converters.
+//! The controllers without I/O, called directly, behave as the ones with their converters.
 
 use mesh_damper::converter::Scale;
 use mesh_damper::effects::{AugmentedLaw, CONTROLS, Effect, StickSlip};
@@ -24,7 +24,7 @@ pub fn programme(cycles: u32) -> Programme<2> {
         .unwrap()
 }
 
-/// The reading of a bench's ADC at this tick.
+/// The reading from a bench's ADC at this tick.
 fn reading(wiring: &Wiring, volts: [f64; 2]) -> Reading {
     let [displacement, force] = volts.map(adc_code);
     Reading {
@@ -45,8 +45,8 @@ enum Halfway {
     Stopped,
 }
 
-/// The rig closes its loop over the simulated specimen and converters. The controller that is called directly gets the readings of the
-/// same ADC, and must give the command and the level that the DAC and the line get.
+/// The rig closes its loop over the simulated specimen and converters. The controller that is called directly receives the readings
+/// of the same ADC. Its command and enable level must equal those at the DAC and the line.
 #[test]
 fn called_directly_it_is_the_rig_on_its_converters() {
     for (halfway, expected) in [
@@ -170,7 +170,7 @@ fn a_damper_called_directly_is_the_one_on_its_converters() {
     assert!(reports > 10, "{reports}");
 }
 
-/// An exciter that is chosen when the rig is set up makes no difference to the sines.
+/// The choice of the exciter at set-up makes no difference to the sines.
 #[test]
 fn a_chosen_exciter_is_the_same_controller() {
     let config = RigSettings::default().at(TICK_RATE).unwrap();
@@ -197,7 +197,7 @@ fn a_chosen_exciter_is_the_same_controller() {
     assert_eq!(one.state(), State::Done);
 }
 
-/// A call through a reference reaches the controller: here a link that is heard, or not.
+/// A call through a reference reaches the controller: here it reports that the link was heard, or does not.
 #[test]
 fn a_borrowed_controller_is_the_one_that_it_borrows() {
     fn run(mut damper: impl Controller, heard: bool) -> State {

@@ -1,4 +1,4 @@
-//! A fault that passes does not blind the monitor: what comes after it is found.
+//! A temporary fault does not blind the monitor: a later fault is found.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -18,23 +18,25 @@ const AMPLITUDE: f64 = 0.1;
 /// Hz.
 const FREQUENCY: f64 = 2.0;
 const TICKS: u64 = (TICK_RATE / FREQUENCY) as u64;
-/// As many noises are tried.
+/// Number of noise seeds.
 const SEEDS: u64 = 12;
-/// A single bad sample comes in this cycle,
+/// The cycle with a single bad sample.
 const SPIKE: u64 = 25;
-/// and the specimen breaks in this one.
+/// The cycle in which the specimen breaks.
 const BREAK: u64 = 30;
 
-/// The two channels, and spikes of half of their amplitude, mm and kN; of all of it where that is within the converter's range.
+/// The two channels, with spikes of half their amplitude, mm and kN, and of the whole amplitude if this is within the converter's
+/// range.
 const CHANNELS: [(Channel, f64); 3] = [
     (Channel::Displacement, 0.05),
     (Channel::Displacement, 0.1),
     (Channel::Force, 0.15),
 ];
-/// The monitor looks at a tick 64 times in two cycles: every so many ticks, 40 after the end of the first and 118 of the second.
+/// The monitor examines 64 ticks in two cycles at this interval: the first is 40 ticks after the start of the first cycle, and 118
+/// ticks after the start of the second.
 const LOOKS: f64 = TICKS as f64 / 32.0;
 
-/// The tick of the `look` of two cycles, counted from the end of the cycle before them.
+/// The tick of examination `look` in two cycles, counted from the end of the cycle before them.
 fn look_tick(look: u64) -> u64 {
     let late = if look < 32 { 0.25 } else { 0.75 };
     ((look as f64 + late) * LOOKS).ceil() as u64
@@ -43,7 +45,7 @@ fn look_tick(look: u64) -> u64 {
 struct Test {
     bench: Bench<Damaged, 2, 1>,
     condition: Rc<Cell<Condition>>,
-    /// Since the last start.
+    /// Ticks since the last start.
     tick: u64,
     told: Vec<HealthCause>,
 }
@@ -53,7 +55,7 @@ impl Test {
         Self::of_blocks(1, cycles, follow, seed)
     }
 
-    /// As many `blocks` of so many `cycles`.
+    /// A test with `blocks` blocks of `cycles` cycles each.
     fn of_blocks(blocks: u32, cycles: u32, follow: f64, seed: u64) -> Self {
         let (specimen, condition) = Damaged::new(3.0, AMPLITUDE);
         let c = specimen.coefficients();
@@ -65,7 +67,7 @@ impl Test {
         }
         let mut setup = RigSetup::new(specimen, AugmentedLaw::new(law), programme, seed);
         setup.settings.health.follow = follow;
-        // It goes on with an actuator that needs much correction.
+        // The rig continues with an actuator that needs a large correction.
         setup.settings.correction_limit = 2.0;
         let mut test = Self {
             bench: Bench::new(setup).unwrap(),
@@ -77,7 +79,7 @@ impl Test {
         test
     }
 
-    /// Runs on to the `cycle` of full amplitude; there is one of ramp before.
+    /// Runs until the cycle `cycle` of full amplitude; one cycle of ramp comes before.
     fn run_to(&mut self, cycle: u64) {
         while self.tick < (cycle + 1) * TICKS {
             self.step();
@@ -105,14 +107,14 @@ impl Test {
         }
     }
 
-    /// One sample of `channel` has `size` added to it.
+    /// Adds `size` to one sample of `channel`.
     fn spike(&mut self, channel: Channel, size: f64) {
         *self.sensor(channel) = SensorFault::Spiking { size, every: 1 };
         self.step();
         *self.sensor(channel) = SensorFault::None;
     }
 
-    /// The zero of `channel` moves by `step` a cycle for so many `cycles` from [`SPIKE`] on, and stays there.
+    /// The zero of `channel` moves by `step` a cycle for `cycles` cycles from [`SPIKE`] on, and stays there.
     fn drift(&mut self, channel: Channel, step: f64, cycles: u32) {
         *self.sensor(channel) = SensorFault::Drifting(step / TICKS as f64);
         self.run_to(SPIKE + u64::from(cycles));
@@ -122,7 +124,7 @@ impl Test {
         };
     }
 
-    /// `part` of the elastic force and of the friction is there.
+    /// Reduces the elastic force and the friction to `part`.
     fn keep(&self, part: f64) {
         let whole = Condition::NEW;
         self.condition.set(Condition {
@@ -139,7 +141,7 @@ fn a_break_after_a_spike_is_found() {
         for (channel, size) in CHANNELS {
             let mut test = Test::new(60, 0.0, seed);
             test.run_to(SPIKE);
-            // At a look, and between two.
+            // At an examined tick, and between two.
             let between = 13 * seed;
             test.step_by(if seed % 2 == 0 {
                 look_tick(5 * seed)
@@ -160,14 +162,14 @@ fn a_break_after_a_spike_is_found() {
     }
 }
 
-/// In the cycle before the break, in the one that it comes in, and while the monitor judges what it suspects.
+/// In the cycle before the break, in the cycle of the break, and while the monitor confirms a suspicion.
 #[test]
 fn a_spike_next_to_a_break_does_not_hide_it() {
     for (seed, eighth) in (1..).zip(-8..24i64) {
         for (channel, size) in CHANNELS {
             let mut test = Test::new(60, 0.0, seed);
             let breaks = BREAK * TICKS;
-            // A look is at 40 or at 118.
+            // The examined ticks are at 40 or at 118.
             let after = [40, 99, 118, 20][eighth.rem_euclid(4) as usize];
             let spikes = breaks.checked_add_signed(eighth * (TICKS / 8) as i64 + after);
             for tick in 0..(BREAK + 10) * TICKS {
@@ -200,7 +202,7 @@ fn a_spike_in_one_run_does_not_blind_the_next() {
             test.step();
         }
         assert_eq!(test.told, [HealthCause::SensorSpiking(channel)]);
-        // The way back to rest.
+        // The return to rest.
         for _ in 0..2 * TICKS {
             test.step();
         }
@@ -213,7 +215,7 @@ fn a_spike_in_one_run_does_not_blind_the_next() {
     }
 }
 
-/// The drift stays; it explains a mean that moves, not what else does.
+/// The drift remains. It explains a moving mean, but no other change.
 #[test]
 fn a_break_after_a_drift_is_found() {
     for seed in 1..=SEEDS {
@@ -235,7 +237,7 @@ fn a_break_after_a_drift_is_found() {
     }
 }
 
-/// Of an actuator whose response changes around a spike or some cycles after it.
+/// The actuator's response changes around a spike or some cycles after it.
 #[test]
 fn an_actuator_that_lags_after_a_spike_is_found() {
     for (channel, size) in CHANNELS {
@@ -267,7 +269,7 @@ fn an_actuator_that_lags_after_a_spike_is_found() {
     }
 }
 
-/// What a drift of the last run explained is no matter of the next.
+/// A drift in the last run does not explain changes in the next one.
 #[test]
 fn a_preload_shift_after_another_runs_drift_is_found() {
     let mut test = Test::new(40, 0.0, 2);
@@ -313,7 +315,7 @@ fn the_law_follows_again_after_a_spike() {
     assert!((after - alone).abs() < 0.2 * alone.abs(), "{after} {alone}");
 }
 
-/// At each of the 64 looks, where the monitor takes the bad sample, and between two of them.
+/// At each of the 64 examined ticks, where the monitor reads the bad sample, and between two of them.
 #[test]
 fn nothing_but_the_spike_is_told_of_a_spike() {
     let between = (0..157).step_by(26);
@@ -333,7 +335,7 @@ fn nothing_but_the_spike_is_told_of_a_spike() {
     }
 }
 
-/// Whether a look takes the bad samples or not.
+/// Whether an examined tick contains the bad sample or not.
 #[test]
 fn a_break_after_many_spikes_is_found() {
     for after in [look_tick(5), look_tick(40) - TICKS, 99] {
@@ -359,7 +361,7 @@ fn a_break_after_many_spikes_is_found() {
     }
 }
 
-/// The spikes go on, one a cycle.
+/// The spikes continue, one a cycle.
 #[test]
 fn a_break_among_spikes_is_found() {
     for after in [look_tick(5), look_tick(40) - TICKS, 99] {
@@ -383,7 +385,7 @@ fn a_break_among_spikes_is_found() {
     }
 }
 
-/// A lag that has passed says nothing of what comes later: in the same block, and in the next.
+/// A past lag does not explain a later fault: in the same block, and in the next.
 #[test]
 fn an_actuator_fault_after_a_lag_that_has_passed_is_found() {
     for (fault, cause) in [
@@ -406,8 +408,8 @@ fn an_actuator_fault_after_a_lag_that_has_passed_is_found() {
     }
 }
 
-/// The actuator loses stroke that no correction gets back. That is told once, and the specimen is learned with it; in such a
-/// motion what breaks may have another name.
+/// The actuator loses stroke that no correction can restore. The fault is reported once, and the specimen is learned with it. With
+/// such a motion a break may be reported under another name.
 #[test]
 fn a_break_under_an_actuator_fault_that_lasts_is_found() {
     for speed in [0.85, 0.8, 0.7, 0.6] {
@@ -427,7 +429,7 @@ fn a_break_under_an_actuator_fault_that_lasts_is_found() {
     }
 }
 
-/// The zero stays where the drift has left it.
+/// The zero stays at its position after the drift.
 #[test]
 fn a_preload_shift_after_a_drift_that_has_stopped_is_found() {
     for seed in 1..=SEEDS {
@@ -446,7 +448,8 @@ fn a_preload_shift_after_a_drift_that_has_stopped_is_found() {
     }
 }
 
-/// Of which the displacement's moves where the specimen stands; not when it stops either.
+/// A drift of the displacement channel changes the position at which the specimen is held. Nothing else is reported, also when the
+/// drift stops.
 #[test]
 fn nothing_but_the_drift_is_told_of_a_drift() {
     for (channel, step) in [

@@ -1,4 +1,4 @@
-//! The rig as the damper: the law's force in closed form for a prescribed motion.
+//! The damper emulation: the law's force in closed form for a prescribed motion.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use mesh_damper_rig::{EmulatorBench, EmulatorSetup, SetupError};
 
 const H: f64 = 1e-4;
 const RANGE: f64 = 5.0;
-/// Of the DAC over ±5 kN, kN; of the ADC over ±1 mm, mm.
+/// Step of the DAC over ±5 kN, kN; step of the ADC over ±1 mm, mm.
 const FORCE_STEP: f64 = RANGE / 32768.0;
 const DISPLACEMENT_STEP: f64 = 1.0 / 32768.0;
 
@@ -31,8 +31,8 @@ fn started(setup: EmulatorSetup<2>) -> EmulatorBench<2> {
     bench
 }
 
-/// Largest error of the driven force against eq 13 over the second of two cycles of 0.1 mm at 1 Hz, where |v| is above
-/// `above` of its peak.
+/// Largest error of the driven force against eq 13 over the second of two cycles of 0.1 mm at 1 Hz, at |v| above `above` times its
+/// peak.
 fn worst_error(law: Coefficients, bench: &mut EmulatorBench<2>, above: f64) -> f64 {
     let (amplitude, w) = (0.1, TAU);
     let mut worst: f64 = 0.0;
@@ -57,8 +57,8 @@ fn an_elastic_law_comes_out_within_a_step_of_the_dac() {
     };
     let mut bench = started(setup(1.0539, 10.5, 0.0, 0.5));
     let worst = worst_error(law, &mut bench, -1.0);
-    // Half a step of the DAC, and half a step of the ADC times the stiffness at 0.1 mm, 1.37 kN/mm, of which the observer
-    // at 100 Hz lets a fifth through: its displacement gain is (1 + 2ζ)·ωh = 0.15.
+    // Half a step of the DAC, and half a step of the ADC times the stiffness at 0.1 mm, 1.37 kN/mm. The observer at 100 Hz passes a
+    // fifth of that: its displacement gain is (1 + 2ζ)·ωh = 0.15.
     let stiffness = 1.0539 + 3.0 * 10.5 * 0.01;
     let allowed = 0.5 * FORCE_STEP + 0.5 * DISPLACEMENT_STEP * stiffness;
     assert!(worst < allowed, "{worst} kN, allowed {allowed}");
@@ -77,14 +77,14 @@ fn the_mixed_law_comes_out_within_what_the_velocity_allows() {
     let mut bench = started(setup(1.0539, 10.5, 0.1114, 0.3969));
     let above = 0.1;
     let worst = worst_error(law, &mut bench, above);
-    // Velocity: quantization of q/√12 = 8.8e-6 mm through 0.9·ω₀·√(ω₀h), ω₀ = 628 1/s, is 1.3e-3 mm/s, four of those;
-    // the observer's lag of (1 + 2ζ)·(1/100)² of 0.63 mm/s adds 1.5e-4 mm/s. At 0.1 of the peak, 0.063 mm/s, that is
-    // 8.5 % of v, and α times it of c·|v|^α = 0.037 kN.
+    // Velocity: quantization of q/√12 = 8.8e-6 mm times 0.9·ω₀·√(ω₀h), ω₀ = 628 1/s, is 1.3e-3 mm/s; the test allows four times that.
+    // The observer's lag of (1 + 2ζ)·(1/100)² of 0.63 mm/s adds 1.5e-4 mm/s. At 0.1 of the peak, 0.063 mm/s, that is 8.5 % of v, and
+    // α times as much of c·|v|^α = 0.037 kN.
     let velocity: f64 = above * 0.1 * TAU;
     let damping = law.c * velocity.powf(law.alpha);
     let allowed = FORCE_STEP + law.alpha * (4.0 * 1.3e-3 + 1.5e-4) / velocity * damping;
     assert!(worst < allowed, "{worst} kN, allowed {allowed}");
-    // 1 % of the peak force, so that the test says something.
+    // Within 1 % of the peak force, so that the test is meaningful.
     assert!(allowed < 0.011 * law.force(0.1, 0.628).abs().max(0.13));
 }
 
@@ -104,10 +104,10 @@ fn what_is_driven_is_the_reported_force_and_cycles_are_counted() {
         assert!(error.abs() <= (0.5 + 1.0 / 256.0) * FORCE_STEP);
     }
     assert!(reports.len() >= 2);
-    // The force channel measures a force that is still coming in, in the first.
+    // In the first cycle, the measured force is still being ramped in.
     for report in &reports[1..] {
-        // The force channel measures what was driven a tick before: 1e-4 s at 1 Hz is 6e-4 rad of every harmonic, and
-        // more where the damping force jumps; the mesh of both is nearly the same loop.
+        // The force channel measures the force driven one tick before: 1e-4 s at 1 Hz is 6e-4 rad of every harmonic, and more where
+        // the damping force jumps. The loops of model and measurement are nearly the same.
         assert!(report.nrmse < 0.02, "{}", report.nrmse);
         // Eqs 3 and 4 in closed form: K from the range of k·y + c·√|v|·sgn v, ΔW = c·X^1.5·√ω·∫|cos|^1.5 dφ with
         // ∫ = 3.49608 over a cycle.
@@ -120,7 +120,7 @@ fn what_is_driven_is_the_reported_force_and_cycles_are_counted() {
     }
 }
 
-/// k·(1 − e^(−n/N))·y, for a law of nothing but a drift.
+/// k·(1 − e^(−n/N))·y, for a law that has only a drift.
 #[test]
 fn the_law_is_told_of_every_part_of_a_cycle() {
     let mut setup = setup(0.0, 0.0, 0.0, 0.5);
@@ -212,7 +212,7 @@ fn faults_take_the_force_to_zero() {
         bench.emulator.clear().unwrap();
         assert_eq!(bench.emulator.state(), State::Idle);
     }
-    // 0.5 mm, for ten ticks on end; for a quarter as many by more than a tenth.
+    // 0.5 mm, for ten consecutive ticks; for a quarter as many if exceeded by more than a tenth.
     for (displacement, ticks) in [(0.53, 10), (0.6, 3)] {
         let mut bench = started(setup(0.1, 0.0, 0.0, 0.5));
         for tick in 1..=ticks {
@@ -231,7 +231,7 @@ fn no_force_beyond_the_limit_is_driven() {
     setup.settings.stop_ticks = 100;
     let mut bench = started(setup);
     let mut stopped = None;
-    // 0.1 mm is reached after 1000 ticks, and the force is all there after 100.
+    // 0.1 mm is reached after 1000 ticks, and the force is fully ramped in after 100.
     for tick in 0..2_000 {
         let emulation = bench.tick(1e-4 * f64::from(tick));
         let telemetry = emulation.telemetry;
@@ -242,7 +242,7 @@ fn no_force_beyond_the_limit_is_driven() {
         }
     }
     let (tick, force, driven) = stopped.unwrap();
-    // In the tick whose force is the first beyond: 0.001 kN more per tick, and a step of the ADC times 10 kN/mm.
+    // In the tick with the first force beyond the limit: 0.001 kN more per tick, and a step of the ADC times 10 kN/mm.
     let step = 1e-3 + 10.0 * DISPLACEMENT_STEP;
     assert!(force > 1.0 && f64::from(force) < 1.0 + step, "{force}");
     assert!(driven > 0.98 && driven < 1.0, "{driven} at {tick}");

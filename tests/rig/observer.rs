@@ -1,4 +1,4 @@
-//! The tracking filter against closed forms.
+//! The observer against closed forms.
 
 use core::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ fn config(bandwidth: f64) -> ObserverConfig {
     ObserverConfig::new(TICK_RATE, bandwidth, 0.7).unwrap()
 }
 
-/// Uniform in −1…1, by the 64-bit generator of Knuth's MMIX.
+/// Uniform in −1…1, from the 64-bit generator of Knuth's MMIX.
 fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6364136223846793005)
@@ -22,8 +22,8 @@ fn noise(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// After a step of the measurement the error is a sum of e^(pt). The bandwidths are high, for with all poles near 1 any
-/// smooth sequence obeys the recurrence.
+/// After a step of the measurement the error is a sum of e^(pt). The bandwidths are high: with all poles near 1, any smooth sequence
+/// satisfies the recurrence.
 #[test]
 fn the_poles_are_where_they_were_placed() {
     for (bandwidth, damping) in [(200.0, 0.5), (500.0, 0.7), (1000.0, 1.0), (400.0, 2.0)] {
@@ -31,7 +31,7 @@ fn the_poles_are_where_they_were_placed() {
         let mut observer = Observer::default();
         observer.update(&config, 0.0, 0.0);
         let w = TAU * bandwidth * H;
-        // z³ − s₁z² + s₂z − s₃ from the poles, applied to the error sequence: 0 when they are its poles.
+        // z³ − s₁z² + s₂z − s₃ from the poles, applied to the error sequence: 0 if the poles are correct.
         let (single, radius) = ((-w).exp(), (-damping * w).exp());
         let pair = if damping < 1.0 {
             2.0 * radius * (w * (1.0 - damping * damping).sqrt()).cos()
@@ -74,9 +74,9 @@ fn a_sine_with_feed_forward_is_followed_without_lag() {
             worst = worst.max(error.abs());
         }
     }
-    // The mean of two accelerations for their integral leaves (ωh)²/12 = 3e-6 of the velocity. Rounding the
-    // displacement to f32, 4e-9 mm with the gain of the noise (0.9·ω₀·√(ω₀h) = 4.5 1/s, five of them at the peak) makes
-    // 1e-7 of 6.3 mm/s, but each tick's rounding of x adds as much per tick: 4e-9 mm/h·√… stays below 3e-6.
+    // The mean of two accelerations instead of their integral leaves (ωh)²/12 = 3e-6 of the velocity. The rounding of the
+    // displacement to f32, 4e-9 mm with the gain of the noise (0.9·ω₀·√(ω₀h) = 4.5 1/s, five times that at the peak), makes 1e-7 of
+    // 6.3 mm/s. Each tick's rounding of x adds as much per tick: 4e-9 mm/h·√… stays below 3e-6.
     assert!(worst < 1e-5 * amplitude * w, "{worst}");
 }
 
@@ -90,7 +90,7 @@ fn velocity_keeps_its_accuracy_near_its_zero_crossings() {
     let (mut near, mut square, mut wrong_sign) = (0, 0.0, 0);
     for tick in 0..100_000 {
         let phase = w * H * f64::from(tick);
-        // The mean of 12 uniform numbers times 6 has σ = 1 · √12·6/(12·√3) = 1.
+        // The sum of 12 uniform numbers divided by 2 has σ = 1 · √12·6/(12·√3) = 1.
         let gaussian = (0..12).map(|_| noise(&mut random)).sum::<f64>() / 2.0;
         let noisy = amplitude * phase.sin() + 1e-4 * gaussian;
         let measured = (noisy * 32768.0).round() / 32768.0;
@@ -107,7 +107,8 @@ fn velocity_keeps_its_accuracy_near_its_zero_crossings() {
         }
     }
     let rms = (square / f64::from(near)).sqrt();
-    // The formula in the module's head gives 7e-4 mm/s; it is an approximation for small ωh, hence the half more.
+    // The formula in the module's documentation gives 7e-4 mm/s. It is an approximation for small ωh, so the test allows half as much
+    // again.
     assert!(rms < 1.05e-3 && rms > 2e-4, "{rms}");
     // 0.005 of the peak is 3.1e-3 mm/s, four standard deviations.
     assert!(wrong_sign < near / 1000, "{wrong_sign} of {near}");
@@ -126,8 +127,7 @@ fn without_feed_forward_a_slow_sine_lags_little() {
             worst = worst.max((f64::from(estimate.velocity) - amplitude * w * phase.cos()).abs());
         }
     }
-    // The filter is of third order: what it leaves of the velocity is of second order in ω/ω₀ = 1/60, with the factor
-    // (1 + 2ζ) = 2.4.
+    // The filter is of third order: its velocity error is of second order in ω/ω₀ = 1/60, with the factor (1 + 2ζ) = 2.4.
     assert!(worst < 2.4 / 3600.0 * 1.5 * amplitude * w, "{worst}");
 }
 
@@ -145,7 +145,7 @@ fn a_missing_measurement_is_bridged() {
         };
         let estimate = observer.update(&config, measured, (-0.1 * w * w * phase.sin()) as f32);
         if tick > 10_000 {
-            // As in the test above, and 10 ms on its own with a velocity error of 1e-5·0.6 mm/s.
+            // As in the test above, and 10 ms of prediction with a velocity error of 1e-5·0.6 mm/s.
             assert!((f64::from(estimate.displacement) - 0.1 * phase.sin()).abs() < 1e-6);
         }
     }
@@ -164,7 +164,7 @@ fn refuses_what_it_cannot_do() {
 }
 
 proptest! {
-    /// Whatever comes in, and at the widest bandwidth, what comes out is finite and within its limits.
+    /// For any input, at the widest bandwidth, the output is finite and within its limits.
     #[test]
     fn bounded_for_any_input(
         inputs in prop::collection::vec((any::<u32>(), any::<u32>()), 1..200),

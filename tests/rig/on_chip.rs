@@ -1,4 +1,4 @@
-//! A rig on sensors and an actuator that know no SPI: a narrow ADC on the chip, and a timer that drives.
+//! A rig with sensors and an actuator without SPI: a narrow ADC on the chip, and a timer as the actuator's output.
 
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -56,7 +56,7 @@ impl Actuator for Timer {
 }
 
 impl Timer {
-    /// The calls since this was called last.
+    /// The calls since the last call of this function.
     fn calls(&self) -> Vec<Call> {
         std::mem::take(&mut self.0.borrow_mut().made)
     }
@@ -119,7 +119,7 @@ fn an_adc_on_the_chip_runs_a_rig() {
         assert!((stiffness - 0.9).abs() < 5e-3, "{stiffness}");
         assert!((cycle.nrmse - 1.0 / 9.0).abs() < 0.01, "{}", cycle.nrmse);
     }
-    // Once high, once low, and a command each tick.
+    // Once high, once low, and a command at each tick.
     let lines: Vec<_> = timer
         .calls()
         .into_iter()
@@ -142,12 +142,12 @@ fn an_actuator_that_fails_is_disabled_in_that_tick() {
     timer.0.borrow_mut().drive_fails = true;
     let seen = rig.tick(ticks.next());
     assert_eq!(seen.state, State::Faulted(TripCause::DacBus));
-    assert_eq!(seen.command, before, "the command before is what it drives");
+    assert_eq!(seen.command, before, "it still drives the last command");
     let [Call::Drive(tried), Call::Enable(false)] = timer.calls()[..] else {
         panic!("driven, then disabled");
     };
     assert_ne!(tried, before);
-    // From there it goes back to 0 as soon as it is driven again, in four ticks and one.
+    // The command stays there until the output works again, and then returns to 0 in four ticks.
     timer.0.borrow_mut().drive_fails = false;
     for part in [0.75, 0.5, 0.25, 0.0] {
         assert_eq!(rig.tick(ticks.next()).command, part * before);
@@ -174,7 +174,7 @@ fn a_trip_disables_before_the_next_command_is_driven() {
     let [Call::Drive(_)] = timer.calls()[..] else {
         panic!("it is disabled already");
     };
-    // A line that does not drop is tried at each tick, before the command.
+    // If the line does not drop, the rig tries again at each tick, before the command.
     let (timer, mut rig) = on_chip(5);
     let mut ticks = Ticks::default();
     rig.start().unwrap();

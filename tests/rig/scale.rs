@@ -1,4 +1,4 @@
-//! Codes and values of a converter: the way there and back, the ends of the range, fewer bits.
+//! Codes and values of a converter: conversion in both directions, the ends of the range, fewer bits.
 
 use mesh_damper::converter::{MIDSCALE, Scale};
 use mesh_damper::error::ConfigError;
@@ -22,7 +22,7 @@ fn scale_refuses_what_it_cannot_hold() {
     }
 }
 
-/// A converter with fewer bits has the same scale, and shows the ends of its range and no voltage as one with 16 does.
+/// A converter with fewer bits has the same scale. It shows the ends of its range and zero voltage like one with 16 bits.
 #[test]
 fn a_narrow_converter_reads_as_one_with_16_bits() {
     let scale = kilonewtons();
@@ -34,15 +34,15 @@ fn a_narrow_converter_reads_as_one_with_16_bits() {
         assert_eq!(sample.code == MIDSCALE, code == 2048);
         assert_eq!(scale.decode_narrow::<16>(code), scale.decode(code));
     }
-    // Bits that the converter has not got do not count.
+    // Bits that the converter lacks do not count.
     assert_eq!(
         scale.decode_narrow::<12>(0xFFFF),
         scale.decode_narrow::<12>(0x0FFF)
     );
     assert!(scale.decode_narrow::<1>(1).clipped());
-    // Bits that are known later, and numbers that are none.
+    // Bit counts that are given at run time, and invalid ones.
     for code in [0, 1, 0x7FF, 0x800, 0xFFF, 0x9001] {
-        // A step of 12 bits is 16 of those of 16; a code beyond 12 bits counts as the last.
+        // A step of 12 bits equals 16 steps of 16 bits; a code beyond 12 bits counts as the last one.
         let of_twelve = scale.decode(code.min(0xFFF) << 4);
         assert_eq!(scale.decode_bits(12, code).value, of_twelve.value);
         for bits in [0, 17, u32::MAX] {

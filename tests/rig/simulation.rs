@@ -1,4 +1,4 @@
-//! The law under a programme at the least cost: the generator, the law and the accumulator say what it must come to.
+//! The simulation of a law at the lowest cost: its results agree with those of the generator, the law and the accumulator.
 
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::{AugmentedLaw, Motion};
@@ -27,14 +27,14 @@ fn programme(blocks: &[Block]) -> Programme<4> {
         })
 }
 
-/// What a test gave: the force of every tick, with the cycles completed before it, and each cycle's results.
+/// The results of a simulation: the force at every tick, with the cycles completed before it, and each cycle's results.
 #[derive(Debug, Default, PartialEq)]
 struct Given {
     forces: Vec<(f32, u32)>,
     cycles: Vec<Cycle>,
 }
 
-/// `swap` is asked for after that many ticks.
+/// `swap` is requested after that many ticks.
 fn ticks(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastLaw<0>)>) -> Given {
     let mut test = Simulation::new(programme.clone(), law.clone()).unwrap();
     let mut given = Given::default();
@@ -56,7 +56,7 @@ fn ticks(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastL
     }
 }
 
-/// The same by the parts that know no short cut.
+/// The same from the separate parts, without a short cut.
 fn parts(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastLaw<0>)>) -> Given {
     let mut generator = SineGenerator::new(programme.clone()).unwrap();
     let mut law = RunningLaw::new(law.clone());
@@ -90,8 +90,8 @@ fn parts(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastL
     }
 }
 
-/// Same number of ticks and cycles, and forces within what two roundings of the same sine make: sin and cos within 3e-7 and
-/// the turn's cubic within 2.2e-7 of the peak, times the steepest α·|v|^α and 3·k·y.
+/// The number of ticks and cycles is the same, and the forces agree within the effect of two roundings of the same sine: sin and cos
+/// within 3e-7 and the rotation's cubic within 2.2e-7 of the peak, times the steepest α·|v|^α and 3·k·y.
 fn forces_agree(given: &Given, expected: &Given) {
     assert_eq!(given.forces.len(), expected.forces.len());
     let peak = expected
@@ -115,7 +115,7 @@ fn a_programme_of_all_kinds_is_what_its_parts_make_of_it() {
         Block::sine(0.1, 9.7, 4).unwrap(),
         Block::sweep(0.1, 5.0, 20.0, 6).unwrap(),
         Block::sine(0.05, 23.1, 5).unwrap(),
-        // Fewer ticks to the cycle than the short way takes.
+        // Fewer ticks per cycle than the short cut needs.
         Block::sine(0.02, 1234.5, 9).unwrap(),
     ]);
     let law = paper(3.0);
@@ -176,14 +176,14 @@ fn another_law_takes_over_at_the_cycles_end() {
         let (given, expected) = (ticks(&programme, &law, swap), parts(&programme, &law, swap));
         forces_agree(&given, &expected);
         for (is, should) in given.cycles.iter().zip(&expected.cycles) {
-            // The parts draw a straight line from the old law's last force to the new one's first: half a tick in 1031 of the
-            // jump, which is as large as the force.
+            // The parts draw a straight line from the old law's last force to the new one's first: half a tick in 1031 of the jump,
+            // which is as large as the force.
             assert!((is.energy / should.energy - 1.0).abs() < 1e-3);
         }
     }
 }
 
-/// A table of 256 rows: of two ticks at least one goes on in turn.
+/// A table of 256 rows: at least one of two ticks fills the next row in order.
 #[test]
 fn it_says_while_its_table_is_filled() {
     let programme = programme(&[Block::sine(0.1, 9.7, 6).unwrap()]);
@@ -207,7 +207,7 @@ fn it_says_while_its_table_is_filled() {
     assert!((255..=512).contains(&ticks), "{ticks}");
 }
 
-/// Over the cycle k·y does no work, and c·|v|^α·sgn v does c·(Aω)^α·A·∫|cos|^(1+α) dφ: with α = 1, π·c·ω·A².
+/// Over the cycle k·y does no work, and c·|v|^α·sgn v does c·(Aω)^α·A·∫|cos|^(1+α) dφ: for α = 1, π·c·ω·A².
 #[test]
 fn the_energy_is_closed_form_however_the_ticks_fall() {
     for frequency in [1.0, 9.7, 31.4, 77.7, 300.0] {
@@ -217,8 +217,8 @@ fn the_energy_is_closed_form_however_the_ticks_fall() {
         let exact = std::f64::consts::PI * 0.01 * std::f64::consts::TAU * frequency * 0.01;
         for cycle in &given.cycles[1..8] {
             let error = f64::from(cycle.energy) / exact - 1.0;
-            // What is asked, of the whole force: the elastic one rounds too, and is k1/(c·ω) times the other. And the two parts
-            // of a tick at the ends, of the third order in the tick.
+            // The requirement for the whole force: the elastic force also rounds, and is k1/(c·ω) times the damping force. In
+            // addition, the two fractions of a tick at the ends, of third order in the tick.
             let omega = std::f64::consts::TAU * frequency;
             let allowed = 6e-7 * (1.0 + 2.0 / (0.01 * omega)) + (omega / RATE).powi(3);
             assert!(

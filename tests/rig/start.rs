@@ -1,4 +1,4 @@
-//! Where a start is refused, and what it drives before its first tick.
+//! When a start is refused, and the command before its first tick.
 
 use mesh_damper::converter::{Sample, Scale};
 use mesh_damper::effects::{AugmentedLaw, CONTROLS};
@@ -42,7 +42,7 @@ fn rig(command: f64, change: impl Fn(&mut RigSettings)) -> Controlled {
     .unwrap()
 }
 
-/// Of a displacement in mm and a force in kN, neither at an end of its range whatever it says.
+/// A reading of a displacement in mm and a force in kN. Neither code is at an end of its range, for any value.
 fn reading(displacement: f32, force: f32, step: u16) -> Option<Reading> {
     let unit = Scale::new(1.0, 0.0).unwrap();
     let sample = |value: f32| Sample {
@@ -56,7 +56,7 @@ fn reading(displacement: f32, force: f32, step: u16) -> Option<Reading> {
     })
 }
 
-/// Runs for so many ticks beside an actuator that goes to `gain` of what it is told.
+/// Runs for `ticks` ticks with an actuator that goes to `gain` times the command.
 fn run(rig: &mut Controlled, clock: &mut Ticks, ticks: u16, gain: f32) {
     for tick in 0..ticks {
         let at = gain * rig.driven();
@@ -65,7 +65,7 @@ fn run(rig: &mut Controlled, clock: &mut Ticks, ticks: u16, gain: f32) {
     }
 }
 
-/// At the crest the piston is further away than the limit of tracking, which is none of a start's business.
+/// At the crest the piston is beyond the tracking limit, which does not affect a refused start.
 #[test]
 fn a_start_that_is_not_due_changes_nothing() {
     let mut rig = rig(1.0, |settings| settings.tracking_limit = 0.15);
@@ -102,14 +102,14 @@ fn a_start_is_refused_where_the_last_reading_is_beyond_a_limit() {
         rig.tick(Some(read), clock.next());
         assert_eq!(rig.start(), Err(StartRefused::Faulted(cause)));
         assert_eq!((rig.state(), rig.driven()), (State::Faulted(cause), 0.0));
-        // What was read before a clear is no reason; what is read after it is.
+        // A reading from before a clear is not a reason for a refusal; a reading after it is.
         rig.clear().unwrap();
         rig.tick(Some(within), clock.next());
         rig.start().unwrap();
     }
 }
 
-/// The way to the start begins where the piston is. A command that cannot say so is driven nowhere.
+/// The motion to the start begins at the piston's position. A command whose range does not include that position is not driven.
 #[test]
 fn a_start_that_begins_beyond_the_command_s_range_is_refused() {
     let mut clock = Ticks::default();
@@ -125,7 +125,8 @@ fn a_start_that_begins_beyond_the_command_s_range_is_refused() {
     assert_eq!(wide.driven(), -0.2);
 }
 
-/// An actuator that goes to four fifths of what it is told asks for a correction of 1.25: the way to the start begins by it too.
+/// An actuator that goes to four fifths of the command requires a correction of 1.25, which also applies to the first command of a
+/// start.
 #[test]
 fn a_start_that_keeps_the_correction_does_not_step() {
     for keeps in [false, true] {
@@ -155,7 +156,7 @@ fn a_start_that_keeps_the_correction_does_not_step() {
     }
 }
 
-/// An actuator that goes the other way, or a channel that shows it so, beside limits that let it.
+/// An actuator that moves in the opposite direction, or a channel that shows it so, with limits that permit it.
 #[test]
 fn an_answer_that_is_the_opposite_is_none() {
     for (gain, refused) in [(-1.0, true), (-0.5, true), (0.6, false)] {

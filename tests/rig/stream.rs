@@ -1,4 +1,4 @@
-//! A rig that follows a streamed motion: the demand between knots, the limits, and what happens where the host falls silent.
+//! A rig that follows a streamed motion: the demand between knots, the limits, and the behaviour when the host falls silent.
 
 use std::f64::consts::TAU;
 
@@ -71,7 +71,7 @@ fn follow(stream: &mut Stream, knots: usize, ticks: usize) -> Vec<Excitation> {
 fn between_its_knots_the_demand_is_the_motion() {
     let followed = follow(&mut stream(), 1000, 10_000);
     let w = TAU * FREQUENCY;
-    // The cubic's error over a step T: (ωT)⁴/384 of the displacement, and as its derivatives go of the others; and the floats'.
+    // The cubic's error over a step T: (ωT)⁴/384 for the displacement, larger for each derivative; and the rounding of the floats.
     for (tick, at) in followed.iter().enumerate() {
         let [y, v, a] = haversine(tick as f64 * 1e-4);
         assert!(
@@ -110,7 +110,7 @@ fn a_cycle_ends_where_the_demand_rises_through_zero() {
             ends.push(tick);
         }
     }
-    // 2 Hz: at half a second, a whole one, and so on.
+    // 2 Hz: the first cycle ends after half a second, then one every half second.
     let expected: Vec<i32> = (1..4).map(|cycle| 5000 * cycle).collect();
     assert_eq!(ends.len(), expected.len());
     for (end, expected) in ends.iter().zip(expected) {
@@ -131,7 +131,7 @@ fn silence_slows_the_demand_down_to_a_hold_and_then_stops_the_rig() {
     let mut last = after[0];
     assert!((last.displacement - from).abs() < 1.01e-4 * speed as f32);
     for at in after {
-        // No step, slower and slower, and v₀·(1 − s)².
+        // Without a step, with decreasing speed, v₀·(1 − s)².
         assert!((at.displacement - last.displacement).abs() < 1.01e-4 * speed as f32);
         assert!(at.velocity <= last.velocity && at.velocity >= -1e-5);
         last = *at;
@@ -139,7 +139,7 @@ fn silence_slows_the_demand_down_to_a_hold_and_then_stops_the_rig() {
     let half = &after[50];
     assert!((f64::from(half.velocity) - 0.25 * speed).abs() < 1e-3 * speed);
     assert_eq!(stream.refusal(), None);
-    // v₀·T/3 further, T of 100 ticks.
+    // v₀·T/3 further, with T of 100 ticks.
     let held = stream.tick();
     assert!((f64::from(held.displacement) - (place + speed * 1e-2 / 3.0)).abs() < 1e-6);
     assert!(held.velocity == 0.0);
@@ -252,7 +252,7 @@ fn running() -> Bench<Specimen, 1, 1> {
     bench
 }
 
-/// Ticks until the rig is at rest after a trip, each checked: the line is low, and the command goes straight to 0.
+/// Ticks until the rig is at rest after a trip. Checks in each that the line is low, and that the command goes straight to 0.
 fn comes_to_rest(bench: &mut Bench<Specimen, 1, 1>, cause: TripCause) -> Vec<Telemetry> {
     let mut ticks: Vec<Telemetry> = Vec::new();
     loop {
@@ -280,7 +280,7 @@ fn comes_to_rest(bench: &mut Bench<Specimen, 1, 1>, cause: TripCause) -> Vec<Tel
 fn a_host_that_falls_silent_leaves_the_rig_held_and_then_stopped() {
     let mut bench = running();
     bench.feeder = None;
-    // 80 ticks are in the queue at most, and 1000 lead to the hold.
+    // At most 80 ticks are in the queue, and 1000 lead to the hold.
     let mut held = 0;
     let (mut last, mut quick) = (bench.tick(), 0.0_f32);
     while last.state == State::Running {
@@ -291,7 +291,7 @@ fn a_host_that_falls_silent_leaves_the_rig_held_and_then_stopped() {
     }
     assert!(held > 1000, "{held}");
     assert_eq!(last.state, State::Faulted(TripCause::LinkLost));
-    // It stood still before the line fell.
+    // It stood still before the line went low.
     assert!(
         bench.plant.servo.velocity().abs() < 0.1 && quick < 30.0,
         "{quick}"
@@ -300,7 +300,7 @@ fn a_host_that_falls_silent_leaves_the_rig_held_and_then_stopped() {
     bench.rig.clear().unwrap();
 }
 
-/// Its last bits go on. What is left to be demanded moves the piston meanwhile, by the feedback's integral.
+/// The last bits of the stream are still followed. The feedback's integral moves the piston by the rest of the demand.
 #[test]
 fn a_displacement_that_is_frozen_stops_a_stream() {
     let mut bench = running();

@@ -1,4 +1,4 @@
-//! Supervision of ticks, converters and lines, of a rig that waits for its parts and of one that awaits them.
+//! Supervision of ticks, converters and lines, for a rig with blocking calls and for one with awaited calls.
 
 mod twins;
 
@@ -14,7 +14,7 @@ use mesh_damper_rig::{Bench, EmulatorBench, EmulatorSetup, RigSetup};
 
 use twins::{Awaited, Fixture, Supervised, Waiting, elastic, programme};
 
-/// Runs a test with both.
+/// Runs a test with both rigs.
 macro_rules! both {
     ($($(#[$doc:meta])* fn $name:ident<R>($fixture:ident) $body:block)+) => {
         $(
@@ -45,7 +45,7 @@ const LATE: State = State::Faulted(TripCause::TickOverrun);
 const EXTERNAL: State = State::Faulted(TripCause::External);
 
 both! {
-    /// The timer goes on in a stall; its interrupt is taken once at its end.
+    /// The timer continues during a stall; its interrupt is taken once at the end.
     fn a_stall_of_500_ticks_stops_it<R>(fixture) {
         let mut rig = fixture(|_| {});
         rig.runs(300);
@@ -84,7 +84,7 @@ both! {
         }
     }
 
-    /// At rest a late tick is counted, and trips nothing; nor does the counter's wrapping.
+    /// At rest a late tick is counted but causes no trip, and neither does a wrap of the counter.
     fn late_ticks_are_counted_at_rest<R>(fixture) {
         let mut rig = fixture(clocked);
         rig.rig.stop();
@@ -120,7 +120,7 @@ both! {
         assert_eq!(rig.tick().state, EXTERNAL);
     }
 
-    /// The line does not rise for a moment.
+    /// The line never rises, not even briefly.
     fn an_active_trip_refuses_a_start_and_a_clear<R>(fixture) {
         let mut rig = fixture(|_| {});
         rig.rig.stop();
@@ -141,14 +141,14 @@ both! {
         assert_eq!(rig.line.rises.get(), rises);
         rig.rig.start().unwrap();
         assert_eq!(rig.line.rises.get(), rises + 1);
-        // Pressed while it runs, a start says why it does not, and stops it at once.
+        // If the trip is activated during a run, a start reports the reason of its refusal and stops the rig at once.
         rig.trip.level.set(false);
         assert_eq!(rig.rig.start(), Err(StartRefused::Faulted(TripCause::External)));
         assert!(!rig.line.level.get());
         assert_eq!(rig.line.rises.get(), rises + 1);
     }
 
-    /// Which the controller finds out as it starts.
+    /// The controller detects the reason during the start.
     fn the_line_does_not_rise_for_a_start_that_is_refused<R>(_fixture) {
         let mut rig = Fixture::<R>::scaled(Scale::new(0.1, 0.0).unwrap());
         rig.adc.volts[0].set(0.2 * INPUT_RANGE);
@@ -159,7 +159,7 @@ both! {
         assert_eq!(rig.line.rises.get(), 0);
     }
 
-    /// The first cause stays, and the clear says what is in its way.
+    /// The first cause stays, and the clear reports its obstacle.
     fn an_active_trip_keeps_another_cause<R>(fixture) {
         let mut rig = fixture(|_| {});
         rig.runs(300);
@@ -194,7 +194,7 @@ both! {
         assert_eq!(rig.rig.state(), EXTERNAL);
     }
 
-    /// Idle, running, and stopped by something that is over.
+    /// Idle, running, and stopped by a cause that has passed.
     fn it_is_alive_on_each_whole_tick<R>(fixture) {
         let mut rig = fixture(|_| {});
         assert_eq!(rig.alive_in(300), 300);
@@ -221,7 +221,7 @@ both! {
             rig.dac.bus_failing.set(true);
             assert_eq!(rig.alive_in(40), 0);
             rig.dac.bus_failing.set(false);
-            // Until it is read back as it should be.
+            // Until the correct register is read back.
             let alive = rig.alive_in(40);
             assert!(alive > 40 - VERIFY_TICKS && alive < 40, "{alive}");
             assert_eq!(rig.alive_in(40), 40);
@@ -237,12 +237,12 @@ both! {
         assert_eq!(rig.alive_in(40), 0);
         rig.line.fails.set(false);
         assert!(rig.alive_in(40) > 40 - VERIFY_TICKS);
-        // A pin of its own that fails is what the watchdog sees.
+        // The watchdog detects a failure of the alive pin.
         rig.signal.fails.set(true);
         assert_eq!(rig.alive_in(40), 0);
     }
 
-    /// Whenever it loses its supply, at rest as well; from then on it drives 0 V, whatever it is told.
+    /// It may lose its supply at any time, also at rest. From then on it outputs 0 V for any command.
     fn a_dac_that_lost_its_supply_is_seen_and_set_up_again<R>(fixture) {
         for at in 300..300 + VERIFY_TICKS {
             for idle in [false, true] {
@@ -264,7 +264,7 @@ both! {
                 assert_eq!(rig.rig.state(), faulted(TripCause::DacBus));
                 assert!(!rig.line.level.get());
                 assert!(seen <= VERIFY_TICKS, "{seen} ticks from {at}");
-                assert_eq!(rig.alive_in(100), 0, "what it drives is not what it should");
+                assert_eq!(rig.alive_in(100), 0, "the DAC drives a wrong value");
                 rig.comes_to_rest();
                 rig.rig.clear().unwrap();
                 assert_eq!(rig.alive_in(100), 100);
@@ -293,7 +293,7 @@ both! {
         rig.rig.clear().unwrap();
     }
 
-    /// What is read back does not prolong the way back to 0.
+    /// The read-back does not delay the return to 0.
     fn a_dac_that_stays_dead_does_not_hold_the_way_back<R>(fixture) {
         let mut rig = fixture(|_| {});
         rig.runs(1050);
@@ -311,7 +311,7 @@ both! {
         assert_eq!(last, 0.0, "within stop_ticks and one");
     }
 
-    /// 0 V at both inputs is within the range; a line at low level is its end.
+    /// 0 V at both inputs is within the range; a line at low level reads as the end of the range.
     fn an_adc_that_lost_its_supply_is_seen_and_set_up_again<R>(fixture) {
         let mut rig = fixture(|_| {});
         rig.runs(300);
@@ -326,7 +326,7 @@ both! {
         rig.runs(300);
     }
 
-    /// The DAC's output is 2 V at a command of 0: there it is from the start on, and the sine begins from there.
+    /// The DAC's output is 2 V at a command of 0. It has this value from the start, and the sine begins there.
     fn a_zero_of_the_dac_is_no_step<R>(_fixture) {
         let mut rig = Fixture::<R>::scaled(Scale::new(1.0, 0.2).unwrap());
         let zero = 0.2 * OUTPUT_RANGE;
@@ -343,7 +343,7 @@ both! {
         }
         // 0.2 mm at 5 Hz, corrected by feedback: 0.0063 mm a tick, 0.063 V.
         assert!(most > 0.01 && most < 0.1, "{most} V in a tick");
-        // A clear leaves it where it is.
+        // A clear does not change the output.
         rig.rig.overrun();
         rig.comes_to_rest();
         rig.rig.clear().unwrap();
@@ -375,7 +375,7 @@ both! {
         assert_eq!(rig.rig.state(), faulted(TripCause::EnableLine));
     }
 
-    /// It falls while it should be high, or rises while it should be low, by something else on it.
+    /// It falls while it should be high, or rises while it should be low, because of another device on it.
     fn a_line_that_changes_by_itself_is_seen<R>(fixture) {
         for at in 300..300 + VERIFY_TICKS {
             for idle in [false, true] {
@@ -400,7 +400,7 @@ both! {
     }
 }
 
-/// On the simulated plant: a clock that nobody on the rig can stop, and an emergency stop beside it.
+/// On the simulated plant: a clock that no part of the rig can stop, and an emergency stop.
 #[test]
 fn a_plant_that_moves_two_ticks_on_in_one_stops_the_bench() {
     let bench = || {
@@ -433,7 +433,7 @@ fn a_plant_that_moves_two_ticks_on_in_one_stops_the_bench() {
     assert_eq!(reset.alive.get(), before);
 }
 
-/// A damper emulation is under the same supervision.
+/// A damper emulation has the same supervision.
 #[test]
 fn a_late_tick_stops_an_emulation() {
     let setup = EmulatorSetup::new(elastic());

@@ -5,7 +5,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
 use mesh_damper::rig::Wiring;
 
-/// A timer that loses no tick, and counts them.
+/// A timer that loses no tick and counts the ticks.
 #[derive(Default)]
 pub struct Ticks(u32);
 
@@ -17,7 +17,7 @@ impl Ticks {
     }
 }
 
-/// A full scale of 1 mm or 1 kN, without a zero.
+/// A full scale of 1 mm or 1 kN, without an offset.
 pub fn unit() -> Scale {
     Scale::new(1.0, 0.0).unwrap()
 }

@@ -1,4 +1,4 @@
-//! What goes into the crate and comes out of it, written and read by a format that people read and one that firmware uses.
+//! Inputs and outputs of the crate, written and read in a format for people and in one for firmware.
 
 use core::fmt::Debug;
 
@@ -24,7 +24,7 @@ use mesh_damper::sine::{Block, Excitation};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// The same to the last bit through either, floats included.
+/// Unchanged to the last bit in both formats, floats included.
 fn survives<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: T) {
     let text = serde_json::to_string(&value).unwrap();
     assert_eq!(
@@ -135,7 +135,7 @@ fn what_goes_in_and_comes_out_survives_a_format() {
     survives(HealthSettings::default());
     survives(DamperEmulationSettings::default());
     survives(StreamSettings::default());
-    // A full scale whose step and inverse are rounded apart from each other.
+    // A full scale whose step and inverse are rounded separately.
     for full_scale in [0.1, 1.1, -10.24, 5.0 / 3.0] {
         let scale = Scale::new(full_scale, 0.07).unwrap();
         survives(Wiring {
@@ -189,7 +189,7 @@ fn settings_have_their_names_and_defaults() {
     let refused = serde_json::from_str::<RigSettings>(r#"{"force_limits": 2.5}"#).unwrap_err();
     let said = refused.to_string();
     assert!(said.contains("unknown field `force_limits`"), "{said}");
-    // What is read is validated where it is used, as what is written in code.
+    // A value that was read is validated where it is used, like a value in code.
     let wrong: RigSettings = serde_json::from_str(r#"{"force_limit": -1}"#).unwrap();
     let Err(ConfigError::OutOfRange { field, .. }) = wrong.at(1e4) else {
         panic!("no force is negative");
@@ -197,7 +197,7 @@ fn settings_have_their_names_and_defaults() {
     assert_eq!(field, "force_limit");
 }
 
-/// What a constructor refuses is refused where it is read.
+/// A value that a constructor refuses is also refused when it is read.
 #[test]
 fn what_cannot_be_is_not_read() {
     fn refused<T: DeserializeOwned + Debug>(text: &str, what: &str) {
@@ -251,7 +251,7 @@ fn a_refusal_can_be_written() {
     );
 }
 
-/// What a law remembers, of every effect: a law that goes on from what was read gives the same forces to the last bit.
+/// The state of a law with every effect: a law that continues from the state that was read gives the same forces to the last bit.
 #[test]
 fn the_state_of_a_law_survives() {
     let tick = 1e-4;

@@ -1,4 +1,4 @@
-//! Frames of the link: what is written is read, and nothing else is.
+//! Frames of the link: a written frame is read, and nothing else is.
 
 use mesh_damper::frame::{Frame, FrameBuffer, Frames, Header, LARGEST, PAYLOAD};
 use mesh_damper::message::{Answer, Refusal, Request, Sensors, write_done, write_refusal};
@@ -100,7 +100,7 @@ proptest! {
         prop_assert_eq!(Frames(&good[..place.index(good.len())]).next(), None);
     }
 
-    /// The one that follows a cut one is found, though the cut one takes its beginning for its own end.
+    /// The frame after a truncated one is found, although the truncated one takes its beginning for its own end.
     #[test]
     fn a_frame_after_one_that_was_cut_is_found(
         header in header(), payload in payload(), cut in any::<prop::sample::Index>(),

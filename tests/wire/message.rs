@@ -1,4 +1,4 @@
-//! Messages of the link: each comes out of its frame as it went in, and out of a frame cut short not at all.
+//! Messages of the link: each is read from its frame as it was written. A truncated frame gives no message.
 
 use mesh_damper::converter::Scale;
 use mesh_damper::cycle::Cycle;
@@ -32,7 +32,7 @@ fn passes(request: Request<'_>) {
     }
 }
 
-/// Every setting has a value of its own, other than its default, and none of what they come to is 0.
+/// Every setting has a distinct value that differs from its default, and none of the derived values is 0.
 #[test]
 fn a_setup_passes() {
     let settings = RigSettings {
@@ -83,7 +83,7 @@ fn a_programme_passes() {
     }
     passes(Request::Programme(programme.head()));
     assert_eq!(programme.planned().len(), 3);
-    // Put together over another one.
+    // Assembled over another one.
     let mut again = Programme::<3>::new(1_000.0, 1).unwrap();
     again = again.with(Block::sine(0.4, 2.0, 8).unwrap()).unwrap();
     again.begin_planned(&programme.head());
@@ -94,7 +94,7 @@ fn a_programme_passes() {
     assert_eq!(again, programme);
 }
 
-/// Each input has a value of its own, so that none stands in for another.
+/// Each input has a distinct value, so that an exchange is detected.
 #[test]
 fn what_the_sensors_deliver_passes() {
     let sensors = Sensors {
@@ -315,7 +315,7 @@ fn outcome_passes(code: u16, enabled: bool, telemetry: Telemetry) {
     }
 }
 
-/// Each flag alone and all of them, so that none stands in for another.
+/// Each flag alone and all of them, so that an exchange is detected.
 #[test]
 fn an_outcome_passes() {
     let report = CycleReport {
@@ -427,7 +427,7 @@ fn every_state_passes() {
     }
 }
 
-/// Every number of a setting that goes over the link, replaced by one that no setting comes to, has it refused.
+/// If any number of a setting on the link is replaced by one that no setting can give, the setting is refused.
 #[test]
 fn settings_that_nobody_may_set_are_refused() {
     fn refused<F: Fields + std::fmt::Debug>(good: &F) {
@@ -448,7 +448,7 @@ fn settings_that_nobody_may_set_are_refused() {
                 let mut forged = bytes.to_vec();
                 forged[4 * place..4 * place + 4].copy_from_slice(&poison.to_le_bytes());
                 let read = F::read(&mut Reader(&forged));
-                // The scale's full scale is what its step says.
+                // The full scale is derived from the step.
                 let is_spare = std::any::type_name::<F>().ends_with("Scale") && place == 0;
                 assert!(
                     read.is_none() || is_spare,
@@ -468,7 +468,7 @@ fn settings_that_nobody_may_set_are_refused() {
     ] {
         refused(&settings.at(10_000.0).unwrap());
     }
-    // The slowest observer at the fastest tick and the fastest at the slowest are none of them.
+    // The slowest observer at the fastest tick and the fastest at the slowest are not permitted.
     for (tick_rate, observer_bandwidth, observer_damping) in [
         (1e6, 1e-3, 0.3),
         (1e6, 1e-3, 3.0),

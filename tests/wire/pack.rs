@@ -1,4 +1,4 @@
-//! Coefficient packs: the law that comes out is the one that went in.
+//! Coefficient packs: the decoded law equals the encoded one.
 
 use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::effects::{
@@ -16,7 +16,7 @@ use crate::support::{
     with_header,
 };
 
-/// The effect by its own name, of parameters in the order of its description.
+/// The effect with this name, with parameters in the order of its description.
 fn effect(name: &str, parameters: &[f64], tick: f64) -> Effect<f32> {
     let found = DESCRIPTIONS.iter().find(|each| each.name == name).unwrap();
     Effect::from_parameters(found.number, parameters, tick).unwrap()
@@ -33,7 +33,7 @@ fn the_law_that_comes_out_is_the_one_that_went_in() {
     }
 }
 
-/// A law has the largest effect once. Every other effect takes at most as much as the next largest.
+/// A law has the largest effect once. Every other effect takes at most as many bytes as the next largest.
 #[test]
 fn the_largest_effects_fit_often_enough() {
     let elements = [(1.0, 0.1); MAX_STICK_SLIP_ELEMENTS];
@@ -48,7 +48,7 @@ fn the_largest_effects_fit_often_enough() {
     }
     let table = table_pack().len() - pack(&[]).len();
     let most = pack(&[]).len() + largest + (EFFECTS - 1) * next + table;
-    // It is derived so, and no byte is kept for nothing.
+    // The constant is derived in this way, and no byte is reserved without use.
     assert_eq!(most, LARGEST);
 }
 
@@ -101,14 +101,14 @@ fn effects_at_the_ends_of_their_ranges_survive() {
     }
 }
 
-/// The layout that the crate writes by hand is postcard's.
+/// The crate's own layout equals postcard's.
 #[test]
 fn the_body_is_postcard() {
-    // Numbers of a residual table, the kind of its memory, the numbers of that, its cells.
+    // Numbers of a residual table, the kind of its memory, the memory's numbers, the cells.
     type Table = ([f32; 4], u8, [[u8; 4]; 4], Vec<u8>);
     // Displacement and velocity.
     type Range = ([f32; 2], [f32; 2]);
-    // Tick rate, revision, which is fixed as an integer of postcard's is not, identity; and the bytes that a load skips.
+    // Tick rate, revision (of fixed size, unlike an integer in postcard), identity; and the bytes that a load skips.
     type Info = (f32, [u8; 4], [u8; 8], Vec<u8>);
     type Description = (Option<Range>, Option<f32>, Option<f32>, String);
     type Body = (

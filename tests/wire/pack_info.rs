@@ -1,4 +1,4 @@
-//! What a pack says of itself, what a load may require of it, and packs of the version before.
+//! The description in a pack, the requirements that a load may set for it, and packs of the previous version.
 
 use std::rc::Rc;
 
@@ -18,7 +18,7 @@ use mesh_damper_rig::actuator::{SimulatedAd5761, SimulatedAds8688, enable_line};
 
 use crate::support::{encoded, law, with_table};
 
-/// A pack, and the law that is in it.
+/// A pack, and its law.
 type Stored = (&'static [u8], fn() -> FastLaw<8>);
 
 /// Written by the encoder of version 6, before there was a version 7.
@@ -165,7 +165,7 @@ fn each_refusal_names_the_field_and_both_values() {
     assert_eq!(load(&good, &all), Ok(Some(info().stamp)));
 }
 
-/// Rounded to f32 in two ways a rate is still the same; one that is off by what a crystal may be off is a rate of its own.
+/// A rate that was rounded to f32 in two ways is still the same. A rate that differs by a crystal's tolerance is a different rate.
 #[test]
 fn a_rate_is_the_same_within_rounding() {
     let good = packed(&info());
@@ -223,7 +223,7 @@ fn what_is_out_of_range_is_neither_written_nor_read() {
     );
 }
 
-/// A rig in this process takes no pack for another rate, and its law stays.
+/// A rig in this process refuses a pack for another rate, and its law stays.
 #[test]
 fn a_rig_refuses_an_upload_for_another_rate() {
     let one = Scale::new(1.0, 0.0).unwrap();
@@ -246,7 +246,7 @@ fn a_rig_refuses_an_upload_for_another_rate() {
             found: Some(rate),
         };
         assert_eq!(swapped, if taken { Ok(()) } else { Err(refused) });
-        // What waits is taken at the start.
+        // A pending law takes over at the start.
         rig.start().unwrap();
         rig.tick(clock);
         let in_force = if taken {
@@ -259,7 +259,7 @@ fn a_rig_refuses_an_upload_for_another_rate() {
     }
 }
 
-/// A pack whose checksum is right can still say nonsense of itself. Its law is read, as a load looks at the stamp alone.
+/// A pack with a correct checksum can still contain an invalid description. Its law is read, because a load examines only the stamp.
 #[test]
 fn nonsense_that_a_pack_says_of_itself_is_refused() {
     let good = packed(&info());
@@ -281,7 +281,7 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
         seal(&mut bad);
         let refused = PackInfo::of(&bad).unwrap_err().to_string();
         assert_eq!(refused, said, "{place}");
-        // The operating range is read by a load too, which checks the law over it.
+        // A load also reads the operating range, over which it checks the law.
         let loaded = load(&bad, &Expectation::default());
         if said.starts_with("displacement") || value == [2] {
             assert_eq!(loaded.unwrap_err().to_string(), said);
@@ -289,7 +289,7 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
             assert!(loaded.is_ok(), "{place}");
         }
     }
-    // One that ends within the stamp, or before the description does.
+    // A pack that ends within the stamp, or before the description ends.
     for length in [12, 20, 28, 40] {
         let mut cut = good[..length].to_vec();
         seal(&mut cut);
@@ -298,13 +298,13 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
     }
 }
 
-/// Bytes of the law in the pack: all that a pack of version 6 has behind its header.
+/// Number of bytes of the law in the pack. A pack of version 6 contains nothing else behind its header.
 fn law_alone() -> usize {
     let [(pack, _), _] = OLD;
     pack.len() - 12
 }
 
-/// Makes length and checksum right.
+/// Corrects length and checksum.
 fn seal(pack: &mut [u8]) {
     let length = (pack.len() - 12) as u16;
     pack[6..8].copy_from_slice(&length.to_le_bytes());

@@ -44,7 +44,7 @@ fn each_damage_is_named() {
     assert!(matches!(refused(&longer), PackError::Length { .. }));
 }
 
-/// A right checksum can still come with nonsense.
+/// A pack with a correct checksum can still contain invalid data.
 #[test]
 fn a_sound_checksum_does_not_make_a_sound_law() {
     let good = pack(&every_effect()[..1]);
@@ -73,7 +73,7 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
     let mut longer = body.clone();
     longer.push(0);
     assert_eq!(refused(&with_header(&longer)), PackError::Body);
-    // More effects than there is room for.
+    // More effects than the law can hold.
     let mut buffer = [0; LARGEST];
     let nine = &every_effect()[..EFFECTS + 1];
     let nine = pack::encode(&tabulated::<9>(nine), &info(), &mut buffer).unwrap();
@@ -82,12 +82,12 @@ fn a_sound_checksum_does_not_make_a_sound_law() {
         capacity: EFFECTS,
     };
     assert_eq!(refused(nine), PackError::Refused(full));
-    // An effect whose numbers its constructor never gives: the offset's force is the last of the body but for one byte.
+    // An effect with numbers that its constructor never gives: the offset's force is at the end of the body, before the last byte.
     let mut infinite = body.clone();
     let end = infinite.len() - 5;
     infinite[end..end + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(refused(&with_header(&infinite)), non_finite("force"));
-    // No tones, four, and three but for a number; its numbers follow the kind and how many they are.
+    // No tones, four tones, and three tones without one number. The numbers follow the kind and the count of tones.
     let tones = Periodic::new(&[(0.1, 50.0, 0.0)], 1e-4).unwrap();
     let body = pack(&[Effect::Periodic(tones)])[12..].to_vec();
     let (count, end) = (body.len() - 22, body.len() - 1);
@@ -146,7 +146,7 @@ fn parts_must_follow_one_another() {
         upload.finish::<EFFECTS>(&mut law, &any),
         Err(PackError::Length { found: 0, .. })
     ));
-    // One that broke off is begun again.
+    // An upload that was aborted starts again.
     upload.part(0, &good[..40]).unwrap();
     for (number, part) in good.chunks(40).enumerate() {
         upload.part(40 * number, part).unwrap();
@@ -169,7 +169,7 @@ proptest! {
         frequency in 0.1f32..100.0,
     ) {
         let every = every_effect();
-        // The last is a law with a residual table.
+        // The last one is a law with a residual table.
         let pack = match every.get(first..first + EFFECTS) {
             Some(effects) => pack(effects),
             None => table_pack(),
@@ -199,7 +199,7 @@ proptest! {
     }
 }
 
-/// Negative damping, as the issue has it.
+/// Negative damping.
 #[test]
 fn an_active_law_is_refused_unless_it_is_allowed() {
     let active = pack(&[Effect::Viscous(

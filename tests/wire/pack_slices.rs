@@ -1,4 +1,4 @@
-//! A pack that is checked slice by slice, between ticks that go on with the law in force.
+//! A pack that is checked slice by slice, between ticks that continue with the law in force.
 
 use mesh_damper::effects::residual_table::{CELLS, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable};
@@ -12,7 +12,7 @@ use crate::support::{EFFECTS, encoded};
 
 const RATE: f32 = 1e4;
 
-/// One of stiffness `k1` with effects from the `first` on, and a residual table.
+/// A law of stiffness `k1` with effects from `first` on, and a residual table.
 fn law(k1: f32, first: usize) -> FastLaw<EFFECTS> {
     let effects = DESCRIPTIONS.iter().cycle().skip(first).take(EFFECTS);
     let effect = |each: &mesh_damper::effects::description::Description| {
@@ -43,7 +43,7 @@ fn upload(pack: &[u8]) -> Upload {
     upload
 }
 
-/// One slice for the law that may wait beside the one in force.
+/// One slice for the pending law, next to the law in force.
 fn slice(
     running: &mut RunningLaw<EFFECTS>,
     upload: &mut Upload,
@@ -63,7 +63,7 @@ fn motion(tick: usize) -> Motion<f32> {
     }
 }
 
-/// Every cycle that ends before the last slice finds no law that waits, and every force is the law's in force.
+/// Every cycle that ends before the last slice finds no pending law, and every force is that of the law in force.
 #[test]
 fn no_law_waits_before_it_is_complete() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
@@ -95,7 +95,7 @@ fn no_law_waits_before_it_is_complete() {
     );
 }
 
-/// A law that was waiting is gone with the first slice for another one, which takes its place.
+/// The first slice for another law removes a pending law and takes its place.
 #[test]
 fn a_check_that_begins_drops_the_law_that_waited() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
@@ -108,7 +108,7 @@ fn a_check_that_begins_drops_the_law_that_waited() {
     assert_eq!(*running.law(), old);
 }
 
-/// What is broken off by a new upload, or damaged, leaves nothing behind.
+/// A check that a new upload aborts, or a damaged upload, leaves nothing behind.
 #[test]
 fn a_check_that_is_broken_off_leaves_the_law_in_force() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
@@ -137,8 +137,8 @@ fn a_check_that_is_broken_off_leaves_the_law_in_force() {
 }
 
 proptest! {
-    /// However a check in slices, laws that are swapped in whole and ends of cycles follow one another: the law in force is always one that
-    /// was given whole, or that of the pack.
+    /// For any order of checks in slices, swaps of whole laws, and ends of cycles: the law in force is always a law that was swapped
+    /// in whole, or that of the pack.
     #[test]
     fn what_comes_into_force_is_a_whole_law(steps in prop::collection::vec(0..20u8, 1..600)) {
         let (whole, sent) = ([law(1.0, 0), law(3.0, 9)], law(2.0, 5));

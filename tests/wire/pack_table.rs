@@ -1,4 +1,4 @@
-//! Packs with a residual table: every kind survives, removed kinds are refused by name.
+//! Packs with a residual table: every kind survives, and removed kinds are refused with their name.
 
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, ResidualTable};
@@ -50,13 +50,13 @@ fn a_residual_table_survives() {
         assert_eq!(pack[12 + KIND], number, "{memory:?}");
         assert_eq!(decode(pack).unwrap(), law, "{memory:?}");
     }
-    // It leaves with the law that had it.
+    // It is removed together with its law.
     let mut slot = with_table();
     pack::decode(&pack(&[]), &mut slot, &Expectation::default()).unwrap();
     assert_eq!(slot.augmented().residual_table(), None);
 }
 
-/// A removed kind of table keeps its number, and the refusal has its name.
+/// A removed kind of table keeps its number, and the refusal contains its name.
 #[test]
 fn removed_tables_are_refused_by_name() {
     for (number, name) in [(8, "cycles"), (9, "level"), (12, "acceleration")] {
@@ -74,7 +74,7 @@ fn removed_tables_are_refused_by_name() {
     assert_eq!(decode(&with_header(&body)).unwrap_err(), PackError::Body);
 }
 
-/// After the kind and a number comes one that a table over acceleration had.
+/// The kind is followed by a number, and then by another one, which only a table over acceleration used.
 #[test]
 fn a_word_that_nothing_uses_is_0() {
     let mut body = table_pack()[12..].to_vec();
@@ -87,10 +87,10 @@ fn a_word_that_nothing_uses_is_0() {
     }
 }
 
-/// A table whose unit is 0 is dropped: nothing of it stays in the law, its memory included.
+/// A table with a unit of 0 is dropped: nothing of it remains in the law, including its memory.
 #[test]
 fn a_residual_table_without_a_unit_is_none() {
-    // After the law's and the damping's 68 numbers, the count of effects, that there is one, and two numbers of its own.
+    // After the 68 numbers of the law and its damping, the count of effects, the flag of the table, and two numbers of its own.
     let unit = INFO + 4 * 70 + 2;
     let mut body = table_pack()[12..].to_vec();
     assert_eq!(body[unit..unit + 4], 1e-5f32.to_le_bytes());

@@ -8,7 +8,7 @@ use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{self, Expectation, Identity, LARGEST, PackError, PackInfo, Stamp};
 
-/// Room for effects in a law.
+/// Largest number of effects in a law.
 pub const EFFECTS: usize = 8;
 
 /// All the information of a pack, with the longest name.
@@ -40,7 +40,7 @@ pub fn every_effect() -> Vec<Effect<f32>> {
     let most = |each: &Description| {
         let last = &each.typical[each.typical.len() - each.parameters.len()..];
         let missing = each.most - each.typical.len() / each.parameters.len();
-        // No two elements alike.
+        // All elements differ.
         let more = (1..=missing).flat_map(|n| last.iter().map(move |x| x * (1.0 + 0.1 * n as f64)));
         let parameters: Vec<f64> = each.typical.iter().copied().chain(more).collect();
         Effect::from_parameters(each.number, &parameters, 1e-4).unwrap()
@@ -48,7 +48,7 @@ pub fn every_effect() -> Vec<Effect<f32>> {
     DESCRIPTIONS.iter().map(most).collect()
 }
 
-/// [`law`] with `effects`, as firmware runs it.
+/// [`law`] with `effects`, as the fast law.
 pub fn tabulated<const N: usize>(effects: &[Effect<f32>]) -> FastLaw<N> {
     let with = |law: AugmentedLaw<f32, N>, effect: &Effect<f32>| law.with(*effect).unwrap();
     FastLaw::new(effects.iter().fold(AugmentedLaw::new(law()), with))

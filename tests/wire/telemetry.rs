@@ -1,4 +1,4 @@
-//! Telemetry: what goes in at the ticks comes out of the frames, and what is left out is known by number.
+//! Telemetry: the frames contain the values of the ticks, and the numbers of the ticks show omissions.
 
 use mesh_damper::effects::CONTROLS;
 use mesh_damper::fast_law::Adaptation;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::message::cycle;
 
-/// Tick number `tick` of a rig, in `state`; every value is one of its own.
+/// Tick number `tick` of a rig, in `state`, with a distinct value in each field.
 fn tick(tick: u32, state: State) -> Telemetry {
     let value = |place: u32| (tick * 8 + place) as f32;
     Telemetry {
@@ -32,7 +32,7 @@ fn tick(tick: u32, state: State) -> Telemetry {
     }
 }
 
-/// All rows and notes that wait, and how many frames they took.
+/// All rows and notes that are pending, and the number of their frames.
 fn sent(sender: &mut Sender<'_>) -> (Vec<Row>, Vec<Note>, u32) {
     let (mut rows, mut notes, mut frames) = (Vec::new(), Vec::new(), 0);
     let mut buffer = FrameBuffer::new();
@@ -49,7 +49,7 @@ fn sent(sender: &mut Sender<'_>) -> (Vec<Row>, Vec<Note>, u32) {
 }
 
 proptest! {
-    /// However often the main loop comes round, each row is there once, in order, with its own values.
+    /// For any rate of the main loop, each row arrives once, in order, with its own values.
     #[test]
     fn every_row_comes_out_as_it_went_in(
         every in 1u32..5,
@@ -72,12 +72,12 @@ proptest! {
             }
             let (some, notes, _) = sent(&mut sender);
             prop_assert_eq!(notes.len(), 0);
-            // Rows wait for as long as they may, or until there is a frame full of them.
+            // Rows wait for the permitted time, or until they fill a frame.
             let waiting = ticks.div_ceil(every) as usize - rows.len() - some.len();
             prop_assert!(waiting * every as usize <= within as usize + 1 || waiting < ROWS);
             rows.extend(some);
         }
-        // The end lets out what waits.
+        // The end flushes the pending rows.
         recorder.tick(&tick(ticks, State::Done), 20.0);
         rows.extend(sent(&mut sender).0);
         rows.retain(|row| row.state == State::Running);
@@ -101,7 +101,7 @@ proptest! {
         }
     }
 
-    /// Of rows for which there is no room the numbers say how many are missing.
+    /// If the queue is full, the numbers of the rows show how many are missing.
     #[test]
     fn rows_that_do_not_fit_are_counted(stalls in prop::collection::vec(0u32..200, 1..10)) {
         let mut channel = Channel::<32>::new();
@@ -133,7 +133,7 @@ proptest! {
 fn notes_say_what_a_cycle_and_the_monitor_said_and_when_the_test_is_over() {
     let mut channel = Channel::<64>::new();
     let (mut recorder, mut sender) = channel.split();
-    // Before telemetry is asked for there is none, nor before the rig runs.
+    // There is no telemetry before it is requested, nor before the rig runs.
     recorder.tick(&tick(0, State::Running), 20.0);
     recorder.set(TelemetryConfig {
         every: 10,
@@ -178,7 +178,7 @@ fn notes_say_what_a_cycle_and_the_monitor_said_and_when_the_test_is_over() {
             event: Some(event),
             ..tick(2, State::Running)
         },
-        // On its way to rest, and there; and then nothing that is not said.
+        // During the return to rest, at rest, and then only the notes.
         stopped(0.5),
         stopped(0.2),
         stopped(0.0),
@@ -187,7 +187,7 @@ fn notes_say_what_a_cycle_and_the_monitor_said_and_when_the_test_is_over() {
         recorder.tick(&telemetry, 20.0);
     }
     let (rows, notes, frames) = sent(&mut sender);
-    // Four notes, and the rows that wait go with the end.
+    // Four notes; the pending rows go with the end.
     assert_eq!((rows.len(), notes.len(), frames), (1, 4, 5));
     let note = |number, tick, state| Note {
         number,
@@ -218,7 +218,7 @@ fn notes_say_what_a_cycle_and_the_monitor_said_and_when_the_test_is_over() {
     );
 }
 
-/// Whatever else is lost: who records would wait for ever.
+/// Other frames may be lost, but not the end: a recorder would wait for it forever.
 #[test]
 fn the_end_is_said_even_where_the_queue_of_notes_is_full_at_it() {
     let mut channel = Channel::<64>::new();
@@ -257,7 +257,7 @@ fn the_end_is_said_even_where_the_queue_of_notes_is_full_at_it() {
     recorder.tick(&tick(30, State::Done), 20.0);
     let (_, after, _) = sent(&mut sender);
     let ends: Vec<u32> = after.iter().map(|note| note.tick).collect();
-    // At the tick at which it was over, and once.
+    // At the tick at which the run ended, and only once.
     assert_eq!(ends, [20]);
     assert!(after[0].ends && after[0].number == 20);
     recorder.tick(&tick(31, State::Done), 20.0);

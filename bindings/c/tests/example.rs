@@ -86,7 +86,7 @@ fn it_prints_in_the_emulator_what_the_crate_computes() {
     assert!(said.lines().count() >= 5, "{said}");
 }
 
-/// The same with a pack for half the rate: the load refuses it, with both rates.
+/// The same with a pack for half the rate: the load refuses the pack and reports both rates.
 #[test]
 fn it_refuses_a_law_for_another_tick_rate_than_its_timers() {
     if !can(On::Emulator) {
@@ -145,7 +145,7 @@ fn the_pages_program_gives_the_force_that_the_page_says() {
     );
 }
 
-/// The page names every function of the header.
+/// The page mentions every function of the header.
 #[test]
 fn the_page_has_every_function() {
     let page = std::fs::read_to_string(example().join("../../docs/c.md")).unwrap();

@@ -66,7 +66,7 @@ fn record(motion: &Motion<f32>) -> Vec<u8> {
     .collect()
 }
 
-/// The forces equal those of `predict`, bit for bit, and there are some.
+/// The forces equal those of `predict`, bit for bit, and there is at least one force.
 fn are_predicts(on: On, file: &ModelFile, trajectory: &Trajectory) {
     let predicted = predict_embedded(&file.model(), trajectory).unwrap();
     let forces = forces_in_c(on, file, trajectory);

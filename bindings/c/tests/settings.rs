@@ -109,7 +109,7 @@ fn each_setting_of_a_rig_reaches_its_field() {
 /// The settings that `defaults` writes.
 fn written<T>(defaults: unsafe extern "C" fn(*mut T) -> Error) -> T {
     let mut settings = MaybeUninit::uninit();
-    // SAFETY: it is memory for them, and they are written if the call reports success.
+    // SAFETY: the memory is large enough for the settings, and a successful call writes all of them.
     unsafe {
         assert_eq!(defaults(settings.as_mut_ptr()), Error::None);
         settings.assume_init()

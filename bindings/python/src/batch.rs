@@ -85,7 +85,8 @@ enum Given {
     Paths(Vec<PathBuf>),
 }
 
-/// Traces `given`, or the rows of `table`, into the folder `out`. Returns the summary as JSON and both tables as columns.
+/// Traces `given`, or the rows of `table`, into the folder `out`. Returns the summary as JSON, both tables as columns, and the sentence about
+/// files of the folder that are left out.
 #[pyfunction]
 #[pyo3(signature = (given, table, out, settings, jobs=None, progress=None))]
 fn trace_many<'py>(
@@ -96,15 +97,22 @@ fn trace_many<'py>(
     settings: PyRef<'_, BatchSettings>,
     jobs: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<(String, Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+) -> PyResult<(
+    String,
+    Bound<'py, PyDict>,
+    Bound<'py, PyDict>,
+    Option<String>,
+)> {
     let settings = settings.0.clone();
     let list = match (given, table) {
         (Some(Given::Path(path)), _) => List::read(&path, settings.reading.limit),
         (Some(Given::Paths(paths)), _) => Ok(List::of_recordings(paths)),
         (None, table) => List::of_table("recordings", &table.unwrap_or_default()),
     };
+    let list = list.map_err(|error| refused(&error))?;
+    let left_out = list.left_out();
     let batch = Batch {
-        list: list.map_err(|error| refused(&error))?,
+        list,
         settings,
         reads: Vec::new(),
         out,
@@ -120,6 +128,7 @@ fn trace_many<'py>(
         json(&summary)?,
         columns(py, &tables.0)?,
         columns(py, &tables.1)?,
+        left_out,
     ))
 }
 

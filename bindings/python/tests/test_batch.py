@@ -41,6 +41,14 @@ def test_a_folder_gives_a_row_a_recording_and_none_twice(folder: Path, tmp_path:
     assert batch.to_dict()["format"] == "mesh-damper batch"
 
 
+def test_files_that_are_no_recordings_are_left_out_with_a_warning(tmp_path: Path) -> None:
+    write_csv(tmp_path / "0.csv", sine_block())
+    (tmp_path / "notes.pdf").write_text("no recording")
+    with pytest.warns(UserWarning, match=r"1 file is left out, .*: notes\.pdf$"):
+        batch = mesh_damper.trace_many(tmp_path, out=tmp_path / "out")
+    assert (batch.traced, batch.failed) == (1, 0)
+
+
 @pytest.mark.parametrize("library", [pd, pl])
 def test_a_frame_gives_a_trace_a_group(folder: Path, tmp_path: Path, library: object) -> None:
     frame = library.DataFrame(  # type: ignore[attr-defined]

@@ -152,6 +152,16 @@ def test_a_characterization_is_that_of_the_command(file: Path, hil: Any) -> None
     assert mesh_damper.characterize(file).to_json() == done.stdout
 
 
+def test_the_size_of_a_file_is_limited_in_every_function(file: Path) -> None:
+    for function in (
+        mesh_damper.trace,
+        mesh_damper.characterize,
+        lambda path, max_read: mesh_damper.respond(SPRING, mass=100.0, force=path, max_read=max_read),
+    ):
+        with pytest.raises(mesh_damper.InputError, match="raise the limit with --max-read"):
+            function(file, max_read=4096)
+
+
 def test_a_simulation_is_drawn_by_its_seed() -> None:
     one, same, other = mesh_damper.simulate(3), mesh_damper.simulate(3), mesh_damper.simulate(3, "check")
     assert one.hidden == same.hidden == other.hidden

@@ -1,11 +1,11 @@
-/* What a Cortex-M4F does before main: its vectors, its floating-point unit, its variables. */
+/* The start-up of a Cortex-M4F before main: its vectors, its floating-point unit, its variables. */
 #include <stdint.h>
 #include <stdlib.h>
 
 extern uint32_t data_start[], data_end[], data_load[], bss_start[], bss_end[], stack_top[];
 extern int main(void);
 
-/* The application's timer, where it has one. */
+/* The application's timer, if it has one. */
 void systick(void);
 
 void reset(void);

@@ -35,7 +35,7 @@ pub type Sensors = Ads8688<Bus>;
 /// An AD5761R on SPI2 and the enable line.
 pub type Actuator = SpiActuator<Bus, Output<'static>>;
 
-/// All that the firmware has.
+/// Everything on the board that the firmware uses.
 pub struct Board {
     pub sensors: Sensors,
     pub actuator: Actuator,
@@ -44,7 +44,7 @@ pub struct Board {
 }
 
 impl Board {
-    /// At 168 MHz from the internal oscillator, with both converters checked and set.
+    /// The board at 168 MHz from the internal oscillator, with both converters checked and set up.
     pub async fn new() -> Self {
         let mut config = embassy_stm32::Config::default();
         // 16 MHz / 8 · 168 / 2.
@@ -61,7 +61,7 @@ impl Board {
         config.rcc.apb1_pre = APBPrescaler::DIV4;
         config.rcc.apb2_pre = APBPrescaler::DIV2;
         let p = embassy_stm32::init(config);
-        // First: the actuator stays off while what follows is checked, and where something of it panics.
+        // This comes first: the actuator stays off during the checks below, also if one of them panics.
         let enable = Output::new(p.PB1, Level::Low, Speed::Low);
 
         let scale = |full_scale| Scale::new(full_scale, 0.0).expect("the full scale is in range");
@@ -74,7 +74,7 @@ impl Board {
         let mut bus = spi::Config::default();
         // `SPI_MODE` of both parts, in the type of this HAL.
         bus.mode = spi::MODE_1;
-        // Of at most 17 MHz that the part takes, 10.5 MHz is what the clock divides to.
+        // The part accepts at most 17 MHz. The clock's nearest divided rate below that is 10.5 MHz.
         bus.frequency = mhz(17);
         let bus = Spi::new(
             p.SPI1, p.PA5, p.PA7, p.PA6, p.DMA2_CH3, p.DMA2_CH0, Interrupts, bus,

@@ -1,7 +1,7 @@
 //! A rig on an STM32F405 with Embassy: sines move a specimen, the law runs beside it, and both converters are awaited.
 //!
-//! The tick runs in an executor of its own, in an interrupt above that of `main`: while DMA moves a frame, `main` goes on, and
-//! whatever `main` does the next tick comes in time.
+//! The tick runs in a separate executor, in an interrupt of higher priority than `main`. While DMA moves a frame, `main` continues.
+//! Nothing that `main` does delays the next tick.
 #![no_std]
 #![no_main]
 
@@ -33,31 +33,31 @@ const TICK_RATE: u64 = 10_000;
 const DENSITY: f32 = 3.0;
 /// Amplitude of the motion, mm.
 const AMPLITUDE: f64 = 0.1;
-/// Frequencies of the motion one after the other, Hz, with as many cycles of each.
+/// Frequencies of the motion in order, Hz, each with the same number of cycles.
 const FREQUENCIES: [f64; 3] = [1.0, 5.0, 10.0];
 const CYCLES: u32 = 10;
 
-/// A law with up to two effects. It stays in a static, and may be swapped while the rig runs.
+/// A law with up to two effects. It is stored in a static, and can be swapped while the rig runs.
 type Law = RunningLaw<2>;
 type Excitation = SineGenerator<{ FREQUENCIES.len() }>;
 type Controller = RigController<2, Excitation, &'static mut Law>;
 type Rig = Asynchronous<Controller, Sensors, Actuator>;
 
-/// What the tick says to `main`.
+/// What the tick reports to `main`.
 enum Said {
     Cycle(CycleReport),
     Stopped(TripCause),
 }
 
-/// Cycles come slowly: where nobody takes them, a result is lost and no tick.
+/// Cycles are rare. If `main` does not receive them in time, a result is lost, but no tick.
 static SAID: Channel<CriticalSectionRawMutex, Said, 8> = Channel::new();
-/// Of the tick.
+/// The executor of the tick.
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 
 /// An interrupt that nothing else on this board uses.
 #[interrupt]
 unsafe fn UART4() {
-    // SAFETY: called from here alone, and enabled by `start`.
+    // SAFETY: only this handler calls it, and `start` enables the interrupt.
     unsafe { EXECUTOR.on_interrupt() }
 }
 
@@ -73,7 +73,7 @@ async fn main(_spawner: Spawner) {
     let rig = Rig::wire(controller, board.sensors, board.actuator).await;
     // ANCHOR_END: law
 
-    // Below the DMA's interrupts and the clock's, which have the highest priority.
+    // A lower priority than the interrupts of the DMA and of the clock, which have the highest priority.
     interrupt::UART4.set_priority(Priority::P6);
     EXECUTOR
         .start(interrupt::UART4)
@@ -81,7 +81,7 @@ async fn main(_spawner: Spawner) {
 
     loop {
         let mut line = heapless::String::<96>::new();
-        // What is longer is cut.
+        // A longer line is truncated.
         let _ = match SAID.receive().await {
             Said::Cycle(report) => writeln!(
                 line,
@@ -103,7 +103,7 @@ fn controller(wiring: &Wiring, law: &'static mut Law) -> Result<Controller, Conf
     for frequency in FREQUENCIES {
         programme = programme.with(Block::sine(AMPLITUDE, frequency, CYCLES)?)?;
     }
-    // Embassy's clock, TIM2, goes on while the executors sleep; the processor's cycle counter does not.
+    // Embassy's clock, TIM2, keeps running while the executors sleep; the processor's cycle counter stops.
     let settings = RigSettings {
         clock_rate: TICK_HZ as f64,
         ..RigSettings::default()
@@ -111,13 +111,13 @@ fn controller(wiring: &Wiring, law: &'static mut Law) -> Result<Controller, Conf
     RigController::new(&settings, wiring, programme, law)
 }
 
-/// The rig, tick by tick. A tick must be over within 100 µs, when the next one is due: one that is not stops the rig. So does one that
-/// comes late, or not at all.
+/// The rig, tick by tick. A tick must end within 100 µs, when the next one is due. A tick that takes longer, comes late or is missing
+/// stops the rig.
 #[embassy_executor::task]
 async fn tick(mut rig: Rig) {
     const PERIOD: Duration = Duration::from_hz(TICK_RATE);
 
-    // A line that does not rise is a fault, which the first tick says.
+    // If the line does not rise, this is a fault, which the first tick reports.
     let _ = rig.start().await;
     let mut stopped = false;
     let mut due = Instant::now();

@@ -1,4 +1,4 @@
-//! A damper's law moved by a sine: what this firmware does in a tick.
+//! A damper's law moved by a sine: the work of this firmware in a tick.
 
 use mesh_damper::cycle::{Cycle, CycleAccumulator};
 use mesh_damper::effects::Motion;
@@ -15,13 +15,13 @@ pub const TICK_RATE: u32 = 10_000;
 /// A cycle that ended.
 #[derive(Clone, Copy)]
 pub struct Ended {
-    /// Which of the sines.
+    /// Index of the sine.
     pub sine: usize,
     pub cycle: Cycle,
 }
 
-/// Of the bits of forces, one after the other (FNV-1a of 32 bits). Where one byte of two rows differs the checksums do; two rows that
-/// differ anyhow have the same one by chance, once in 2^32.
+/// Checksum of the bits of successive forces (FNV-1a of 32 bits). If one byte of two rows differs, the checksums differ. Two rows
+/// with more differences have the same checksum by chance once in 2^32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checksum(pub u32);
 
@@ -46,18 +46,18 @@ pub struct Excited {
     law: &'static mut DamperLaw,
     accumulator: CycleAccumulator<1>,
     forces: Checksum,
-    /// Sine of the tick before; none in a ramp.
+    /// Sine of the previous tick; `None` in a ramp.
     sine: Option<usize>,
 }
 
 impl Excited {
-    /// At rest. `law` is filled where it is.
+    /// At rest. `law` is filled in place.
     ///
     /// # Errors
-    /// The number of the motion or of the law that is out of range.
+    /// The parameter of the motion or of the law that is out of range.
     pub fn new(law: &'static mut DamperLaw) -> Result<Self, ConfigError> {
         // ANCHOR: fill
-        // Effects hold numbers that are true at one rate only.
+        // The coefficients of effects are valid at one tick rate only.
         const { assert!(mount::TICK_RATE == TICK_RATE as f32) };
         mount::fill(law)?;
         // ANCHOR_END: fill
@@ -74,12 +74,13 @@ impl Excited {
         })
     }
 
-    /// Of all forces so far.
+    /// Checksum of all forces so far.
     pub fn forces(&self) -> Checksum {
         self.forces
     }
 
-    /// One tick: the cycle that ended with it, if one did that was in no ramp; none at all once the motion is over.
+    /// Runs one tick. Returns the cycle that ended with this tick, if one ended outside the ramps. Returns `None` when the motion is
+    /// over.
     pub fn tick(&mut self) -> Option<Option<Ended>> {
         // ANCHOR: tick
         let now = self.generator.tick();
@@ -94,7 +95,7 @@ impl Excited {
         let ended = self
             .accumulator
             .update(now.displacement, [force], now.phase);
-        // A cycle ends with the first tick of the next one, which may be in a ramp when the cycle was not.
+        // A cycle ends with the first tick of the next one. That tick may be in a ramp even if the cycle was not.
         let of_now = (!now.ramp && !now.done).then_some(now.block);
         let sine = core::mem::replace(&mut self.sine, of_now);
         if now.done && sine.is_none() {

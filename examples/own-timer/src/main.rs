@@ -1,7 +1,7 @@
-//! A damper's law at the rate of a timer of this chip: nobody gives it its ticks.
+//! A damper's law at the rate of a timer of this chip, without requests for ticks.
 //!
-//! TIM2 interrupts 10 000 times a second. Each interrupt is a tick of [`excited::Excited`]. `main` prints what each cycle's
-//! stiffness and loss factor are, and how many ticks there have been after how many milliseconds of another clock, SysTick.
+//! TIM2 interrupts 10 000 times a second. Each interrupt is a tick of [`excited::Excited`]. `main` prints the stiffness and loss
+//! factor of each cycle, and the number of ticks and the milliseconds of another clock, SysTick.
 #![no_std]
 #![no_main]
 
@@ -25,27 +25,27 @@ use stm32f4::stm32f405::{NVIC, Peripherals, TIM2, interrupt};
 use excited::{Ended, Excited, TICK_RATE};
 use mount::DamperLaw;
 
-/// What TIM2 counts, Hz: 1 GHz in the emulator. On a board, what RCC is set to.
+/// Rate at which TIM2 counts, Hz: 1 GHz in the emulator. On a board, the rate to which RCC is set.
 const TIMER_CLOCK: u32 = 1_000_000_000;
-/// What SysTick counts, Hz: the processor's clock.
+/// Rate at which SysTick counts, Hz: the processor's clock.
 const PROCESSOR_CLOCK: u32 = 168_000_000;
-/// The motion is over long before; ms.
+/// The motion ends long before this time; ms.
 const TOO_LONG: u32 = 60_000;
 
-/// What the interrupt works with.
+/// The data of the interrupt.
 struct Tick {
     timer: TIM2,
     excited: Excited,
 }
 
-/// From `main` to the interrupt, which takes it at the first tick and owns it from then on.
+/// Handed from `main` to the interrupt, which takes it at the first tick and owns it from then on.
 static HANDED_OVER: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
-/// The last cycle that ended, with the ticks and milliseconds until then; from the interrupt to `main`.
+/// The last cycle that ended, with the ticks and milliseconds until then; passed from the interrupt to `main`.
 static ENDED: Mutex<Cell<Option<(Ended, u32, u32)>>> = Mutex::new(Cell::new(None));
 static OVER: AtomicBool = AtomicBool::new(false);
-/// Of all forces, once the motion is over.
+/// Checksum of all forces, once the motion is over.
 static FORCES: AtomicU32 = AtomicU32::new(0);
-/// Ticks that were not over when the next one was due.
+/// Number of ticks that had not ended when the next one was due.
 static OVERRUNS: AtomicU32 = AtomicU32::new(0);
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
 
@@ -61,8 +61,8 @@ fn main() -> ! {
     core.SYST.clear_current();
     core.SYST.enable_interrupt();
     core.SYST.enable_counter();
-    // No update event by hand: the emulator's timer would add the time from power-on to it to every period. Without a prescaler
-    // none is needed.
+    // The update event is not triggered by hand: the emulator's timer would then add the time since power-on to every period. Without
+    // a prescaler, no such event is needed.
     timer.dier().write(|register| register.uie().set_bit());
     timer
         .arr()
@@ -93,7 +93,7 @@ fn main() -> ! {
     }
 }
 
-/// One tick. Must be over within 100 µs, when the next one is due.
+/// One tick. It must end within 100 µs, when the next one is due.
 #[interrupt]
 fn TIM2() {
     static mut TICK: Option<Tick> = None;
@@ -113,7 +113,7 @@ fn TIM2() {
             let ended = Some((ended, *TICKS, milliseconds));
             critical_section::with(|section| ENDED.borrow(section).set(ended));
         }
-        // Once: the interrupt goes on, and what `main` prints is of the motion alone.
+        // Only once: the interrupt continues, and `main` prints the values of the motion alone.
         None if !OVER.load(Ordering::Relaxed) => {
             FORCES.store(tick.excited.forces().0, Ordering::Relaxed);
             OVER.store(true, Ordering::Relaxed);
@@ -125,7 +125,7 @@ fn TIM2() {
     }
 }
 
-/// A clock that knows nothing of the timer.
+/// A clock that is independent of the timer.
 #[exception]
 fn SysTick() {
     let before = MILLISECONDS.fetch_add(1, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! The motion: sines of two amplitudes and two frequencies. The test that runs this firmware reads it too.
+//! The motion: sines of two amplitudes and two frequencies. The test that runs this firmware also reads this file.
 
 /// A run of cycles of one sine.
 pub struct Sine {
@@ -8,7 +8,7 @@ pub struct Sine {
     pub frequency: f64,
 }
 
-/// One after the other, with ramps between them.
+/// The sines in order, with ramps between them.
 pub const SINES: [Sine; 3] = [
     Sine {
         amplitude: 0.1,
@@ -26,5 +26,5 @@ pub const SINES: [Sine; 3] = [
 
 /// Cycles of each sine, and of each ramp.
 pub const CYCLES: u32 = 3;
-/// Cycles of the ramps that lead to a sine and from it.
+/// Cycles of the ramp before each sine and after it.
 pub const RAMP_CYCLES: u32 = 1;

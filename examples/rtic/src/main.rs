@@ -1,7 +1,7 @@
-//! A damper on an STM32F405 with RTIC: motion in through an ADS8688, the law's force out through an AD5761R, 10 000 times a second.
+//! A damper on an STM32F405 with RTIC: the ADS8688 reads the motion, the AD5761R outputs the law's force, 10 000 times a second.
 //!
-//! The tick is a hardware task of the timer's interrupt. Each cycle's results go through a queue to a task of lower priority, which
-//! takes its time to send them.
+//! The tick is a hardware task of the timer's interrupt. A queue passes each cycle's results to a task of lower priority, which may
+//! take longer to send them.
 #![no_std]
 #![no_main]
 
@@ -32,7 +32,7 @@ mod app {
 
     /// Ticks per second.
     const TICK_RATE: u32 = 10_000;
-    /// What the clock counts, Hz.
+    /// Rate at which the clock counts, Hz.
     const CLOCK_RATE: u32 = 1_000_000;
     /// Density of the mesh, g/cm³.
     const DENSITY: f32 = 3.0;
@@ -47,13 +47,13 @@ mod app {
     type Dac = ExclusiveDevice<Spi<SPI2>, PB12<Output>, NoDelay>;
     type Damper = SpiDamperEmulation<Adc, Dac, PB1<Output>, &'static mut DamperLaw>;
 
-    /// What the tick says to the task that reports.
+    /// What the tick reports to the sending task.
     pub enum Said {
         Cycle(CycleReport),
         Stopped(TripCause),
     }
 
-    /// Cycles come slowly: where nobody takes them, a result is lost and no tick.
+    /// Cycles are rare. If the sending task does not receive them in time, a result is lost, but no tick.
     const QUEUE: usize = 8;
 
     #[shared]
@@ -62,8 +62,8 @@ mod app {
     #[local]
     struct Local {
         timer: CounterHz<TIM2>,
-        /// Counts all the time, and knows nothing of the timer that gives the ticks. The processor's cycle counter would not do: it
-        /// stands still while nothing is to do.
+        /// Counts all the time, independent of the timer that triggers the ticks. The processor's cycle counter is not suitable: it
+        /// stops while the processor is idle.
         clock: CounterUs<TIM5>,
         damper: Damper,
         said: Sender<'static, Said, QUEUE>,
@@ -73,11 +73,11 @@ mod app {
     #[init(local = [law: DamperLaw = DamperLaw::empty()])]
     fn init(context: init::Context) -> (Shared, Local) {
         let device = context.device;
-        // The internal oscillator is on every board, and within 1 %. A crystal of 8 MHz: `Config::hse(8.MHz())`.
+        // Every board has the internal oscillator, which is accurate to 1 %. For a crystal of 8 MHz use `Config::hse(8.MHz())`.
         let mut rcc = device.RCC.freeze(Config::hsi().sysclk(168.MHz()));
         let a = device.GPIOA.split(&mut rcc);
         let b = device.GPIOB.split(&mut rcc);
-        // First: the actuator stays off while what follows is checked, and where something of it panics.
+        // This comes first: the actuator stays off during the checks below, also if one of them panics.
         let enable = b.pb1.into_push_pull_output_in_state(PinState::Low);
         let serial = device
             .USART2
@@ -86,7 +86,7 @@ mod app {
 
         let scale = |full_scale| Scale::new(full_scale, 0.0).expect("the full scale is in range");
         let pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
-        // Of at most 17 MHz that the part takes, 10.5 MHz is what the clock divides to.
+        // The part accepts at most 17 MHz. The clock's nearest divided rate below that is 10.5 MHz.
         let bus = device.SPI1.spi(pins, adc::SPI_MODE, 10.MHz(), &mut rcc);
         let Ok(bus) = ExclusiveDevice::new_no_delay(bus, a.pa4.into_push_pull_output());
         let adc = Ads8688::new(bus, scale(TRAVEL), scale(FORCE))
@@ -121,7 +121,7 @@ mod app {
         timer
             .start(TICK_RATE.Hz())
             .expect("the timer divides its clock to this rate");
-        // Last, so that nothing panics while the actuator is enabled.
+        // This comes last, so that nothing panics while the actuator is enabled.
         damper.start().expect("the enable line rises");
         (
             Shared {},
@@ -136,8 +136,8 @@ mod app {
     }
 
     // ANCHOR: tick
-    /// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper. So does one that comes late,
-    /// or not at all.
+    /// One tick. It must end within 100 µs, when the next one is due. A tick that does not end in time, comes late, or does not come at
+    /// all stops the damper.
     #[task(binds = TIM2, priority = 2, local = [timer, clock, damper, said, stopped: bool = false])]
     fn tick(context: tick::Context) {
         let tick::LocalResources {
@@ -164,11 +164,11 @@ mod app {
     }
     // ANCHOR_END: tick
 
-    /// Sends what is said. The tick interrupts it.
+    /// Sends the reports. The tick interrupts this task.
     #[task(priority = 1, local = [serial])]
     async fn report(context: report::Context, mut said: Receiver<'static, Said, QUEUE>) {
         let serial = context.local.serial;
-        // The tick holds the other end for as long as there is power.
+        // The tick holds the other end as long as there is power.
         while let Ok(said) = said.recv().await {
             // A transmitter has no errors to report.
             let _ = match said {

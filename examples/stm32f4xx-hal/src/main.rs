@@ -1,7 +1,7 @@
 //! A damper in a timer interrupt of an STM32F405: motion in, the law's force out, 10 000 times a second.
 //!
-//! Displacement (PA0) and force (PA1) come in through the chip's ADC. The force of the law goes out through an AD5761R on SPI1, and
-//! PB1 enables the actuator. USART2 (PA2, 115 200 baud) says what each cycle's stiffness and loss factor are.
+//! The chip's ADC reads displacement (PA0) and force (PA1). An AD5761R on SPI1 outputs the force of the law, and PB1 enables the
+//! actuator. USART2 (PA2, 115 200 baud) reports the stiffness and loss factor of each cycle.
 #![no_std]
 #![no_main]
 
@@ -34,7 +34,7 @@ use on_chip::OnChip;
 
 /// Ticks per second.
 const TICK_RATE: u32 = 10_000;
-/// What the clock counts, Hz.
+/// Rate at which the clock counts, Hz.
 const CLOCK_RATE: u32 = 1_000_000;
 /// Density of the mesh, g/cm³.
 const DENSITY: f32 = 3.0;
@@ -48,20 +48,20 @@ type DamperLaw = StaticLaw<Effects>;
 type Dac = ExclusiveDevice<Spi<SPI1>, PA4<Output>, NoDelay>;
 type Damper = DamperEmulation<OnChip, SpiActuator<Dac, PB1<Output>>, &'static mut DamperLaw>;
 
-/// What the interrupt works with.
+/// The data of the interrupt.
 struct Tick {
     timer: CounterHz<TIM2>,
-    /// Counts all the time, and knows nothing of the timer that gives the ticks. The processor's cycle counter would not do: it
-    /// stands still while `main` sleeps.
+    /// Counts all the time, independent of the timer that triggers the ticks. The processor's cycle counter is not suitable: it stops
+    /// while `main` sleeps.
     clock: CounterUs<TIM5>,
     damper: Damper,
 }
 
-/// From `main` to the interrupt, which takes it at the first tick and owns it from then on.
+/// Handed from `main` to the interrupt, which takes it at the first tick and owns it from then on.
 static HANDED_OVER: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
 /// The last complete cycle, from the interrupt to `main`.
 static COMPLETED: Mutex<Cell<Option<CycleReport>>> = Mutex::new(Cell::new(None));
-/// What stopped the damper, from the interrupt to `main`.
+/// The cause of the damper's trip, from the interrupt to `main`.
 static TRIPPED: Mutex<Cell<Option<TripCause>>> = Mutex::new(Cell::new(None));
 
 #[entry]
@@ -69,11 +69,11 @@ fn main() -> ! {
     static mut LAW: DamperLaw = DamperLaw::empty();
 
     let peripherals = Peripherals::take().expect("main runs once");
-    // The internal oscillator is on every board, and within 1 %. A crystal of 8 MHz: `Config::hse(8.MHz())`.
+    // Every board has the internal oscillator, which is accurate to 1 %. For a crystal of 8 MHz use `Config::hse(8.MHz())`.
     let mut rcc = peripherals.RCC.freeze(Config::hsi().sysclk(168.MHz()));
     let a = peripherals.GPIOA.split(&mut rcc);
     let b = peripherals.GPIOB.split(&mut rcc);
-    // First: the actuator stays off while what follows is checked, and where something of it panics.
+    // This comes first: the actuator stays off during the checks below, also if one of them panics.
     let enable = b.pb1.into_push_pull_output_in_state(PinState::Low);
     let mut serial = peripherals
         .USART2
@@ -120,7 +120,7 @@ fn main() -> ! {
     timer
         .start(TICK_RATE.Hz())
         .expect("the timer divides its clock to this rate");
-    // Last, so that nothing panics while the actuator is enabled.
+    // This comes last, so that nothing panics while the actuator is enabled.
     damper.start().expect("the enable line rises");
     critical_section::with(|section| {
         let tick = Tick {
@@ -155,8 +155,8 @@ fn main() -> ! {
     }
 }
 
-/// One tick. Must be over within 100 µs, when the next one is due: one that is not stops the damper. So does one that comes late, or
-/// not at all.
+/// One tick. It must end within 100 µs, when the next one is due. A tick that takes longer, comes late or is missing stops the
+/// damper.
 #[interrupt]
 fn TIM2() {
     static mut TICK: Option<Tick> = None;

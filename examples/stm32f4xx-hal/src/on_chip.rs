@@ -19,14 +19,14 @@ pub struct OnChip {
 }
 
 impl OnChip {
-    /// Each input with what it says at 3.3 V: mm and kN.
+    /// Each input with its value at 3.3 V: mm and kN.
     pub fn new(
         adc: ADC1,
         displacement: (PA0<Analog>, Scale),
         force: (PA1<Analog>, Scale),
         rcc: &mut Rcc,
     ) -> Self {
-        // 21 MHz, of at most 36 MHz.
+        // 21 MHz; the ADC accepts at most 36 MHz.
         let config = AdcConfig::default().clock(Clock::Pclk2_div_4);
         Self {
             adc: Adc::new(adc, true, config, rcc),

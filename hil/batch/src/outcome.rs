@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper_identify::trace::Trace;
+use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::{Estimate, FoundEffect, LawEstimate, Verdict};
 use mesh_damper_model::file::FittedRange;
 use mesh_damper_recording::Recording;
@@ -132,6 +133,18 @@ pub struct Effect {
 }
 
 impl Found {
+    /// The verdict as a reader needs it.
+    pub fn conclusion(&self) -> Conclusion {
+        // An error that is missing is not finite: nothing is hidden behind it.
+        let error = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let Nrmse {
+            augmented_fitted,
+            noise_floor,
+            ..
+        } = self.nrmse;
+        Conclusion::of(self.verdict, error(augmented_fitted), error(noise_floor))
+    }
+
     /// From `trace`, which was made of `recordings` in `trace_s`.
     pub(crate) fn of(
         trace: &Trace,

@@ -37,12 +37,13 @@ fn page_outcome(found: &Found, out: &Path) -> BatchOutcome {
     });
     let shown = |error: Option<f64>| error.unwrap_or(f64::NAN);
     BatchOutcome {
-        verdict: found.verdict,
+        conclusion: found.conclusion(),
         effects: effects.collect(),
         adopted: found.adopted,
         nrmse_before: shown(found.nrmse.baseline_held_out),
         nrmse_after: shown(found.nrmse.augmented_held_out),
         noise: shown(found.nrmse.noise_floor),
+        warnings: found.warnings.clone(),
         report: out.join(&report).is_file().then_some(report),
     }
 }

@@ -399,7 +399,8 @@ fn a_law_is_swapped_at_the_end_of_a_cycle_while_the_rig_runs() {
     .unwrap();
     assert_eq!((there.late_ticks, there.run.faults.len()), (0, 0));
     assert_eq!(there.lost.notes, 0);
-    // The motion does not depend on the law: from the swap on, every cycle is that of a rig with the augmented law from the start.
+    // The motion does not depend on the law: from the swap on, every cycle equals that of a rig that has the augmented law from the
+    // start.
     let same = |law| {
         let run = run_rig(
             RigSetup {
@@ -435,7 +436,7 @@ fn a_board_on_its_own_timer_is_not_run_in_lockstep() {
     let refused = Image::in_lockstep(board.port()).unwrap_err().to_string();
     assert!(refused.contains("a timer of its own"), "{refused}");
     assert!(!board.is_enabled());
-    // While the port is in use nobody else can open it.
+    // While the port is in use, no other process can open it.
     let _here = Image::join(board.port()).unwrap();
     let refused = Image::join(board.port())
         .map(|_| ())

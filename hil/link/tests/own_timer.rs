@@ -207,7 +207,7 @@ fn ticks_go_on_at_the_timers_rate_while_the_host_is_silent() {
         assert!((-10.0..20.0).contains(&ahead), "{ended:?}: {ahead} ticks");
         assert_eq!(ended.overruns, 0.0);
     }
-    // A cycle takes as many ticks as its frequency says.
+    // A cycle has the number of ticks that its frequency requires.
     for of_sine in cycles.chunks(CYCLES as usize) {
         let per_cycle = TICK_RATE / SINES[of_sine[0].sine].frequency;
         for two in of_sine.windows(2) {

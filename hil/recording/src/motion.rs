@@ -15,7 +15,6 @@ use super::motion_error::MotionError;
 use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use super::rest::find_rests;
-use super::trajectory::hysteresis;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 
@@ -186,7 +185,7 @@ impl MotionEstimate {
     /// # Panics
     /// If there are fewer than 8 samples.
     pub fn of(displacement: &[f64], tick: f64) -> Self {
-        let cycles = Cycles::find(displacement, tick, hysteresis(displacement));
+        let cycles = Cycles::of(displacement, tick);
         let period = cycles.period_per_sample(displacement.len(), tick);
         Self::estimate(displacement, tick, &period)
     }

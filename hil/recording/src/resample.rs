@@ -77,8 +77,8 @@ impl Uniform {
         }
     }
 
-    /// The faults of the recording's times.
-    pub(super) fn faults(&self) -> Vec<ChannelFault> {
+    /// The faults of the recording's times: jitter and missing samples.
+    pub fn faults(&self) -> Vec<ChannelFault> {
         self.clock.faults()
     }
 }

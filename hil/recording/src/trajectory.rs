@@ -559,7 +559,7 @@ fn is_off(displacement: &[f64], force: &[f64]) -> bool {
 
 /// Whether most samples belong to cycles that resemble a neighbour.
 fn has_like_cycles(displacement: &[f64]) -> bool {
-    let cycles = Cycles::find(displacement, 1.0, hysteresis(displacement));
+    let cycles = Cycles::of(displacement, 1.0);
     let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
     2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
 }
@@ -583,9 +583,16 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
     (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
 }
 
+impl Cycles {
+    /// [`Cycles::find`] with a band that suits the noise of `displacement`.
+    pub fn of(displacement: &[f64], tick: f64) -> Self {
+        Self::find(displacement, tick, hysteresis(displacement))
+    }
+}
+
 /// Half width of the band around the mid level that a crossing has to leave, mm: above the noise, and below the smallest amplitude
 /// that counts as motion.
-pub(super) fn hysteresis(displacement: &[f64]) -> f64 {
+fn hysteresis(displacement: &[f64]) -> f64 {
     let (low, high) = least_and_largest(displacement);
     let TrajectoryPolicy {
         crossing_noises,

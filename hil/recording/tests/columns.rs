@@ -157,7 +157,7 @@ fn names_of_a_lab_are_taken_as_in_a_file_and_guesses_are_said() {
         match both(&columns) {
             [Ok(read), Ok(made)] => {
                 assert_eq!(channels(&read), channels(&made), "{names:?}");
-                // The file also names its separator.
+                // For the file, the guesses also contain its separator.
                 for guess in made.guesses() {
                     assert!(read.guesses().contains(guess), "{guess}");
                 }

@@ -1,4 +1,4 @@
-//! Files of many formats, written by widely used programs, hold the recording that was put into them.
+//! Files of many formats, written by widely used programs, contain the original recording.
 //!
 //! `tests/formats/write.py` wrote them. `.ci/formats` writes them again and reads them with this test from the folder in the
 //! variable `FORMATS`.

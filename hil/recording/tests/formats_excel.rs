@@ -135,7 +135,7 @@ fn rows(head: &str, first: usize, time: &dyn Fn(usize, String) -> String) -> Str
         let line = first + row;
         let [_, y, force] = truth(row);
         let time = time(row, format!("A{line}"));
-        // A column of formatted cells that hold nothing, and the value of a formula.
+        // A column of formatted empty cells, and the value of a formula.
         let _ = write!(
             rows,
             "<row r=\"{line}\" spans=\"1:4\" x14ac:dyDescent=\"0.25\">{time}<c r=\"B{line}\" s=\"0\"><v>{y:e}</v></c>\

@@ -219,7 +219,7 @@ fn a_file_that_unpacks_beyond_the_limit_is_refused_before_it_takes_memory() {
             taken as f64 / LIMIT as f64
         );
     }
-    // A chunk that unpacks to more than the file says.
+    // A chunk that unpacks to more than the file declares.
     let taken = refused("HDF5, false", &hdf5(FEW, MANY), "packed");
     println!(
         "HDF5, false: {:.2} times the limit",

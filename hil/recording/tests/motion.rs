@@ -123,7 +123,7 @@ fn a_start_from_rest_goes_one_way() {
     }
 }
 
-/// Where the specimen stands still before it moves, the estimate invents no direction. One in 22 samples exceeds 2 deviations.
+/// Where the specimen is at rest before it moves, the estimate invents no direction. One in 22 samples exceeds 2 deviations.
 #[test]
 fn a_standstill_before_the_motion_has_no_direction() {
     let (clean, _) = programme(&BLOCKS);
@@ -330,7 +330,7 @@ fn a_measured_velocity_counts_by_its_noise() {
 fn random_phases(count: usize, band: [f64; 2], seed: u64) -> [Vec<f64>; 3] {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let phase = rand::distr::Uniform::new(0.0, TAU).unwrap();
-    // Longer than the record, so that the record holds no whole number of periods.
+    // Longer than the record, so that the record is not a whole number of periods.
     let period = 1.37 * count as f64;
     let lines = (band[0] * period) as usize..(band[1] * period) as usize;
     let mut all = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];

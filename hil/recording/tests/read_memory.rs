@@ -14,7 +14,7 @@ fn most_memory() -> usize {
     1024 * kibibytes.parse::<usize>().unwrap()
 }
 
-/// The basis of the default read limit: at most twelve bytes per byte of the file, however short its rows are.
+/// The basis of the default read limit: at most twelve bytes per byte of the file, for rows of any length.
 #[test]
 fn is_in_proportion_to_the_file() {
     let names: String = (0..1000).map(|n| format!(",c{n}")).collect();

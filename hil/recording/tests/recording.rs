@@ -255,7 +255,7 @@ fn a_motion_needs_no_force_and_a_recording_does() {
     );
 }
 
-/// Seconds since 1970, as some loggers write them, in a file of another dialect: with nine digits they would stand still.
+/// Seconds since 1970, as some loggers write them, in a file of another dialect: with nine digits all times would be equal.
 #[test]
 fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
     let rows: String = (0..20)

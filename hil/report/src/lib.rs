@@ -44,6 +44,7 @@ mod effect_pages;
 mod evidence;
 mod from_trace;
 mod html;
+mod next;
 pub mod over_time;
 mod page;
 mod palette;

@@ -9,6 +9,7 @@ use super::charts::{self, AFTER, BEFORE};
 use super::conditions;
 use super::cycles;
 use super::html::{Section, figure, page, table};
+use super::next;
 use super::picture::{self, SMALL, WIDE};
 use super::reasoning::{self, Evidence};
 use super::worst;
@@ -36,6 +37,7 @@ pub fn render(data: &ReportData) -> String {
         worst::loops(data),
         Some(evidence.after(data)),
         Some(errors(&data.result)),
+        Some(next::steps(&data.result)),
         Some(loops(&data.result, &data.series)),
         Some(cycles::section(data)),
         Some(over_time(&data.result, &data.series)),

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::{Candidate, TraceResult, Verdict};
+use mesh_damper_identify::trace::conclusion::Conclusion;
+use mesh_damper_identify::trace::result::{Candidate, TraceResult};
 use mesh_damper_identify::trace::rule::Rule;
 
 use super::evidence;
@@ -48,7 +49,7 @@ impl Evidence {
                 "The error of the fitted law is " (text::percent(error)) " of the force's RMS on data that was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
                 @if error <= 2.0 * result.noise_floor_nrmse { "It is hardly more than noise." }
-                @else if text::is_hidden(result) {
+                @else if result.conclusion() == Conclusion::NotDecided {
                     "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise, and the uncertainty of the estimated \
                      velocity can explain all of it. "
                 }
@@ -122,7 +123,7 @@ pub fn tried(result: &TraceResult) -> Section {
     let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
     let body = html! {
         @if result.candidates.is_empty() {
-            @if text::is_hidden(result) {
+            @if result.conclusion() == Conclusion::NotDecided {
                 p { "Nothing: the residual of the law is no more than the noise and the uncertainty of the estimated velocity." }
             } @else {
                 p { "Nothing: the residual of the law is no more than the noise." }
@@ -269,30 +270,30 @@ fn dropped(result: &TraceResult) -> Vec<String> {
 /// The result in words, and the test that would settle open questions.
 pub fn concluded(result: &TraceResult) -> Markup {
     html! {
-        @match result.verdict {
-            Verdict::None if text::is_hidden(result) => {
+        @match result.conclusion() {
+            Conclusion::NotDecided => {
                 p {
                     "Nothing that these recordings can show: the uncertainty of the estimated velocity hides an effect, if there is one."
                 }
             }
-            Verdict::None => {
+            Conclusion::NothingMissing => {
                 p {
                     "Nothing: the residual of the law alone on the validation data is hardly more than the noise, or no family \
                      makes it clearly smaller."
                 }
             }
-            Verdict::Found => {}
-            Verdict::Ambiguous if result.effects.len() == 1 => {
+            Conclusion::Found => {}
+            Conclusion::Ambiguous if result.effects.len() == 1 => {
                 p { "It explains the recordings with any value of the parameter that they do not bound." }
             }
-            Verdict::Ambiguous => {
+            Conclusion::Ambiguous => {
                 p {
                     @if result.remainder.is_none() { "Any one of these explains the recordings" }
                     @else { "Any one of these explains the same part of the recordings, and a residual remains" }
                     "; they cannot tell which it is."
                 }
             }
-            Verdict::Unlisted => {
+            Conclusion::Unlisted => {
                 p {
                     "No family of effects explains the residual, or all of it"
                     @if !result.effects.is_empty() { "; the effects that reduce it most are below." }

@@ -234,7 +234,7 @@ fn a_step_shows_each_family_at_its_best_and_cuts_the_bar_of_a_bad_fit() {
     again.nrmse_judged = 0.0444;
     data.result.candidates.push(again);
     data.result.candidates[2].nrmse_judged = 10.0;
-    // An older result, in which nothing stands before the first step.
+    // An older result, without data before the first step.
     data.result.baseline.nrmse_judged = None;
     let page = render(&data);
     let steps = heading(&page, "3-effects-tried")..heading(&page, "4-effects-found");
@@ -280,7 +280,7 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     assert!(render(&data).contains("a ramp and hold"));
 }
 
-/// The first line says whatever a reader must know before using the model.
+/// The first line contains everything that a reader must know before using the model.
 #[test]
 fn a_model_that_is_not_adopted_or_worse_elsewhere_says_so_first() {
     let mut result = data().result;
@@ -369,7 +369,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     }
 }
 
-/// Whether there is a remainder in addition or not, and wherever it is.
+/// With and without an additional remainder, at any position.
 #[test]
 fn what_is_left_beside_rivals_is_said() {
     let mut data = data();
@@ -444,7 +444,7 @@ fn what_is_held_out_beyond_the_fitted_motion_is_said() {
     assert!(!render(&data).contains("outside the fitted motion"));
 }
 
-/// The pictures of cycles depend on the motion, and the page says which are missing.
+/// The pictures of cycles depend on the motion, and the page reports which are missing.
 #[test]
 fn pictures_of_cycles_are_drawn_where_the_motion_has_them() {
     let mut data = data();

@@ -1,6 +1,7 @@
 //! Numbers and verdicts in plain words.
 
-use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult, Verdict};
+use mesh_damper_identify::trace::conclusion::Conclusion;
+use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult};
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_model::Family;
 
@@ -102,10 +103,6 @@ pub fn description(family: &str) -> String {
 /// The verdict as a heading and a sentence, with the facts that a reader needs before using the model.
 pub fn verdict(result: &TraceResult) -> (String, String) {
     let (heading, sentence) = concluded(result);
-    let (alone, with) = (
-        result.baseline.nrmse_held_out,
-        result.augmented.nrmse_held_out,
-    );
     if let Some(rejected) = &result.rejected {
         return (
             format!("{heading}; the law alone is kept"),
@@ -113,11 +110,11 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
                 "The law lacks something. The effects found are no better on conditions held out in turn, so they were not \
                  adopted: their error on data that was never fitted is {}, that of the law alone is {}.",
                 percent(rejected.augmented.nrmse_held_out),
-                percent(alone)
+                percent(result.baseline.nrmse_held_out)
             ),
         );
     }
-    if result.adopted && with > WORSE * alone {
+    if is_worse(result) {
         return (
             format!("{heading}; worse than the law alone on the held-out data"),
             format!(
@@ -128,13 +125,9 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
     (heading, sentence)
 }
 
-/// Whether the estimated motion can hide an effect in a recording without one: see `hidden_by_motion` of the verdict's policy.
-pub fn is_hidden(result: &TraceResult) -> bool {
-    let most = mesh_damper_identify::policy::policy()
-        .verdict
-        .hidden_by_motion;
-    result.verdict == Verdict::None
-        && result.augmented.nrmse_fitted > most * result.noise_floor_nrmse
+/// Whether the effects that were adopted make the error on the held-out data larger.
+pub fn is_worse(result: &TraceResult) -> bool {
+    result.adopted && result.augmented.nrmse_held_out > WORSE * result.baseline.nrmse_held_out
 }
 
 /// A model whose error is larger by this factor is worse. Convention: two per cent are no difference.
@@ -174,8 +167,8 @@ fn concluded(result: &TraceResult) -> (String, String) {
         percent(result.on_target.nrmse_held_out),
         percent(result.noise_floor_nrmse),
     );
-    match result.verdict {
-        Verdict::None if is_hidden(result) => (
+    match result.conclusion() {
+        Conclusion::NotDecided => (
             "Not decided: the recording can hide an effect".into(),
             format!(
                 "The error of the {} on data that was never fitted is {} of the force's RMS, and the noise of the recording is {}. The \
@@ -186,7 +179,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 percent(result.noise_floor_nrmse)
             ),
         ),
-        Verdict::None => (
+        Conclusion::NothingMissing => (
             "Nothing is missing".into(),
             format!(
                 "The {} needs no further effect: its error on data that was never fitted is {} of the force's RMS; the noise of \
@@ -196,7 +189,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 percent(result.noise_floor_nrmse)
             ),
         ),
-        Verdict::Found => {
+        Conclusion::Found => {
             let what: Vec<String> = result
                 .effects
                 .iter()
@@ -217,11 +210,11 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 ),
             }
         }
-        Verdict::Ambiguous if named.len() == 1 => (
+        Conclusion::Ambiguous if named.len() == 1 => (
             format!("Ambiguous: {}", named.join(" or ")),
             format!("The recordings do not bound one of its parameters. {change}"),
         ),
-        Verdict::Ambiguous => (
+        Conclusion::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
             match &result.remainder {
                 None => format!("The recordings cannot tell these apart. {change}"),
@@ -232,25 +225,25 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 ),
             },
         ),
-        Verdict::Unlisted if result.correction.is_some() => (
+        Conclusion::Unlisted if result.correction.is_some() => (
             "Unmodelled: no family of effects explains the residual".into(),
             format!(
                 "The law lacks something that no family of effects explains. {} {change}",
                 correction(&named, &result.depends_on)
             ),
         ),
-        Verdict::Unlisted if result.effects.is_empty() => (
+        Conclusion::Unlisted if result.effects.is_empty() => (
             "Unmodelled: no family of effects explains the residual".into(),
             "The law lacks something, and no family of effects explains any of it. Nothing was added.".into(),
         ),
-        Verdict::Unlisted if result.effects_rejected_by == Some(Rule::SaysLess) => (
+        Conclusion::Unlisted if result.effects_rejected_by == Some(Rule::SaysLess) => (
             "Unmodelled: no family of effects explains the residual".into(),
             format!(
                 "The nearest effects, {}, explain the fitted data but not the held-out data. They are in the model. {change}",
                 named.join(" and ")
             ),
         ),
-        Verdict::Unlisted => (
+        Conclusion::Unlisted => (
             "Unmodelled: no family of effects explains the residual".into(),
             format!(
                 "No family of effects explains most of the residual. The nearest, {}, was added. {change}",

@@ -227,7 +227,7 @@ fn a_steep_damping_force_does_not_rattle() {
         force = servo.force();
     }
     assert_eq!(reversals, 8);
-    // While the piston stands the force can only follow the oil column, K·h·q: 5000 kN/mm·1e-4 s·q. It stands until the reversed
+    // While the piston is at rest the force can only follow the oil column, K·h·q: 5000 kN/mm·1e-4 s·q. It rests until the reversed
     // flow has loaded the column with the force's jump of 2·c·|v|^α = 1 kN, which takes 1 kN/5000 kN/mm = 2e-4 mm. With a flow of
     // 0.25 mm·(2π)²·t the flow rises to q = √(2·2e-4·9.9) = 0.063 mm/s, which is 0.03 kN per step.
     assert!(largest_step < 0.03, "{largest_step}");

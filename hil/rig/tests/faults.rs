@@ -47,7 +47,7 @@ fn law_of(specimen: &Damaged, part: f64) -> AugmentedLaw<f32, 1> {
     AugmentedLaw::new(Law::new(k1, k3, friction, c.alpha as f32).unwrap())
 }
 
-/// A law that takes over in the middle of a block is no change of the specimen, and ends the adaptation.
+/// A law that takes over in the middle of a block is not a change of the specimen, and ends the adaptation.
 #[test]
 fn a_better_law_in_the_middle_of_a_block_is_no_fault() {
     for follow in [0.0, FOLLOW] {

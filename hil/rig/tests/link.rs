@@ -59,7 +59,7 @@ fn a_run_is_the_whole_programme() {
     let recording = run.recording("rig").unwrap();
     assert_eq!(recording.displacement, run.samples.displacement);
     assert_eq!(recording.force, run.samples.force);
-    // The crate's estimate is no measurement.
+    // The crate's estimate is not a measurement.
     assert_eq!(recording.velocity, None);
     assert_eq!(recording.temperature, Some(vec![20.0; run.samples.len()]));
 }

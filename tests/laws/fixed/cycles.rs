@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use super::{TICK_RATE, cycles_of, law_of, part, tolerance, value};
 use crate::largest::Largest;
 
-/// Against 10 000 samples to the cycle, whole cycles in f64; at 1.37 Hz no cycle is whole ticks.
+/// Against 10 000 samples a cycle and complete cycles in f64. At 1.37 Hz a cycle is not a whole number of ticks.
 #[test]
 fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
     let [mut stiffness, mut energy, mut loss_factor] = [const { Largest(0.0) }; 3];
@@ -48,7 +48,7 @@ fn stiffness_energy_and_loss_factor_are_f64s_within_a_ten_thousandth() {
     peak.check("X0", tolerance::POSITION);
 }
 
-/// k1·y, c·v and c·sgn v enclose 0, π·c·ω·A² and 4·c·A; 997 Hz leaves ten ticks to the cycle, none of which is its end.
+/// k1·y, c·v and c·sgn v enclose 0, π·c·ω·A² and 4·c·A. 997 Hz gives ten ticks a cycle, none of which is at its end.
 #[test]
 fn a_cycle_encloses_the_energy_of_its_closed_form() {
     let amplitude = 0.2;
@@ -69,7 +69,7 @@ fn a_cycle_encloses_the_energy_of_its_closed_form() {
             // Forces of 1 kN over 0.8 mm, each rounded to 16 bits.
             assert!(cycle.energy.abs() < 1e-5 * 0.8, "{cycle:?}");
         }
-        // The polygon of n samples has sin(2π/n)/(2π/n) of an ellipse's area; where it closes it may lack one more part.
+        // The polygon of n samples has sin(2π/n)/(2π/n) of an ellipse's area; at its closing point it may lack one more part.
         let ticks = TICK_RATE / frequency;
         let lacks = (TAU / ticks).powi(2);
         for cycle in energies(0.0, 2.0, 1.0) {
@@ -77,8 +77,8 @@ fn a_cycle_encloses_the_energy_of_its_closed_form() {
             let error = f64::from(cycle.energy) / exact - 1.0;
             assert!(error.abs() < 3e-5 + lacks, "{frequency} Hz: {error:e}");
         }
-        // A reversal that lies parts a and b of a tick from the ticks beside it lacks (a² + b²)/2·(2π/n)² of c·A, of two
-        // reversals and 4·c·A at most (2π/n)²/4.
+        // A reversal at fractions a and b of a tick from its neighbours lacks (a² + b²)/2·(2π/n)² of c·A. For two reversals and 4·c·A
+        // this is at most (2π/n)²/4.
         for cycle in energies(0.0, 2.0, 0.0) {
             let error = f64::from(cycle.energy) / (4.0 * 2.0 * amplitude) - 1.0;
             assert!(
@@ -92,8 +92,8 @@ fn a_cycle_encloses_the_energy_of_its_closed_form() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Any samples: nothing overflows, the extremes are theirs, and the energy is that of their polygon, but for the force's
-    /// 16 bits and half a unit a tick.
+    /// For any samples: nothing overflows, the extremes are those of the samples, and the energy is that of their polygon, except for
+    /// the force's 16 bits and half a unit a tick.
     #[test]
     fn the_energy_is_that_of_the_polygon(
         samples in prop::collection::vec((part(), part()), 1..50),

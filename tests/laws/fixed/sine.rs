@@ -9,7 +9,7 @@ use crate::largest::Largest;
 
 #[test]
 fn the_sine_stays_with_f64_over_a_million_cycles() {
-    // 2469/20000 of a cycle a tick; an amplitude that 16 bits hold exactly, so that only the sine's error is seen.
+    // 2469/20000 of a cycle a tick, and an amplitude that 16 bits represent exactly, so that only the sine's error appears.
     let (amplitude, frequency) = (0.75, 1234.5);
     let omega = TAU * frequency;
     let scales = Scales::new(1.0, omega, 1.0).unwrap();
@@ -74,14 +74,14 @@ fn ramps_begin_and_end_at_rest_and_are_smooth() {
             error.see((slope - three[1].1) / speed);
             peak.see(three[1].0);
         }
-        // (ω·h)²/6 of the differences is 2.6e-7, in the ramp some ten times that. An error of the position of 2⁻²² amplitude
-        // between two ticks, ω·h = 1.3e-3 apart, is 4e-4 of the speed.
+        // (ω·h)²/6 of the differences is 2.6e-7, in the ramp about ten times that. A position error of 2⁻²² of the amplitude between
+        // two ticks, ω·h = 1.3e-3 apart, is 4e-4 of the speed.
         error.check("velocity over peak speed", 5e-4);
         assert!((peak.0 / amplitude - 1.0).abs() < tolerance::POSITION);
     }
 }
 
-/// 10s³ − 15s⁴ + 6s⁵ of the amplitude after the part s of the ramp, read off over stretches of 40 cycles.
+/// 10s³ − 15s⁴ + 6s⁵ of the amplitude after the fraction s of the ramp, measured over stretches of 40 cycles.
 #[test]
 fn the_longest_ramp_goes_up_and_down_by_its_quintic() {
     const STRETCHES: u32 = RAMP_CYCLES_MAX / 40;

@@ -4,7 +4,7 @@ use mesh_damper::rig::State;
 
 use super::Rig;
 
-/// The correction that was learned with a bad channel is not driven with the repaired one.
+/// A correction that was learned with a bad channel is not used with the repaired one.
 #[test]
 fn a_repaired_rig_starts_from_neutral() {
     for gain in [0.85, 0.6] {
@@ -24,11 +24,11 @@ fn a_repaired_rig_starts_from_neutral() {
     }
 }
 
-/// The largest speed is that of the way to the start, 0.25 mm in half a second.
+/// The largest speed is that of the motion to the start, 0.25 mm in half a second.
 #[test]
 fn a_start_where_the_piston_is_not_goes_there_slowly() {
     let mut rig = Rig::new(1, 3, 1);
-    // A stop at the crest leaves the piston where it is.
+    // A stop at the crest leaves the piston there.
     rig.run_until_crest();
     rig.bench.rig.stop();
     for _ in 0..6000 {
@@ -37,7 +37,7 @@ fn a_start_where_the_piston_is_not_goes_there_slowly() {
     let left = rig.bench.plant.servo.displacement();
     assert!(left.abs() > 0.05, "{left}");
     rig.bench.rig.start().unwrap();
-    // For its dead time of a millisecond the servo follows the command from before: 0.015 mm allow for that.
+    // During its dead time of a millisecond the servo follows the previous command: 0.015 mm allow for that.
     for _ in 0..200 {
         rig.tick(|_| {});
     }

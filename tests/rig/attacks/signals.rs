@@ -64,7 +64,7 @@ fn a_force_that_never_was_stops_the_rig_in_its_ramp() {
     }
 }
 
-/// Three times the force, and a channel that shows nothing, or less than the limit, in one tick of ten.
+/// Three times the force, together with a channel that shows zero, or less than the limit, in one tick of ten.
 #[test]
 fn one_good_sample_in_ten_does_not_hold_a_limit_off() {
     for seed in 0..SEEDS {
@@ -86,7 +86,7 @@ fn one_good_sample_in_ten_does_not_hold_a_limit_off() {
                 }
             });
             assert!(matches!(run.state, State::Faulted(_)), "{:?}", run.state);
-            // Ten ticks, one of ten that takes back an eighth of one, and the lag of the channel.
+            // Ten ticks, one tick in ten that reduces the count by an eighth, and the lag of the channel.
             assert!(run.beyond <= 20, "{}", run.beyond);
         }
     }
@@ -95,7 +95,7 @@ fn one_good_sample_in_ten_does_not_hold_a_limit_off() {
 #[test]
 fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
     for seed in 0..SEEDS {
-        // In the run-in, over 100 cycles; and at once.
+        // During the run-in, over 100 cycles; and at once.
         for over in [100.0, 0.0] {
             let run = Rig::new(1, 150, seed).run(|a| {
                 let part = if over > 0.0 {
@@ -113,7 +113,7 @@ fn a_displacement_that_fades_stops_the_rig_before_it_goes_a_third_too_far() {
     }
 }
 
-/// The channel shows two fifths too little from the start. In the first cycles the correction that it asks for is compared with neutral.
+/// The channel shows two fifths too little from the start. In the first cycles the requested correction is compared with neutral.
 #[test]
 fn a_displacement_that_shows_too_little_from_the_start_stops_the_rig_in_the_first_cycles() {
     for seed in 0..SEEDS {
@@ -151,7 +151,8 @@ fn hum_is_no_damage() {
     }
 }
 
-/// While hum is in every cycle, no cycle is watched until the hum is taken as normal. Damage from that time is not taken as normal.
+/// While every cycle contains hum, no cycle is monitored until the hum is learned as normal. Damage from that time is not learned as
+/// normal.
 #[test]
 fn a_break_behind_hum_is_reported_once_the_hum_is_normal() {
     for seed in 0..SEEDS {
@@ -196,7 +197,7 @@ fn a_fault_from_the_start_is_reported_in_the_first_cycles() {
         assert_eq!(event.cause, HealthCause::LawMismatch);
         assert_eq!(event.or, Some(HealthCause::SensorGain(Channel::Force)));
         assert!(cycle < 5.0, "{cycle}");
-        // The channels are swapped, or the displacement is reversed: a limit stops it.
+        // The channels are swapped, or the displacement is reversed: a limit trips the rig.
         let mut swapped = run(seed, |a| {
             let [displacement, force] = &mut a.volts;
             std::mem::swap(*displacement, *force);

@@ -1,4 +1,4 @@
-//! Damage of the specimen is found under any temperature, run-in or block, and called by its name.
+//! Damage of the specimen is found at any temperature, in any run-in or block, and identified correctly.
 
 use mesh_damper::health::HealthCause;
 use mesh_damper::rig::State;
@@ -8,7 +8,7 @@ use super::{BEGINS, Rig, SEEDS, run};
 #[test]
 fn no_temperature_hides_a_break() {
     let shown: [fn(f64) -> f64; 5] = [
-        // For one tick, and for good.
+        // For one tick, and permanently.
         |cycle| {
             if (25.5..25.501).contains(&cycle) {
                 f64::NAN
@@ -74,7 +74,7 @@ fn a_break_while_it_learns_is_a_loss() {
         });
         let (cycle, event) = run.events[0];
         assert_eq!(event.cause, HealthCause::WireBreakage);
-        // Three of the least size that is to be found.
+        // Three times the smallest size that must be found.
         assert!((event.limit - 0.15).abs() < 1e-6, "{event:?}");
         assert!(
             (event.value + 0.2).abs() < 0.03 && cycle < 15.0,
@@ -108,7 +108,8 @@ fn short_blocks_of_one_motion_are_watched_as_one() {
     }
 }
 
-/// A specimen of 1.6 times its law, which loses as much more of the law's force as it is more of it. By 8 °C in 40 cycles: 5 % of the law's.
+/// A specimen with 1.6 times the force of its law, and with a loss that is larger in the same proportion. 8 °C in 40 cycles: 5 % of
+/// the law's force.
 #[test]
 fn warmth_is_no_fault_of_a_specimen_that_is_more_than_its_law() {
     for seed in 0..SEEDS {
@@ -142,7 +143,7 @@ fn a_run_in_hides_no_more_than_a_run_in() {
         });
         let (cycle, event) = run.events[0];
         assert_eq!(event.cause, HealthCause::WireBreakage);
-        // 15 % of it, of which a third is gone when it has learned.
+        // The permitted run-in is 15 %, a third of which is gone when learning ends.
         assert!(cycle < 110.0, "{cycle}");
     }
 }

@@ -11,7 +11,7 @@ use super::wired::{FailingLine, wired};
 use super::{demodulate, programme};
 use crate::support::{Ticks, elastic};
 
-/// Telemetry of 0.05 mm at 2 Hz on an actuator that gives `gain` of the command `delay` ticks later.
+/// Telemetry of 0.05 mm at 2 Hz with an actuator that follows `gain` times the command `delay` ticks later.
 fn on_an_actuator(gain: f64, delay: usize, frequency: f64, cycles: u32) -> Vec<Telemetry> {
     let (adc, dac) = (Rc::<AdcPins>::default(), Rc::<DacPins>::default());
     let settings = RigSettings {
@@ -64,8 +64,8 @@ fn the_error_after_correction_falls_by_the_same_part_each_cycle() {
     let phase = TAU * 2.0 * 0.01;
     assert!((errors[0].1 + 0.9 * phase.sin()).abs() < 2e-3, "{errors:?}");
     for two in errors.windows(2) {
-        // 1 − Y is halved by a gain of 0.5. Glide and dead time, 15 ms of the 500 ms, still show the cycle before: 3 % of
-        // its error, doubled where the sine is at its crest; and the ADC's noise-free step is 3e-5 mm of 0.05 mm.
+        // A gain of 0.5 halves 1 − Y. Transition and dead time, 15 ms of the 500 ms, still contain the previous cycle: 3 % of its
+        // error, doubled where the sine is at its crest. The ADC's noise-free step is 3e-5 mm of 0.05 mm.
         let tolerance = |before: f64| 0.06 * before.abs() + 6e-4;
         assert!(
             (two[1].0 - 0.5 * two[0].0).abs() < tolerance(two[0].0),
@@ -80,11 +80,11 @@ fn the_error_after_correction_falls_by_the_same_part_each_cycle() {
 
 #[test]
 fn the_correction_stays_within_its_limits() {
-    // A gain of 0.15 asks for 6.7, and gets 5.
+    // A gain of 0.15 requires 6.7; the limit is 5.
     let run = on_an_actuator(0.15, 0, 2.0, 12);
     let peak = run.iter().map(|t| t.command.abs()).fold(0.0, f32::max);
     assert!((peak / 0.05 - 5.0).abs() < 0.01, "{peak}");
-    // A dead time of 0.2 s at 0.5 Hz asks for 0.19 s of lead, and gets 0.1: the command where the demand is 0.
+    // A dead time of 0.2 s at 0.5 Hz requires 0.19 s of lead; the limit is 0.1: the command where the demand is 0.
     let run = on_an_actuator(1.0, 2000, 0.5, 12);
     let lead = run
         .iter()

@@ -12,7 +12,7 @@ fn a_dead_actuator_is_a_tracking_fault() {
     let mut setup = setup(3.0, &[(0.2, 1.0, 5)]);
     setup.settings.tracking_limit = 0.1;
     let mut bench = started(setup);
-    // 1.25 cycles in, at the crest.
+    // After 1.25 cycles, at the crest.
     for _ in 0..12_500 {
         assert_eq!(bench.tick().state, State::Running);
     }
@@ -26,7 +26,7 @@ fn a_dead_actuator_is_a_tracking_fault() {
 fn a_stuck_sensor_is_lost_before_it_is_far_off() {
     for force in [false, true] {
         let mut bench = started(setup(3.0, &[(0.2, 1.0, 5)]));
-        // 1.25 cycles in, at the crest of both.
+        // After 1.25 cycles, at the crest of both.
         for _ in 0..12_500 {
             assert_eq!(bench.tick().state, State::Running);
         }
@@ -40,7 +40,7 @@ fn a_stuck_sensor_is_lost_before_it_is_far_off() {
         };
         sensor.fault = SensorFault::Stuck;
         let ticks = stops(&mut bench, 5000, fault);
-        // cos φ has fallen by 0.3 after 1266 ticks. The force comes in faster: at its crest friction turns round.
+        // cos φ has fallen by 0.3 after 1266 ticks. The force changes earlier: at its crest the friction reverses.
         let expected = if force { 10..1266 } else { 1260..1290 };
         assert!(expected.contains(&ticks), "{ticks}");
     }
@@ -73,7 +73,7 @@ fn a_sensor_that_is_lost_again_stops_the_rig_again() {
     }
 }
 
-/// In the tick that finds it.
+/// In the tick that detects it.
 #[test]
 fn an_event_is_reported_at_once() {
     let mut bench = started(setup(3.0, &[(0.1, 2.0, 12)]));
@@ -92,8 +92,8 @@ fn an_event_is_reported_at_once() {
 
 #[test]
 fn an_actuator_dead_from_the_start_is_noticed_in_the_ramp_or_after_a_cycle() {
-    // A ramp and a cycle of 5000 ticks each; the tick that ends it is the first of the next.
-    // A ramp of one cycle is too short to tell, unless it goes far.
+    // A ramp and a cycle of 5000 ticks each; the tick that ends the cycle is the first of the next one. A ramp of one cycle is too
+    // short for a decision, unless its amplitude is large.
     for (amplitude, most) in [(0.05, 10_001), (0.1, 10_001), (0.25, 5_000)] {
         let mut bench = Bench::new(setup(3.0, &[(amplitude, 2.0, 5)])).unwrap();
         bench.plant.servo.fault = ServoFault::Dead;

@@ -1,4 +1,5 @@
-//! The law that runs with the specimen: its force is near, it gets the fraction of a cycle, and a swapped law takes over at the end of one.
+//! The law next to the specimen: its force is close to the measured one, it receives the fraction of a cycle, and a swapped law takes
+//! over at the end of a cycle.
 
 use mesh_damper::effects::{AugmentedLaw, Drift, Effect, Offset, StickSlip};
 use mesh_damper::fast_law::FastLaw;
@@ -73,7 +74,7 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
         assert_eq!(ticks, 5000 - asked_at % 5000 - 1);
         assert_eq!(*bench.rig.law(), zero);
     }
-    // Swapping for the same law changes nothing, stuck elements included; for other effects they begin at rest.
+    // A swap for the same law changes nothing, including the stuck elements. The state of other effects starts at rest.
     let joints = Effect::StickSlip(StickSlip::new(&[(3.0, 0.02)]).unwrap());
     let offset = Effect::Offset(Offset::new(0.125).unwrap());
     let mut setup = setup(3.0, &[(0.2, 2.0, 5)]);
@@ -97,7 +98,7 @@ fn another_law_takes_over_at_the_end_of_the_cycle_and_not_before() {
         if tick < 10_000 {
             assert_eq!(force, expected);
         } else if tick == 10_000 {
-            // At phase 0 the joints are stretched to their limit by 3 kN/mm·0.02 mm; at rest they give nothing.
+            // At phase 0 the joints are stretched to their limit by 3 kN/mm·0.02 mm; at rest their force is 0.
             assert!(
                 (expected - force - 0.06 + 0.125).abs() < 1e-6,
                 "{expected} {force}"

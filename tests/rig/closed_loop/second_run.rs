@@ -1,4 +1,4 @@
-//! A rig that was stopped runs again as it did the first time.
+//! After a stop, the rig runs again in the same way as the first time.
 
 use std::rc::Rc;
 
@@ -31,9 +31,9 @@ fn it_can_be_stopped_and_runs_again() {
 
 #[test]
 fn a_second_run_begins_as_the_first() {
-    // A displacement that reads 0 but for the noise of a step, which shows that the channel is alive: the observer sees the error of its
-    // feed-forward, some 1e-4 mm, and the joints slip at 1e-5 mm. The force reads about 0.01 kN, as much as the
-    // joints give.
+    // The displacement reads 0 except for noise of one step, which shows that the channel is alive. The observer sees the error of
+    // its feed-forward, about 1e-4 mm, and the joints slip at 1e-5 mm. The force reads about 0.01 kN, as much as the force of the
+    // joints.
     let adc = Rc::<AdcPins>::default();
     let flicker = |tick: usize| {
         let step = (tick % 2) as f64 / 32_768.0;
@@ -69,7 +69,7 @@ fn a_second_run_begins_as_the_first() {
         flicker(tick);
         let (a, b) = (first.tick(firsts.next()), second.tick(seconds.next()));
         assert_eq!((a.command, a.cycle, a.phase), (b.command, b.cycle, b.phase));
-        // The observer's memory of the first run is e⁻⁵⁰ and less.
+        // The observer's memory of the first run has decayed to e⁻⁵⁰ or less.
         let difference = (a.model_force - b.model_force).abs();
         assert!(difference < 1e-5, "{difference} at {tick}");
         if let (Some(a), Some(b)) = (a.report, b.report) {
@@ -87,7 +87,7 @@ fn a_second_run_counts_its_own_ticks_beyond_a_limit() {
     let mut rig = wired(
         (&adc, &Rc::default()),
         FailingLine::default(),
-        // The piston is far off, and may start there.
+        // The piston is far from the start, which these settings permit.
         &RigSettings {
             tracking_limit: 1.0,
             ..RigSettings::default()

@@ -32,8 +32,8 @@ fn limits_stop_the_rig_within_their_ticks() {
             |t: &Telemetry| t.measured_force.abs() > 0.2,
         ),
     ] {
-        // The same run without a trip shows when the limit has been exceeded for long enough: a tick within the limit takes back an eighth
-        // of one beyond.
+        // The same run without a trip shows when the limit has been exceeded for long enough: a tick within the limit reduces the
+        // count by an eighth of a tick.
         let mut free = setup.clone();
         free.settings.trip_ticks = 1_000_000;
         let mut free = started(free);
@@ -71,7 +71,7 @@ fn the_reported_command_is_the_one_that_the_dac_drives() {
         assert_eq!(bench.tick().command, written);
         assert_eq!(bench.rig.clear(), Err(ClearRefused::Moving));
     }
-    // ±0.15 mm end at 0x0000 below and 0xFFFF above, a step short of it.
+    // ±0.15 mm ends at 0x0000 on the lower side and at 0xFFFF, one step before it, on the upper side.
     let mut setup = setup(3.0, &[(0.2, 1.0, 5)]);
     setup.command_range = 0.15;
     let mut bench = started(setup);
@@ -93,7 +93,7 @@ fn bus_errors_stop_the_rig_at_once() {
         for _ in 0..12_345 {
             bench.tick();
         }
-        // A tick over which the plant stands still.
+        // A tick during which the plant stands still.
         let moved = bench.rig.tick(bench.plant.clock).displacement;
         bench.plant.clock += 1;
         let (flag, fault) = if adc {
@@ -112,7 +112,7 @@ fn bus_errors_stop_the_rig_at_once() {
         bench.dac.bus_failing.set(false);
         stops(&mut bench, 5000, fault);
         assert_eq!(bench.dac.volts.get(), 0.0);
-        // Cleared, it can be started again and runs to its end.
+        // After a clear it can start again and runs to its end.
         bench.rig.clear().unwrap();
         assert_eq!(bench.rig.state(), State::Idle);
         bench.rig.start().unwrap();
@@ -139,7 +139,7 @@ fn a_fault_on_the_way_back_does_not_prolong_it() {
         }
         let command = bench.tick().command;
         assert!(tick > 990 || command != 0.0, "{tick}");
-        // One more where the differences' rounding leaves a rest.
+        // One more tick if rounding of the differences leaves a remainder.
         assert!(tick <= 1000 || command == 0.0, "{command}");
     }
     let fault = TripCause::DisplacementClipped;
@@ -149,7 +149,7 @@ fn a_fault_on_the_way_back_does_not_prolong_it() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Any failure at any time: the line is low from that tick on, and the command goes to 0 and stays.
+    /// Any failure at any time: the line is low from that tick on, and the command goes to 0 and stays there.
     #[test]
     fn any_failure_at_any_time_ends_at_rest(at in 0usize..4_000, failing in 0usize..4, heals in any::<bool>()) {
         let mut setup = setup(3.5, &[(0.15, 10.0, 3)]);
@@ -173,7 +173,7 @@ proptest! {
             prop_assert_eq!(telemetry.state, first.state);
             prop_assert!(!bench.enabled.get());
             prop_assert!(telemetry.command.abs() <= first.command.abs());
-            // A bus that does not heal brings nothing to the DAC.
+            // A bus that does not recover passes nothing to the DAC.
             if tick > 500 && (failing != 1 || heals) {
                 prop_assert_eq!(telemetry.command, 0.0);
             }
@@ -187,7 +187,7 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
     setup.settings.link_ticks = 20;
     setup.settings.stop_ticks = 1000;
     let mut linked = started(setup.clone());
-    // It runs as long as the link is heard, and for `link_ticks` after the last time.
+    // It runs while the link is heard, and for `link_ticks` after the last time.
     for tick in 0..12_000 {
         if tick % 20 == 0 {
             linked.rig.exchange();
@@ -196,7 +196,7 @@ fn a_lost_link_and_a_late_tick_stop_the_rig() {
     }
     linked.rig.exchange();
     assert_eq!(stops(&mut linked, 1000, TripCause::LinkLost), 21);
-    // A link that is back clears nothing.
+    // A restored link clears nothing.
     linked.rig.exchange();
     assert_eq!(linked.tick().state, State::Faulted(TripCause::LinkLost));
     linked.rig.clear().unwrap();

@@ -14,7 +14,7 @@ use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8
 use super::programme;
 use crate::support::{Ticks, elastic, unit};
 
-/// A line whose calls fail while `fails` says so.
+/// A line whose calls fail while `fails` is set.
 #[derive(Clone, Default)]
 pub struct FailingLine {
     pub fails: Rc<Cell<bool>>,

@@ -1,4 +1,4 @@
-//! One rig on simulated parts, driven by calls that wait and by calls that are awaited.
+//! One rig on simulated parts, driven by blocking calls and by awaited calls.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -19,11 +19,11 @@ use mesh_damper_rig::actuator::{AdcPins, DacPins, SimulatedAd5761, SimulatedAds8
 
 use crate::asynchronous::{Busy, run};
 
-/// A line with both of its ends, whose calls fail where it is told to, and which may stick.
+/// A line with both of its ends, whose calls fail on demand, and which may stick.
 #[derive(Clone, Default)]
 pub struct Line {
     pub level: Rc<Cell<bool>>,
-    /// How often it was set from low to high.
+    /// Number of times that it was set from low to high.
     pub rises: Rc<Cell<u32>>,
     pub stuck: Rc<Cell<bool>>,
     pub fails: Rc<Cell<bool>>,
@@ -75,7 +75,7 @@ type Sensors<A> = WithTrip<Ads8688<A>, Line>;
 type Actuator<D> = WithAlive<WithReadBack<SpiActuator<D, Line>, Line>, Line>;
 type Excitation = RigController<1, SineGenerator<2>>;
 
-/// What both can be told.
+/// The operations of both rigs.
 pub trait Supervised {
     fn new(controller: Excitation, wiring: &Wiring, pins: &Pins) -> Self;
     fn start(&mut self) -> Result<(), StartRefused>;
@@ -89,7 +89,7 @@ pub trait Supervised {
     fn driven(&self) -> f32;
 }
 
-/// Of the parts.
+/// The wires of the parts.
 #[derive(Clone, Default)]
 pub struct Pins {
     pub adc: Rc<AdcPins>,
@@ -109,7 +109,7 @@ fn actuator<D>(dac: Ad5761<D>, pins: &Pins) -> Actuator<D> {
     WithAlive::new(actuator, pins.signal.clone())
 }
 
-/// By calls that wait.
+/// By blocking calls.
 pub struct Waiting(Blocking<Excitation, Sensors<SimulatedAds8688>, Actuator<SimulatedAd5761>>);
 
 impl Supervised for Waiting {
@@ -150,7 +150,7 @@ impl Supervised for Waiting {
     }
 }
 
-/// By calls that are awaited, on a bus that is busy now and then.
+/// By awaited calls, on a bus that is sometimes busy.
 pub struct Awaited(
     Asynchronous<Excitation, Sensors<Busy<SimulatedAds8688>>, Actuator<Busy<SimulatedAd5761>>>,
 );
@@ -194,13 +194,13 @@ impl Supervised for Awaited {
     }
 }
 
-/// A rig with an actuator that moves what the DAC drives at once, with a force in proportion.
+/// A rig with an actuator that follows the DAC at once, with a force in proportion.
 pub struct Fixture<R> {
     pub rig: R,
     pub clock: u32,
     counts: u32,
     ticks: u32,
-    /// V of the DAC at a command of 0.
+    /// Output of the DAC at a command of 0, V.
     zero: f64,
     pins: Pins,
 }
@@ -271,7 +271,7 @@ impl<R: Supervised> Fixture<R> {
     /// A tick, `counts` of the clock after the one before.
     pub fn tick_after(&mut self, counts: u32) -> Telemetry {
         self.clock = self.clock.wrapping_add(counts);
-        // The actuator stands a little off, and its sensor flickers by a step: a channel that reads 0 is one that is lost.
+        // The actuator has a small offset, and its sensor flickers by a step: a channel that reads exactly 0 counts as lost.
         let step = INPUT_RANGE / 32_768.0;
         let off = step * f64::from(20 + self.ticks % 2);
         self.ticks += 1;
@@ -286,7 +286,7 @@ impl<R: Supervised> Fixture<R> {
         self.tick_after(self.counts)
     }
 
-    /// Ticks on which it runs.
+    /// Asserts that it runs for this number of ticks.
     pub fn runs(&mut self, ticks: u32) {
         for tick in 0..ticks {
             assert_eq!(self.tick().state, State::Running, "tick {tick}");
@@ -294,7 +294,7 @@ impl<R: Supervised> Fixture<R> {
         }
     }
 
-    /// More than it takes to go back to 0.
+    /// Runs for longer than the return to 0 takes.
     pub fn comes_to_rest(&mut self) {
         for _ in 0..60 {
             self.tick();
@@ -302,7 +302,7 @@ impl<R: Supervised> Fixture<R> {
         assert_eq!(self.rig.driven(), 0.0);
     }
 
-    /// How often the alive signal changed its level in so many ticks.
+    /// Number of level changes of the alive signal in `ticks` ticks.
     pub fn alive_in(&mut self, ticks: u32) -> u32 {
         (0..ticks)
             .map(|_| {

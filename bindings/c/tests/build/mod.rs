@@ -1,4 +1,5 @@
-//! Builds the library and programs in C with it, for this machine and for the emulated board, and runs them. Shared by the tests.
+//! Builds the library, and programs in C that use it, for this machine and for the emulated board, and runs them. Shared by the
+//! tests.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
 use std::collections::BTreeSet;
@@ -34,7 +35,7 @@ impl On {
         }
     }
 
-    /// As `bindings/c/Makefile` calls it.
+    /// The name in `bindings/c/Makefile`.
     fn target(self) -> &'static str {
         match self {
             Self::Host => "",
@@ -165,7 +166,7 @@ pub struct Program<'p> {
 }
 
 impl Program<'_> {
-    /// Compiles and links it.
+    /// Compiles and links the program.
     pub fn build(&self) -> PathBuf {
         let elf = self.folder.join(format!("{:?}.elf", self.on));
         let mut command = Command::new(self.on.compiler());
@@ -214,7 +215,7 @@ impl Program<'_> {
         elf
     }
 
-    /// Runs it in its folder, and returns its output.
+    /// Runs the program in its folder, and returns its output.
     pub fn run(&self) -> String {
         let elf = self.build();
         let mut command = match self.on {

@@ -1,4 +1,4 @@
-/* What the checks share. A check that fails says where, and ends the program. */
+/* Shared by the checks. A check that fails reports its place, and ends the program. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -20,7 +20,7 @@
         } \
     } while (0)
 
-/* A number as its bits, which are the same wherever the program runs. */
+/* The bits of a number, which are the same on every machine. */
 static inline void print_bits(const char *name, float value)
 {
     uint32_t bits;
@@ -46,7 +46,7 @@ double linear_loss_factor(double frequency);
 
 /* Loads linear.c. */
 void load_linear(md_law *law);
-/* Of 0.5 mm, 10 kN, and a command with its own full scale. */
+/* Full scales of 0.5 mm, 10 kN, and a separate one for the command. */
 void wire(md_wiring *wiring, double command);
 
 void check_packs(void);

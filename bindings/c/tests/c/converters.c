@@ -1,4 +1,4 @@
-/* Codes of converters and what they stand for. */
+/* Codes of converters and their values. */
 #include "check.h"
 
 void check_converters(void)
@@ -13,11 +13,11 @@ void check_converters(void)
         CHECK(sample.value == 0.5f * ((float)code - 32768.0f) / 32768.0f - 0.25f && sample.code == code);
         CHECK(md_scale_encode(&scale, sample.value) == code);
     }
-    /* Twelve bits over the same range: both ends are seen as ends, and the middle is 0 V. */
+    /* Twelve bits over the same range: both ends are detected as ends, and the middle is 0 V. */
     CHECK(md_scale_decode(&scale, 12, 0x800).value == -0.25f && md_scale_decode(&scale, 12, 0x800).code == 0x8000);
     CHECK(md_scale_decode(&scale, 12, 0).code == 0 && md_scale_decode(&scale, 12, 0xFFF).code == 0xFFFF);
     CHECK(md_scale_decode(&scale, 12, 0xFFE).code == 0xFFE0 && md_scale_decode(&scale, 12, 0x1FFE).code == 0xFFFF);
-    /* What is no number of bits counts as 16. */
+    /* An invalid number of bits counts as 16. */
     CHECK(md_scale_decode(&scale, 0, 0x9001).code == 0x9001 && md_scale_decode(&scale, UINT32_MAX, 0x9001).code == 0x9001);
     CHECK(md_scale_encode(&scale, 9.0f) == 0xFFFF && md_scale_encode(&scale, -9.0f) == 0);
     /* Without a scale there is no measurement, and the DAC stays at 0 V. */

@@ -73,7 +73,7 @@ void check_cycles(void)
             const float force = md_law_force(&law, &motion);
             md_cycle results = {.ticks = -1.0f};
             if (md_cycles_update(&cycles, now.displacement, force, now.phase, &results)) {
-                /* The first and the last are the ramps. */
+                /* The first and the last cycle are the ramps. */
                 if (!now.ramp && now.cycle > 1)
                     check_cycle(&results), ended++;
             } else {

@@ -1,4 +1,4 @@
-/* The damper emulation: it drives the law's force for the motion that it measures, and stops for what it must stop for. */
+/* The damper emulation: it drives the law's force for the measured motion, and trips for each cause. */
 #include "check.h"
 
 #define AMPLITUDE 0.1
@@ -10,10 +10,10 @@ static md_emulation emulation;
 static md_wiring wiring;
 static md_telemetry seen;
 
-/* What each reading says of them. */
+/* The control inputs of each reading. */
 static float controls[MD_CONTROLS];
 
-/* Ticks so far, which are the clock. */
+/* Ticks so far, which serve as the clock. */
 static uint32_t ticks;
 
 /* One tick at `displacement` mm and `force` kN. */
@@ -36,7 +36,7 @@ static void rest(uint32_t stop_ticks)
     CHECK(seen.command == 0.0f && !seen.enabled);
 }
 
-/* Another law while it runs: the one in force goes on until its cycle ends, and then the other one drives. */
+/* Another law while it runs: the law in force continues until its cycle ends, and then the other law takes over. */
 static void check_load(void)
 {
     const md_expected expected = {.tick_rate = LINEAR_TICK_RATE};
@@ -67,7 +67,7 @@ static void check_load(void)
         }
         if (seen.has_cycle && now.cycle > 2 && !now.ramp) {
             const int is_linear = is_near(seen.model.stiffness, linear_stiffness(FREQUENCY), 2e-3);
-            /* The cycle in which it was loaded is still of the law before. */
+            /* The cycle of the load still belongs to the previous law. */
             after += loaded;
             CHECK(is_linear == (after > 1));
             others += !is_linear;
@@ -110,7 +110,7 @@ void check_emulation(void)
         CHECK(md_sine_tick(&sine, &now) == MD_ERROR_NONE);
         if (now.done)
             break;
-        /* The actuator does what it was told. */
+        /* The actuator follows the command. */
         tick(now.displacement, driven);
         CHECK(seen.state == MD_STATE_RUNNING && seen.enabled && seen.trip == MD_TRIP_NONE);
         driven = seen.command;
@@ -133,7 +133,7 @@ void check_emulation(void)
     rest(settings.stop_ticks);
     CHECK(md_emulation_clear(&emulation, &problem) == MD_ERROR_NO_FAULT);
 
-    /* No reading stops it in that tick; nothing but a clear at rest leads out. */
+    /* A missing reading trips it in that tick; only a clear at rest ends the trip. */
     CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
     CHECK(md_emulation_tick(&emulation, NULL, ticks++, &seen) == MD_ERROR_NONE);
     CHECK(seen.state == MD_STATE_FAULTED && seen.trip == MD_TRIP_ADC_BUS && !seen.enabled);
@@ -141,7 +141,7 @@ void check_emulation(void)
     CHECK(md_emulation_start(&emulation, &problem) == MD_ERROR_FAULTED && problem.trip == MD_TRIP_ADC_BUS);
     CHECK(md_emulation_clear(&emulation, &problem) == MD_ERROR_NONE);
 
-    /* Too far for trip_ticks on end. */
+    /* Beyond the limit for trip_ticks consecutive ticks. */
     CHECK(md_emulation_start(&emulation, NULL) == MD_ERROR_NONE);
     settings.displacement_limit = 0.05;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, NULL) == MD_ERROR_NONE);
@@ -154,7 +154,7 @@ void check_emulation(void)
     CHECK(seen.state == MD_STATE_FAULTED && seen.trip == MD_TRIP_DISPLACEMENT_LIMIT);
     printf("emulation: %s\n", md_trip_name(seen.trip));
 
-    /* Whoever calls says what failed. */
+    /* The caller reports what failed. */
     const struct {
         md_error (*fail)(md_emulation *);
         md_trip trip;
@@ -175,7 +175,7 @@ void check_emulation(void)
         CHECK(seen.trip == failures[i].trip);
     }
 
-    /* A tick that is missing, and one that comes twice. */
+    /* A missing tick, and a tick that comes twice. */
     for (uint32_t missing = 0; missing < 2; missing++) {
         rest(settings.stop_ticks);
         CHECK(md_emulation_clear(&emulation, NULL) == MD_ERROR_NONE);
@@ -193,7 +193,7 @@ void check_emulation(void)
     CHECK(problem.field_length == 10 && memcmp(problem.field, "clock_rate", 10) == 0 && problem.low == LINEAR_TICK_RATE);
     settings.clock_rate = 0.0;
 
-    /* A link that is not heard. */
+    /* A lost link. */
     settings.link_ticks = 20;
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, NULL) == MD_ERROR_NONE);
     tick(0.0f, 0.0f);

@@ -1,5 +1,5 @@
-/* The forces of the law in mount.c over the motions of a file. Each record of motions.bin is a motion, and of forces.bin a force, as
- * they are in memory. */
+/* The forces of the law in mount.c over the motions of a file. Each record of motions.bin is a motion, and each record of forces.bin
+ * is a force, in their layout in memory. */
 #include <stdio.h>
 #include <stdlib.h>
 

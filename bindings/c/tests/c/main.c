@@ -1,4 +1,4 @@
-/* Every function of the library, on this machine and on the emulated board. What is printed has to be the same on both. */
+/* Every function of the library, on this machine and on the emulated board. The output must be the same on both. */
 #include <math.h>
 
 #include "check.h"
@@ -7,7 +7,7 @@
 void initialise_monitor_handles(void);
 #endif
 
-/* The constants are those of the types. */
+/* The constants equal those of the types. */
 #define IS_SIZE(type, size, align) \
     typedef char type##_has_its_size[sizeof(type) >= (size) && sizeof(type) < (size) + (align) ? 1 : -1]; \
     struct type##_behind_a_byte { \

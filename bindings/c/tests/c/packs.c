@@ -1,4 +1,4 @@
-/* A pack that is right is loaded; each that is not has its own error, and never touches the law in force. */
+/* A valid pack is loaded; each kind of invalid pack has its own error, and never changes the law in force. */
 #include "check.h"
 
 static md_law law;
@@ -23,7 +23,7 @@ static bool no_enable(void *context, bool on)
     return false;
 }
 
-/* Whose initialisation was refused is no law: nothing takes it for one. */
+/* A law whose initialisation was refused is not a law: no function accepts it. */
 static void is_no_law(md_law *fresh)
 {
     static md_emulation emulation;
@@ -42,7 +42,7 @@ static void is_no_law(md_law *fresh)
     const md_programme programme = {.tick_rate = LINEAR_TICK_RATE, .ramp_cycles = 1, .blocks = &block, .count = 1};
     const md_rig_io io = {.read = no_reading, .drive = no_drive, .enable = no_enable};
     CHECK(md_rig_init(&rig, &rig_settings, &programme, &wiring, &io, fresh, &problem) == MD_ERROR_NOT_INITIALIZED);
-    /* All else was right. */
+    /* All other arguments were valid. */
     CHECK(md_emulation_init(&emulation, &settings, &wiring, &law, &problem) == MD_ERROR_NONE);
     CHECK(md_rig_init(&rig, &rig_settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
 }
@@ -53,7 +53,7 @@ static void is_refused(const uint8_t *pack, size_t length, const md_expected *ex
     md_law fresh;
     CHECK(md_law_init(&fresh, pack, length, expected, NULL) == error);
     is_no_law(&fresh);
-    /* Nor is a law that was right before. */
+    /* Neither is a law that was valid before. */
     load_linear(&fresh);
     CHECK(md_law_force(&fresh, &MOTION) != 0.0f);
     CHECK(md_law_init(&fresh, pack, length, expected, NULL) == error);
@@ -89,7 +89,7 @@ static void check_refusals(void)
     is_refused(linear_pack, LINEAR_PACK_LENGTH, &newer, MD_ERROR_PACK_REVISION, &problem);
     CHECK(problem.value == LINEAR_REVISION && problem.low == LINEAR_REVISION + 1.0);
 
-    /* The version stands behind the four bytes "MDCP". */
+    /* The version follows the four bytes "MDCP". */
     memcpy(pack, linear_pack, sizeof pack);
     pack[4]++;
     is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_VERSION, &problem);
@@ -108,7 +108,7 @@ static void check_refusals(void)
     is_refused(pack, sizeof pack, &right, MD_ERROR_PACK_CHECKSUM, &problem);
 }
 
-/* A pack of version 6 is read, and says nothing of itself. */
+/* A pack of version 6 is read, and contains no description. */
 static void check_silent(void)
 {
     md_pack_info info;
@@ -124,7 +124,7 @@ static void check_silent(void)
     CHECK(md_law_force(&silent, &MOTION) != 0.0f);
 }
 
-/* A law with a dashpot below 0 gives more energy than it takes. */
+/* A law with a dashpot below 0 supplies more energy than it absorbs. */
 static void check_active(void)
 {
     md_problem problem;
@@ -143,7 +143,7 @@ static void check_memory(void)
     static md_law never;
     const md_expected any = {.tick_rate = 0.0f};
     md_problem problem;
-    /* What was never initialised gives no force, and says so where it can. */
+    /* A law that was never initialised gives no force, and reports this if the function can. */
     CHECK(md_law_force(&never, &MOTION) == 0.0f);
     CHECK(md_law_rest(&never) == MD_ERROR_NOT_INITIALIZED);
     CHECK(md_law_load(&never, linear_pack, LINEAR_PACK_LENGTH, &any, &problem) == MD_ERROR_NOT_INITIALIZED);
@@ -181,7 +181,7 @@ static void check_names(void)
     CHECK(strcmp(md_error_name(-1), "?") == 0 && strcmp(md_error_name(1000), "?") == 0);
     CHECK(strcmp(md_trip_name(MD_TRIP_DEMAND_LIMIT), "MD_TRIP_DEMAND_LIMIT") == 0);
     CHECK(strcmp(md_trip_name(-1), "?") == 0);
-    /* All that have a number have a name and a help. */
+    /* Every error number has a name and a help text. */
     int names = 0;
     for (int code = 0; code < 100; code++) {
         if (strcmp(md_error_name(code), "?") != 0) {
@@ -199,7 +199,7 @@ void check_packs(void)
     CHECK(md_law_init(&law, mount_pack, MOUNT_PACK_LENGTH, &expected, &problem) == MD_ERROR_NONE);
     CHECK(problem.error == MD_ERROR_NONE);
     print_bits("force", md_law_force(&law, &MOTION));
-    /* Its slider is stretched now: the force is another one on the way back, and the first one again after a rest. */
+    /* Its slider is stretched now: the force on the way back is different, and after a rest it is the first one again. */
     const md_motion back = {.displacement = 0.05f, .velocity = -2.0f, .temperature = 20.0f};
     const float followed = md_law_force(&law, &back);
     CHECK(md_law_rest(&law) == MD_ERROR_NONE);

@@ -1,10 +1,10 @@
-/* The rig, through its callbacks: a start, some cycles, a stop, the end of a programme, and a fault of each callback. */
+/* The rig, through its callbacks: a start, some cycles, a stop, the end of a programme, and a failure of each callback. */
 #include "check.h"
 
 #define AMPLITUDE 0.1
 #define FREQUENCY 5.0
 
-/* An actuator that is where it was told to be, and a specimen of the rig's own law. */
+/* An actuator that is at the commanded position, and a specimen with the rig's own law. */
 struct bench {
     md_law specimen;
     float position, before;
@@ -87,7 +87,7 @@ static bool alive(void *context)
     return true;
 }
 
-/* Ticks so far, which are the clock. */
+/* Ticks so far, which serve as the clock. */
 static uint32_t ticks;
 
 static void tick(void)
@@ -96,7 +96,7 @@ static void tick(void)
     CHECK(bench.enabled == seen.enabled);
 }
 
-/* Control inputs that the callback fills in come out in the telemetry; where it fails, the last ones stay. */
+/* The telemetry contains the control inputs that the callback fills in; if it fails, the previous ones stay. */
 static void check_controls(void)
 {
     const float none[MD_CONTROLS] = {0.0f}, given[MD_CONTROLS] = {0.5f, -1.5f, 2.5f, -3.5f};
@@ -125,8 +125,8 @@ static void rest(uint32_t stop_ticks)
     CHECK(bench.position == 0.0f);
 }
 
-/* Another law while it runs, beside a specimen that stays the linear one: the rig's model is that of `linear.c` from the cycle on
- * that begins after the load. */
+/* Another law while it runs, with a specimen that stays linear: the rig's model is that of `linear.c` from the first cycle that
+ * begins after the load. */
 static void check_load(const md_rig_settings *settings, const md_rig_io *io)
 {
     const md_expected expected = {.tick_rate = LINEAR_TICK_RATE};
@@ -159,7 +159,7 @@ static void check_load(const md_rig_settings *settings, const md_rig_io *io)
     rest(settings->stop_ticks);
 }
 
-/* Up to 16 ticks until it trips for this cause. */
+/* Up to 16 ticks until it trips with this cause. */
 static void trips(md_trip trip)
 {
     for (int i = 0; i < 16 && seen.state == MD_STATE_RUNNING; i++)
@@ -177,7 +177,7 @@ static void clear_and_start(const md_rig_settings *settings)
     CHECK(seen.state == MD_STATE_RUNNING);
 }
 
-/* The optional callbacks: each trips, and is in the way of a clear. */
+/* The optional callbacks: each trips the rig, and prevents a clear. */
 static void check_supervision(const md_rig_settings *settings, const md_programme *programme, const md_rig_io *plain)
 {
     md_problem problem;
@@ -266,12 +266,12 @@ void check_rig(void)
         }
     }
     CHECK(cycles >= 2 && seen.state == MD_STATE_DONE && seen.trip == MD_TRIP_NONE);
-    /* A start drives where the piston is. */
+    /* A start drives to the position of the piston. */
     CHECK(bench.drives == bench.reads + 1 && bench.reads == seen.tick);
     rest(settings.stop_ticks);
     CHECK(md_rig_clear_events(&rig) == MD_ERROR_NONE);
 
-    /* A stop in the middle of it: the line drops within the call. */
+    /* A stop in the middle of the programme: the line drops within the call. */
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     for (int i = 0; i < 3000; i++)
         tick();
@@ -281,7 +281,7 @@ void check_rig(void)
     rest(settings.stop_ticks);
     CHECK(seen.state == MD_STATE_IDLE);
 
-    /* No reading: it trips in that tick, and runs again once it was cleared. */
+    /* A missing reading: it trips in that tick, and runs again after a clear. */
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     bench.no_reading = true;
     tick();
@@ -292,7 +292,7 @@ void check_rig(void)
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE);
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NO_FAULT);
 
-    /* An actuator that takes no command, and a line that does not rise. */
+    /* An actuator that accepts no command, and a line that does not rise. */
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     bench.no_drive = true;
     tick();
@@ -313,7 +313,7 @@ void check_rig(void)
     tick();
     CHECK(seen.trip == MD_TRIP_TICK_OVERRUN);
 
-    /* A tick that is missing, and an input from outside. */
+    /* A missing tick, and an external trip. */
     rest(settings.stop_ticks);
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_start(&rig, &problem) == MD_ERROR_NONE);
     tick();
@@ -330,7 +330,7 @@ void check_rig(void)
     tick();
     CHECK(seen.trip == MD_TRIP_EXTERNAL);
 
-    /* A force channel that shows 0 V while its specimen is moved: the monitor names it, and the rig stops. */
+    /* A force channel that shows 0 V while its specimen moves: the monitor identifies the fault, and the rig trips. */
     rest(settings.stop_ticks);
     CHECK(md_rig_clear(&rig, &problem) == MD_ERROR_NONE && md_rig_exchange(&rig) == MD_ERROR_NONE);
     CHECK(md_rig_start(&rig, &problem) == MD_ERROR_NONE);

@@ -1,5 +1,5 @@
-/* What a firmware takes that reads its law from a pack and calls it: nothing else is linked but what says so. Flash and RAM are read
- * off the file; stack and instructions are printed. */
+/* The size of a firmware that reads its law from a pack and calls it: only the output functions are linked in addition. Flash and RAM
+ * are read from the file; stack and instructions are printed. */
 #include <stddef.h>
 
 #include "mesh_damper.h"
@@ -48,7 +48,7 @@ static void say(const char *name, uint32_t value)
 #define SYST_CVR (*(volatile uint32_t *)0xE000E018u)
 #define PERIOD (1u << 24)
 
-/* As md_law_force, so that both are called in the same way. */
+/* The same signature as md_law_force, so that both are called in the same way. */
 static float nothing(md_law *law, const md_motion *motion)
 {
     (void)law;
@@ -66,9 +66,9 @@ static uint32_t instructions(md_law *law, const md_motion *motion)
     return (fallen * 5u + 64u) / 128u;
 }
 
-/* A word that stands on the stack where nothing has been. */
+/* A word that marks unused places of the stack. */
 #define PAINT 0xC5C5C5C5u
-/* Bytes below the caller's own that are left as they are. */
+/* Number of bytes below the caller's stack frame that are left unchanged. */
 #define MARGIN 64u
 
 static uint32_t *here(void)
@@ -107,7 +107,7 @@ int main(void)
     measured = nothing;
     const uint32_t overhead = instructions(&law, &motion);
     measured = md_law_force;
-    /* A triangle of 0.1 mm. The first ticks fill a table, a row each; the second thousand finds it filled. */
+    /* A triangle of 0.1 mm. Each of the first ticks fills a row of a table; during the second thousand it is complete. */
     uint32_t filling = 0, most = 0, sum = 0;
     for (uint32_t n = 0; n < 2000u; n++) {
         const uint32_t place = n % 200u;

@@ -84,7 +84,7 @@ fn largest_error(json: &str, controls: &[&str]) -> f64 {
         master.well(master.set(&references, &values));
     };
     set(&master, 0);
-    // The force at the start is known before the first step.
+    // The force at the start is available before the first step.
     let at_start = master.force();
     master.well(fmi2ExitInitializationMode(master.handle));
     assert_eq!(at_start, master.force());

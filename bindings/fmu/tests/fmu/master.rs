@@ -107,8 +107,8 @@ extern "C" fn keep(
 pub fn start(guid: Option<&str>, uri: Option<&str>, kind: c_int) -> Result<Master, String> {
     let said = Box::new(Said::default());
     type Plain = extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char);
-    // SAFETY: the logger is called without arguments beyond the named ones. On all platforms that FMI 2.0 names, these are passed
-    // in the same way to a function with that many arguments and to one with more.
+    // SAFETY: the logger is called without arguments beyond the named ones. On all platforms that FMI 2.0 supports, these arguments
+    // are passed in the same way to a function with that many arguments and to one with more.
     let logger = unsafe { std::mem::transmute::<Plain, Logger>(keep) };
     let callbacks = Callbacks {
         logger: Some(logger),

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
@@ -96,7 +97,8 @@ def trace_many(
     or `comma`.
 
     `jobs` traces run at the same time; the default is the number of cores. A trace with the same recordings and options that an earlier
-    run wrote into `out` is not repeated. A recording that cannot be read or traced gets a row with its `error`.
+    run wrote into `out` is not repeated. A recording that cannot be read or traced gets a row with its `error`. Files of a folder whose
+    ending is not that of a recording are left out, with a warning.
     """
     given: Any = None
     rows: str | None = None
@@ -110,7 +112,9 @@ def trace_many(
             raise InputError("recordings: there is none; give at least one path")
     settings = _settings(families, exclude, baseline, law, channels, units, rate, table, decimal, max_read, reports)
     folder = Path(out)
-    summary, outcomes, effects = _core.trace_many(given, rows, folder, settings, jobs, progress)
+    summary, outcomes, effects, left_out = _core.trace_many(given, rows, folder, settings, jobs, progress)
+    if left_out is not None:
+        warnings.warn(left_out, stacklevel=2)
     return Batch(summary, outcomes, effects, folder, _frames.library_of(recordings))
 
 

@@ -106,16 +106,17 @@ def characterize(
     units: Units = None,
     table: str | None = None,
     decimal: Decimal | None = None,
+    max_read: int | None = None,
 ) -> Characterization:
     """Compute stiffness and loss factor of a recording, as `hil characterize` does.
 
-    `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording, its units, `table` and `decimal` are
-    given as for `trace`.
+    `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording, its units, `table`, `decimal` and
+    `max_read` are given as for `trace`.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")
     channels: dict[str, ChannelLike | float | None] = {"time": time, "displacement": displacement, "force": force}
-    given = Given(channels=channels, units=units, table=table, decimal=decimal)
+    given = Given(channels=channels, units=units, table=table, decimal=decimal, max_read=max_read)
     given.check_for_files(data)
     recordings = given.recordings(data, "recording")
     if len(recordings) != 1:

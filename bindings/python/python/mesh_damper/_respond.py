@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from . import _core, _frames
@@ -47,6 +47,7 @@ def respond(
     units: Units = None,
     table: str | None = None,
     decimal: Decimal | None = None,
+    max_read: int | None = None,
     controls: Mapping[str, float] | None = None,
     with_offset: bool = False,
     tolerance: float | None = None,
@@ -56,13 +57,15 @@ def respond(
 
     The mass moves under a `force` or on a moving `base`. Each is a path, a data frame with time and the channel, or an array. An array
     needs `t`: the times of the samples, or the time between two samples.
-    `controls` gives constant values of control inputs. `units`, `table` and `decimal` are as for `trace`.
+    `controls` gives constant values of control inputs. `units`, `table`, `decimal` and `max_read` are as for
+    `trace`.
     """
     if force is None and base is None:
         raise InputError("respond: nothing drives the mass; give a force on it or a motion of its base, as force= or base=")
     if force is not None and base is not None:
         raise InputError("respond: force= and base= are both given; give one, and leave the other out")
-    drive, given = _drive(force if base is None else base, base is None, t, units, table, decimal)
+    settings = Given(units=units, table=table, decimal=decimal, max_read=max_read)
+    drive, given = _drive(force if base is None else base, base is None, t, settings)
     given.warn(stacklevel=2)
     columns, text = _core.respond(model_of(model), drive, float(mass), with_offset, tolerance, _pairs(controls), progress)
     said = json.loads(text)
@@ -111,14 +114,12 @@ def transmissibility(
     return _frames.make({name: [point[name] for point in found] for name in (found[0] if found else {})})
 
 
-def _drive(
-    data: Any, is_force: bool, t: ChannelLike | float | None, units: Units, table: str | None, decimal: Decimal | None
-) -> tuple[_core.Drive, Given]:
+def _drive(data: Any, is_force: bool, t: ChannelLike | float | None, settings: Given) -> tuple[_core.Drive, Given]:
     channel = "force" if is_force else "displacement"
     has_columns = isinstance(data, (str, os.PathLike)) or _frames.column_names(data) is not None
     if not has_columns and t is None:
         raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
-    given = Given(channels={"time": t, channel: None if has_columns else data}, units=units, table=table, decimal=decimal)
+    given = replace(settings, channels={"time": t, channel: None if has_columns else data})
     given.check_for_files(data)
     return given.drive(data if has_columns else None, "force" if is_force else "base", is_force), given
 

@@ -20,7 +20,9 @@ pub struct ForceChange {
     /// RMS of the difference of the forces over the RMS of the first model's force. If the zeros of the two models differ, the
     /// smallest ratio for any zero between them.
     pub difference: f64,
-    /// The ratio expected for an unchanged specimen. It follows from the intervals of the parameters, from the models' remainders
+    /// RMS of the model's force over the RMS of the first model's force.
+    pub ratio: f64,
+    /// The ratio of the difference expected for an unchanged specimen. It follows from the intervals of the parameters, from the models' remainders
     /// beyond the noise, and from effects of temperature or cycles that a law may have absorbed. Null if intervals are not known.
     pub expected: Option<f64>,
     /// The probability, 0…1, of a difference this large for an unchanged specimen; null if intervals are not known.
@@ -89,6 +91,12 @@ pub(super) fn changes(
     for model in 1..moments.len() {
         let (mut change, chance, hides_more) =
             forces.beside(&first, model).map_err(refused(model))?;
+        if change.ratio.max(1.0 / change.ratio) >= numbers.another_size {
+            notes.push(format!(
+                "the force of {} is {:.1e} times that of {}: check the units of the recordings' displacement and force",
+                moments[model].name, change.ratio, moments[0].name
+            ));
+        }
         let [least, largest] = shifts(&moments[0], &moments[model], numbers);
         if least < largest {
             let has_nodes = |moment: &Moment| moment.model.model().law.len() > 1;
@@ -181,6 +189,7 @@ impl Forces<'_> {
         let change = ForceChange {
             model,
             difference: (difference / scale).sqrt(),
+            ratio: (mean_square(&spread.force) / scale).sqrt(),
             expected: chance.map(|chance| (chance.sum / scale).sqrt()),
             p: chance.and_then(|chance| chance.exceeds(difference)),
             changed: false,

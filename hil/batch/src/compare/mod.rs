@@ -45,6 +45,8 @@ mesh_damper_recording::numbers! {
         same_temperature: f64 = 1.0, Convention("thermometers of a laboratory differ by as much");
         /// A zero that was taken off the displacement is off by this part of half the motion's range.
         zero_error: f64 = 0.01, Convention("as a motion of a hundredth of the largest counts for none");
+        /// A force that is at least this many times another, or that part of it, is noted: a unit may be wrong.
+        another_size: f64 = 30.0, Convention("between a specimen that failed and a unit that is wrong by a thousand");
         /// An effect is shown where its force is at least this part of what it is where it was found.
         excited: f64 = 0.5, Convention("a half");
     }

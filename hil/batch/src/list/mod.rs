@@ -133,6 +133,25 @@ impl List {
             ..Self::default()
         }
     }
+
+    /// The files that are left out, as a sentence with the first names; `None` if there are none.
+    pub fn left_out(&self) -> Option<String> {
+        const NAMED: usize = 3;
+        let count = self.ignored.len();
+        let files = match count {
+            0 => return None,
+            1 => "1 file is".to_owned(),
+            _ => format!("{count} files are"),
+        };
+        let names = self.ignored.iter().take(NAMED);
+        let names = names.filter_map(|file| file.file_name());
+        let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+        let more = if count > NAMED { ", …" } else { "" };
+        Some(format!(
+            "{files} left out, because the ending is not that of a recording: {}{more}",
+            names.join(", ")
+        ))
+    }
 }
 
 /// The file that a path in `list` refers to.

@@ -72,6 +72,31 @@ fn a_stiffness_that_drifts_is_found_with_its_size() {
     }
 }
 
+#[test]
+fn a_force_of_another_size_is_noted_as_a_possible_wrong_unit() {
+    let first = plain(at_first(0), 1);
+    let times = |factor: f64| {
+        let mut recording = first.clone();
+        recording.name = "another".into();
+        recording
+            .force
+            .iter_mut()
+            .for_each(|force| *force *= factor);
+        compare(vec![moment(0.0, &first), moment(1.0, &recording)]).unwrap()
+    };
+    for factor in [1e3, 1e-3] {
+        let found = times(factor);
+        let ratio = found.forces[0].ratio;
+        assert!((ratio / factor - 1.0).abs() < 0.01, "{ratio}");
+        let noted = found.notes.iter().any(|note| {
+            note.starts_with("the force of another is") && note.contains("check the units")
+        });
+        assert!(noted, "{:?}", found.notes);
+    }
+    let halved = times(0.5);
+    assert!(halved.changed && halved.notes.iter().all(|note| !note.contains("units")));
+}
+
 fn compared<const COUNT: usize>(tests: [Varied; COUNT]) -> Result<Comparison, InputError> {
     let moments = tests
         .iter()

@@ -137,7 +137,7 @@ fn what_cannot_be_traced_is_a_row_and_what_is_there_twice_is_none() {
     }
     assert_eq!((summary.traced, summary.failed), (2, 4));
     assert_eq!(summary.shared.len(), 1, "{:?}", summary.shared);
-    // The copies contain the recording as well: the row that represents them is named.
+    // The copies contain the recording as well: the message identifies the row that represents them.
     assert!(
         summary.shared[0].contains("\"recordings/again.csv\" and in \"twice\""),
         "{:?}",

@@ -40,7 +40,7 @@ pub struct Varied {
 }
 
 impl Varied {
-    /// A test about the rest, at 20 °C.
+    /// A test about the rest position, at 20 °C.
     pub fn of(coefficients: Coefficients, seed: u64) -> Self {
         Self {
             coefficients,

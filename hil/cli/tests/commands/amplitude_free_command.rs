@@ -1,4 +1,4 @@
-//! The models and the picture that `hil amplitude-free` leaves.
+//! The models and the picture that `hil amplitude-free` writes.
 
 use std::process::Command;
 
@@ -23,7 +23,7 @@ fn the_command_leaves_models_that_are_models() {
     for density in ["2.0", "2.5", "3.0", "3.5", "4.0"] {
         let path = root.path().join(format!("free/model-{density}.json"));
         let file = ModelFile::read(path).unwrap();
-        // One node: no amplitude chooses.
+        // One node: the amplitude makes no difference.
         assert_eq!(file.model().law.len(), 1);
         assert_eq!(file.fitted_range().displacement, [-0.25, 0.25]);
     }

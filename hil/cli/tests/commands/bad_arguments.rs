@@ -187,7 +187,7 @@ fn a_bad_programme_or_specimen_is_refused_by_run() {
     }
 }
 
-/// Models that `hil trace --law` cannot keep.
+/// Models that `hil trace --law` cannot use as the known law.
 #[test]
 fn a_known_effect_that_a_fit_lacks_is_refused() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Bad recordings through the real command: one line that names the place, exit code 2, no output left.
+//! Bad recordings through the real command: one line that identifies the place, exit code 2, and no output files.
 
 use std::fs;
 use std::io::Write as _;
@@ -12,7 +12,7 @@ pub const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "effects": [ { "family": "offset", "parameters": { "force": 0.01 } } ],
   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
 
-/// A recording of a few cycles in which `change` may spoil the lines, header first.
+/// A recording of a few cycles. `change` may damage the lines, header first.
 pub fn recording(change: impl FnOnce(&mut Vec<String>)) -> Vec<u8> {
     let mut lines = vec!["time_s,displacement_mm,force_kN".to_owned()];
     lines.extend((0..400).map(|i| {
@@ -30,7 +30,7 @@ fn gzipped(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// Every bad recording, with the parts that its message must have.
+/// Every bad recording, with the parts that its message must contain.
 fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
     let whole = recording(|_| ());
     let truncated = {
@@ -38,7 +38,7 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
         bytes.truncate(bytes.len() / 2);
         bytes
     };
-    // A sign of UTF-8 in the header, and one of another encoding in the last row.
+    // A UTF-8 character in the header, and a character of another encoding in the last row.
     let mixed = recording(|lines| lines[0].push_str(",note \u{b5}"))
         .iter()
         .chain(b"1,2,3,\xb0C\n")
@@ -238,7 +238,7 @@ fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
 fn every_bad_recording_is_refused_by_predict() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("model.json"), MODEL).unwrap();
-    // `predict` needs the motion alone.
+    // `predict` needs only the motion.
     let bad = bad_recordings()
         .into_iter()
         .filter(|(name, ..)| *name != "no-force.csv");
@@ -296,7 +296,7 @@ fn every_bad_recording_is_refused_by_characterize() {
     for (name, bytes, said) in bad_recordings() {
         fs::write(root.path().join(name), bytes).unwrap();
         for kind in ["--static", "--dynamic"] {
-            // A load–unload curve may wait as long as it likes.
+            // A load–unload curve may pause for any time.
             if (name, kind) == ("jump.csv", "--static") {
                 continue;
             }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::refusal::{hil, refuses};
 
-/// Three factors on an L9 and two repeats of one result, header first; `change` may spoil the lines.
+/// Three factors on an L9 and two repeats of one result, header first. `change` may damage the lines.
 fn table(change: impl FnOnce(&mut Vec<String>)) -> String {
     let mut lines = vec!["factor_a,factor_b,factor_c,result_k.1,result_k.2".to_owned()];
     lines.extend((0..9).map(|run| {
@@ -207,7 +207,7 @@ fn what_cannot_be_designed_is_refused() {
     }
 }
 
-/// What cannot be had ends with 1, one line that says what is nearest, and the whole of what was found.
+/// A requirement that no density meets gives exit code 1, one line with the nearest values, and the complete result.
 #[test]
 fn what_no_density_gives_ends_with_1_and_what_is_nearest() {
     let root = tempfile::tempdir().unwrap();
@@ -266,7 +266,7 @@ fn a_design_says_what_the_rig_measured() {
     }
 }
 
-/// 50 Hz is beyond the rig: the design is told all the same, and that it is not checked.
+/// 50 Hz is beyond the rig: the design is still reported, with a note that it was not checked.
 #[test]
 fn a_design_that_the_rig_cannot_run_is_told_and_ends_with_1() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `hil batch` and `hil compare`: what they print, what they leave, how they end.
+//! `hil batch` and `hil compare`: their output, their files and their exit codes.
 
 use std::fs;
 use std::io::Write as _;
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use crate::command::hil;
 use crate::interrupted_run::wait_for;
 
-/// A recording of eq 13 with a constant force: each `number` is another one.
+/// A recording of eq 13 with a constant force; it is different for each `number`.
 fn record(path: &Path, number: usize) {
     let mut rows = String::from("time_s,displacement_mm,force_kN\n");
     let (mut phase, mut state) = (0.0_f64, 12_345 + number as u64);
@@ -66,7 +66,7 @@ fn a_batch_says_what_failed_and_its_models_are_compared() {
     let page = fs::read_to_string(root.path().join("batch-out/index.html")).unwrap();
     assert!(page.contains("broken.csv"));
 
-    // The same by names on standard input, without the one that fails: nothing is made.
+    // The same with names on standard input, without the recording that fails: no trace is computed again.
     let mut child = batch(root.path(), &["-", "--json", "-"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -112,7 +112,7 @@ fn a_batch_says_what_failed_and_its_models_are_compared() {
     );
 }
 
-/// As it is killed in the midst, whatever it does then.
+/// The process is killed in the middle of a batch, at any point.
 #[cfg(unix)]
 #[test]
 fn a_batch_that_is_killed_goes_on_where_it_was() {

@@ -1,4 +1,4 @@
-//! `hil bench` in an emulator where there is one; left out, and said so, where there is none.
+//! `hil bench` in an emulator if one is installed; otherwise the benchmark is skipped with a message.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -44,7 +44,7 @@ fn a_count_above_the_baseline_is_named_and_fails_the_command() {
         said.contains("power/table call on a Cortex-M4F: mean"),
         "{said}"
     );
-    // What was counted is given all the same, and what failed stands among the checks.
+    // The counts are still reported, and the failures are among the checks.
     let suite = junit_command::suite(&junit);
     assert!(
         suite

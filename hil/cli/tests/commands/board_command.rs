@@ -11,11 +11,11 @@ use crate::command::hil;
 use crate::emulated;
 use crate::schema_command::is_as_its_schema_says;
 
-/// `hil emulate`, until it is dropped.
+/// `hil emulate`, which runs until this is dropped.
 struct Emulate(Child);
 
 impl Emulate {
-    /// Where the board is, `serial:PORT`, and the range of its load cell, kN; none where there is no emulator, which a line says.
+    /// The address of the board, `serial:PORT`, and the range of its load cell, kN; `None`, with a message, without an emulator.
     fn new(directory: &Path) -> Option<(Self, String, String)> {
         emulated::image(&OWN_TIMER, Board::Mps2An386)?;
         let mut process = Command::new(env!("CARGO_BIN_EXE_hil"))
@@ -49,7 +49,7 @@ fn json(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// The one line of a command that is refused, and that it leaves no file but `there`.
+/// Asserts that a command is refused and leaves `there` files, and returns its one line.
 #[track_caller]
 fn refused(directory: &Path, arguments: &[&str], there: usize) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_hil"))
@@ -74,7 +74,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     let record = ["record", "--from", &port, "--out"];
     let blocks = ["--force-range", &range, "--blocks"];
 
-    // The test of a rig in this process, but for what a board's telemetry does not hold.
+    // The test of a rig in this process, without the data that a board's telemetry lacks.
     hil(root, &["run", "--blocks", "0.1:20:6", "--out", "here"]);
     let whole = [
         "there.csv",
@@ -105,7 +105,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     assert_eq!(force("there.csv"), force("here/recording.csv.gz"));
     assert!(!root.join("there.csv.partial.csv").exists());
 
-    // A test that goes on while another law comes.
+    // A test that continues while another law is uploaded.
     let model = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../examples/own-timer/src/mount.json"
@@ -170,7 +170,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     let said = refused(root, &["upload", "--to", &port, "other.mdcp"], files);
     assert!(said.contains("tick_rate"), "{said}");
 
-    // A rig that runs is not restarted, and no board on its own timer is run in lockstep.
+    // A running rig is not restarted, and a board on its own timer is not run in lockstep.
     let again = [&record[..], &["again.csv"], &blocks, &["0.1:20:6"]].concat();
     let said = refused(root, &again, files);
     assert!(
@@ -182,7 +182,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     assert_eq!(hil(root, &stop), "The rig has stopped\n");
     assert_eq!(hil(root, &stop), "The rig did not run\n");
 
-    // A pack is looked at before the board is.
+    // A pack is checked before the board is contacted.
     std::fs::write(root.join("no.mdcp"), "no pack").unwrap();
     let pack = ["again.csv", "--pack", "no.mdcp"];
     let said = refused(
@@ -192,7 +192,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     );
     assert!(said.contains("no.mdcp"), "{said}");
 
-    // What cannot be a channel's name is refused.
+    // A name that is not valid for a channel is refused.
     let named = ["again.csv", "--control", "force_kN"];
     refused(
         root,

@@ -1,7 +1,7 @@
-//! Every command of README and `docs/` runs as it stands there.
+//! Every command in the README and in `docs/` runs as written.
 //!
-//! A block of shell commands, fenced as `sh`, holds commands of `hil` only. They run page by page in an empty folder. A block that cannot
-//! run so has the line `<!-- not run: REASON -->` before it.
+//! A block of shell commands, fenced as `sh`, contains only commands of `hil`. They run page by page in an empty folder. A block that
+//! cannot run in this way has the line `<!-- not run: REASON -->` before it.
 
 use std::collections::HashMap;
 use std::fs;
@@ -14,12 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A command of a page, of one or more lines.
 #[derive(Clone, Debug, PartialEq)]
 struct Step {
-    /// Of its first line, from 1.
+    /// The number of its first line, from 1.
     line: usize,
     text: String,
 }
 
-/// The commands of the blocks that run, and what is wrong with blocks.
+/// The commands of the blocks that run, and the errors in blocks.
 fn steps(page: &str) -> (Vec<Step>, Vec<(usize, String)>) {
     let (mut steps, mut wrong) = (Vec::new(), Vec::new());
     let mut before = "";
@@ -64,7 +64,7 @@ fn steps(page: &str) -> (Vec<Step>, Vec<(usize, String)>) {
     (steps, wrong)
 }
 
-/// The commands of a block: lines that end with a backslash go on in the next one.
+/// The commands of a block. A line that ends with a backslash continues in the next one.
 fn joined(body: &[(&str, usize)]) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut goes_on = false;
@@ -89,7 +89,7 @@ fn is_of_hil(text: &str) -> bool {
         .any(|start| text.starts_with(start) || text.contains(&format!("| {start}")))
 }
 
-/// The seed's part of a demo whose results go where they go without an option.
+/// The seed option of a demo that writes to the default folder.
 fn is_demo(text: &str) -> Option<&str> {
     let text = text.split(" #").next().unwrap_or(text).trim();
     let text = text.strip_suffix("--out demo-out").unwrap_or(text).trim();
@@ -105,7 +105,7 @@ fn is_demo(text: &str) -> Option<&str> {
     (rest.is_empty() || is_seed).then_some(rest)
 }
 
-/// What runs the commands: folders beside each other, and the demos that were made.
+/// Runs the commands: folders side by side, and the demos that have been run.
 struct Book {
     root: PathBuf,
     path: std::ffi::OsString,
@@ -113,7 +113,7 @@ struct Book {
 }
 
 impl Book {
-    /// In `root`, with a `hil` and a `cargo` that calls it.
+    /// A book in `root`, with a `hil` and a `cargo` that calls it.
     fn new(root: &Path) -> Self {
         let tools = root.join("tools");
         fs::create_dir(&tools).unwrap();
@@ -135,7 +135,7 @@ impl Book {
         }
     }
 
-    /// Runs `text` in `folder`; the error is what it said.
+    /// Runs `text` in `folder`; the error is the output of the command.
     fn run(&self, text: &str, folder: &Path) -> Result<(), String> {
         let output = Command::new("sh")
             .args(["-e", "-c", text])
@@ -153,7 +153,7 @@ impl Book {
         Err(format!("{}: {}", output.status, error.trim()))
     }
 
-    /// The results of a demo, made once.
+    /// The results of a demo, which runs once.
     fn demo(&self, seed: &str) -> Result<PathBuf, String> {
         let mut demos = self.demos.lock().unwrap();
         if let Some(made) = demos.get(seed) {
@@ -167,7 +167,7 @@ impl Book {
         Ok(made)
     }
 
-    /// Runs a page's commands in a folder of its own, up to the first that fails.
+    /// Runs a page's commands in a separate folder, up to the first that fails.
     fn page(&self, name: &str, steps: &[Step]) -> Result<(), String> {
         let folder = self.root.join(name.replace(['/', '.'], "-"));
         fs::create_dir(&folder).unwrap();
@@ -189,7 +189,7 @@ impl Book {
     }
 }
 
-/// README and the pages of `docs/`, by their paths from the repository's root.
+/// The README and the pages of `docs/`, by their paths from the repository's root.
 pub fn pages() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut folders = vec![root.join("docs")];
@@ -246,7 +246,7 @@ fn every_command_of_the_book_runs() {
     failures.extend(found.into_inner().unwrap());
     failures.sort();
     assert!(failures.is_empty(), "\n{}\n", failures.join("\n"));
-    // A reader that finds no block would pass as well.
+    // A reader that finds no block would also pass.
     let count: usize = todo.iter().map(|(_, steps)| steps.len()).sum();
     assert!(count > 5, "{count}");
 }
@@ -322,7 +322,7 @@ fn a_failure_names_page_line_and_what_the_command_said() {
     );
 }
 
-/// Lines of prose that hold more than one sentence: a change of a sentence then shows as a change of a line.
+/// Lines of prose with more than one sentence. With one sentence a line, a change of a sentence appears as a change of one line.
 fn double_sentences(page: &str) -> Vec<usize> {
     let (mut is_code, mut is_html) = (false, false);
     let mut found = Vec::new();
@@ -335,7 +335,7 @@ fn double_sentences(page: &str) -> Vec<usize> {
         if !is_code && !is_html && !text.starts_with(['|', '#']) {
             let ends = text.match_indices(". ").any(|(at, _)| {
                 let (before, after) = (&text[..at], &text[at + 2..]);
-                // Not within a code span, and neither a number of a list nor an abbreviation.
+                // Not within a code span, not a number of a list, and not an abbreviation.
                 before.matches('`').count() % 2 == 0
                     && before.len() > 2
                     && after.starts_with(char::is_uppercase)

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// What the command prints with these arguments in `directory`, where it has to succeed.
+/// The output of the command with these arguments in `directory`; the command must succeed.
 #[track_caller]
 pub fn hil(directory: &Path, arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_hil"))

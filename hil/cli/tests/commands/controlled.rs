@@ -1,4 +1,4 @@
-//! Control inputs on the command line: a column of a recording, or a value for all of it.
+//! Control inputs on the command line: a column of a recording, or a value for the whole recording.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::refusal::{hil, refuses};
 
-/// A dashpot of 0.01 kN·s/mm at an ampere, and no branch.
+/// A dashpot of 0.01 kN·s/mm at an ampere, without a branch.
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
   "law": [ { "amplitude": 0.0, "k1": 2.0, "k3": 0.0, "c": 0.0, "alpha": 0.5 } ],
@@ -18,7 +18,7 @@ const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "controls": [ { "name": "pressure_bar", "range": [1.0, 2.0] }, { "name": "current_A", "range": [0.0, 1.0] } ],
   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
 
-/// 0.1 mm at 2 Hz, with the columns `header` of the value `value` each.
+/// 0.1 mm at 2 Hz, with the columns `header`, each with the value `value`.
 fn recording(path: &Path, header: &str, values: &str) {
     let mut text = format!("time_s,displacement_mm,force_kN{header}\n");
     for row in 0..1000 {
@@ -29,7 +29,7 @@ fn recording(path: &Path, header: &str, values: &str) {
     fs::write(path, text).unwrap();
 }
 
-/// Largest of the force that is predicted beyond the spring's, kN.
+/// Largest predicted force in addition to the spring's, kN.
 fn beyond_the_spring(directory: &Path, recording: &str, more: &[&str]) -> f64 {
     let arguments = [
         &[
@@ -104,7 +104,7 @@ fn a_prediction_takes_the_column_by_its_name_or_a_value_in_its_place() {
     assert!(!root.path().join("no.csv").exists());
 }
 
-/// What moves a mass of 50 kg by its dashpot alone: twice the current, half the motion at the resonance.
+/// A mass of 50 kg that only its dashpot moves: twice the current, half the motion at the resonance.
 #[test]
 fn a_response_depends_on_the_input() {
     let root = tempfile::tempdir().unwrap();
@@ -147,7 +147,7 @@ fn a_response_depends_on_the_input() {
         let cell = |row: &str| row.split(',').nth(place.unwrap()).unwrap().parse::<f64>();
         rows.map(|row| cell(row).unwrap()).fold(0.0, f64::max)
     };
-    // Of a mass on a spring with a dashpot: √(1 + (2ζ)²)/2ζ at the resonance, 2ζ = c·ω/k.
+    // For a mass on a spring with a dashpot: √(1 + (2ζ)²)/2ζ at the resonance, 2ζ = c·ω/k.
     for (current, c) in [("0.1", 1e-3), ("0.2", 2e-3)] {
         let omega = (2.0_f64 / 50e-6).sqrt();
         let twice_damping = c * omega / 2.0;
@@ -157,7 +157,7 @@ fn a_response_depends_on_the_input() {
     }
 }
 
-/// The mass follows the column of its excitation, and a value in its place; nothing of either is refused.
+/// The mass follows the column of its excitation, or a value in its place. With neither, the command is refused.
 #[test]
 fn a_response_takes_the_column_of_its_excitation() {
     let root = tempfile::tempdir().unwrap();
@@ -209,7 +209,7 @@ fn a_response_takes_the_column_of_its_excitation() {
     );
 }
 
-/// A law under a pressure beside a specimen that is under none, or under a current.
+/// A law under a pressure and a specimen that is under no pressure, or under a current.
 #[test]
 fn a_rig_refuses_a_model_whose_input_it_does_not_have() {
     let root = tempfile::tempdir().unwrap();
@@ -275,7 +275,7 @@ fn a_specimen_under_a_current_is_recorded_with_it() {
     assert_eq!(model["controls"][0]["name"], "current_A");
 }
 
-/// A place that no control has, and a range that is none.
+/// An index that no control input has, and an invalid range.
 #[test]
 fn a_model_whose_controls_are_wrong_is_refused() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `hil demo`: one command from nothing to a report, and the files that it leaves can be used by the others.
+//! `hil demo`: one command runs everything up to the report, and the other commands can use its files.
 
 use crate::command::hil;
 
@@ -7,7 +7,7 @@ fn the_effect_is_shown_and_the_files_are_used_by_the_other_commands() {
     let root = tempfile::tempdir().unwrap();
     let printed = hil(root.path(), &["demo", "--seed", "3", "--json", "-"]);
     let summary: serde_json::Value = serde_json::from_str(&printed).unwrap();
-    // What is said of the loop is what its errors say.
+    // The statement about the loop agrees with its errors.
     let (before, after) = (&summary["loop_error_before"], &summary["loop_error_after"]);
     let nearer = after.as_f64().unwrap() < before.as_f64().unwrap();
     assert_eq!(summary["nearer"], nearer);
@@ -24,7 +24,7 @@ fn the_effect_is_shown_and_the_files_are_used_by_the_other_commands() {
     let picture = std::fs::read_to_string(out.join("loop.svg")).unwrap();
     assert!(picture.starts_with("<svg") && picture.contains("displacement, mm"));
 
-    // The recording traced again says the same: nothing of the demo is known only to it.
+    // A trace of the recording gives the same result: the demo uses no other information.
     hil(
         root.path(),
         &["trace", "demo-out/recording.csv.gz", "--out", "again"],

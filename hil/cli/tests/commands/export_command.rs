@@ -1,4 +1,4 @@
-//! `hil export`: what it writes, what it says, and what it refuses.
+//! `hil export`: its files, its messages and its refusals.
 
 use std::fs;
 use std::path::Path;
@@ -86,7 +86,7 @@ fn a_pack_says_its_rate_range_model_and_name() {
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines[0], first);
     assert!(lines[1].contains("Expectation::at(10000.0)"), "{said}");
-    // Again over what is there, at another amplitude.
+    // Again with existing files, at another amplitude.
     export(
         root.path(),
         &[
@@ -107,7 +107,7 @@ fn a_pack_says_its_rate_range_model_and_name() {
     );
 }
 
-/// A dashpot below 0 beside the friction.
+/// A dashpot below 0 together with the friction.
 #[test]
 fn an_active_law_is_refused_unless_it_is_allowed() {
     let root = tempfile::tempdir().unwrap();
@@ -164,7 +164,7 @@ fn an_active_law_is_refused_unless_it_is_allowed() {
     decode(&pack, &mut law, &expected).unwrap();
 }
 
-/// The amplitude that nobody asked for is said.
+/// An amplitude that was chosen by default is reported.
 #[test]
 fn a_law_over_amplitude_is_warned_of() {
     let root = directory();
@@ -172,7 +172,7 @@ fn a_law_over_amplitude_is_warned_of() {
         let arguments = ["--format", "pack", "--tick-rate", "10000", "--out", "-"];
         let output = refusal::hil(root.path(), &[&MODEL[..], &arguments, more].concat());
         assert!(output.status.success());
-        // Nothing but the pack.
+        // Only the pack.
         decoded(&output.stdout);
         String::from_utf8(output.stderr).unwrap()
     };
@@ -205,7 +205,7 @@ fn a_module_is_written_whose_name_is_one() {
     assert!(said.contains(used), "{said}");
 }
 
-/// Header and source compile by themselves without a warning, and hold the pack.
+/// Header and source compile separately without a warning, and contain the pack.
 #[test]
 fn c_compiles_and_holds_the_pack() {
     let root = directory();

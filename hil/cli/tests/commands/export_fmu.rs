@@ -1,4 +1,4 @@
-//! `hil export --format fmu`: what is in the archive, and what it refuses.
+//! `hil export --format fmu`: the contents of the archive, and the refusals.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -29,7 +29,7 @@ const EXPORT: [&str; 7] = [
     "12000",
 ];
 
-/// A folder with the model, and what passes for a library of a platform.
+/// A folder with the model, and a file that stands in for a library of each platform.
 fn directory() -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("model.json"), MODEL).unwrap();
@@ -43,7 +43,7 @@ fn directory() -> tempfile::TempDir {
     root
 }
 
-/// The files of an archive; all are of the time that says nothing.
+/// The files of an archive. All have the same fixed time stamp.
 fn unpacked(path: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut archive = ZipArchive::new(File::open(path).unwrap()).unwrap();
     (0..archive.len())
@@ -78,14 +78,14 @@ fn an_fmu_holds_the_model_the_description_and_the_library() {
         files[&mac],
         fs::read(root.path().join("mac.dylib")).unwrap()
     );
-    // The one that was built beside the command, of this platform.
+    // The library of this platform, which was built next to the command.
     let own = files
         .keys()
         .filter(|name| name.starts_with("binaries/") && **name != mac);
     let own: Vec<&String> = own.collect();
     assert!(own.len() == 1 && files[own[0]].len() > 100_000, "{own:?}");
 
-    // The library takes what was packed for its own.
+    // The library accepts the packed resources.
     let resources = tempfile::tempdir().unwrap();
     for (name, bytes) in &files {
         if let Some(name) = name.strip_prefix("resources/") {
@@ -175,7 +175,7 @@ fn what_is_no_library_is_refused() {
     );
 }
 
-/// Where the command stands alone and has no cargo, it says how to get the library.
+/// If the command is alone, without cargo, its message explains how to get the library.
 #[test]
 fn a_command_without_its_library_says_how_to_build_it() {
     let root = directory();
@@ -187,7 +187,7 @@ fn a_command_without_its_library_says_how_to_build_it() {
             .args(["--out", "mount.fmu"])
             .args(more)
             .current_dir(root.path())
-            // No repository is around it, and nothing builds of what it holds.
+            // No repository surrounds it, and no part of it is built.
             .env_remove("CARGO_MANIFEST_DIR")
             .env("XDG_CACHE_HOME", root.path().join("cache"))
             .env("CARGO", root.path().join("none"))

@@ -1,9 +1,9 @@
-//! `hil run --on image`: what it says where compiler or emulator are missing, and what becomes of the emulator.
+//! `hil run --on image`: its message if the compiler or the emulator is missing, and the end of the emulator.
 
 use crate::emulated;
 use mesh_damper_link::image::{Board, FIRMWARE};
 
-/// The one line of a `hil run --on image` that finds neither compiler nor emulator but those it is given.
+/// The one line of a `hil run --on image` that finds neither compiler nor emulator other than the given one.
 fn said_where_missing(compiler: &std::ffi::OsStr) -> String {
     let root = tempfile::tempdir().unwrap();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_hil"))

@@ -39,7 +39,7 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
         "Kraft [N]",
         "-200 to 200",
         "force in N",
-        "400 samples from 0 to 1.995 s, 200 Hz",
+        "400 samples from 0 to 1.995 s, 200 Hz, 100 samples in the fastest cycles",
         "displacement -0.1 to 0.1 mm",
         "cells are separated by a semicolon, the decimal sign is a comma",
         "1 row of words at the end",
@@ -56,6 +56,39 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
     assert_eq!(file["tables"][0]["columns"][2]["used_as"], "force in N");
     let rate = file["recording"]["rate_hz"].as_f64().unwrap();
     assert!((rate - 200.0).abs() < 1e-6, "{rate}");
+}
+
+/// A recording of blocks of 1 and 5 Hz that lacks three samples.
+#[test]
+fn missing_samples_and_the_fastest_cycles_are_shown() {
+    let root = tempfile::tempdir().unwrap();
+    let mut text = "time_s,displacement_mm,force_kN\n".to_owned();
+    for i in 0..1600 {
+        let time = f64::from(i) * 0.005;
+        let frequency = if time < 4.0 { 1.0 } else { 5.0 };
+        let wave = (std::f64::consts::TAU * frequency * time).sin();
+        // An empty cell, two cells that are no number.
+        let force = match i {
+            100 => String::new(),
+            700 | 701 => "nan".into(),
+            _ => format!("{:.6}", 0.2 * wave),
+        };
+        text += &format!("{time:.3},{:.6},{force}\n", 0.1 * wave);
+    }
+    fs::write(root.path().join("rig.csv"), text).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "rig.csv"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        out.contains("warning: missing samples: 3 in 2 gaps"),
+        "{out}"
+    );
+    assert!(out.contains("40 samples in the fastest cycles"), "{out}");
+    let (_, json, _) = said(root.path(), &["inspect", "rig.csv", "--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let recording = &json["files"][0]["recording"];
+    let samples = recording["samples_per_cycle"].as_f64().unwrap();
+    assert!((samples - 40.0).abs() < 0.5, "{samples}");
+    assert_eq!(recording["faults"].as_array().unwrap().len(), 1);
 }
 
 /// A user inspects a file to see why it cannot be read, so its columns are listed before the refusal.
@@ -81,7 +114,7 @@ fn a_file_that_no_option_makes_right_is_shown_before_it_is_refused() {
     assert!(err.contains(problem), "{problem} not in {err}");
 }
 
-/// A column that three questions offer is no answer to all of them.
+/// A column that three questions offer is not the answer to all of them.
 #[test]
 fn the_command_to_run_takes_no_column_twice() {
     let root = tempfile::tempdir().unwrap();
@@ -89,7 +122,7 @@ fn the_command_to_run_takes_no_column_twice() {
     fs::write(root.path().join("rig.txt"), text).unwrap();
     let (code, out, err) = said(root.path(), &["inspect", "rig.txt"]);
     assert_eq!(code, Some(0), "{err}");
-    // Names and units are asked for at once.
+    // The command asks for names and units at once.
     let command = "hil trace rig.txt --channel time=A --unit time=UNIT \
         --channel displacement=NAME --unit displacement=UNIT --channel force=NAME --unit force=UNIT";
     assert!(out.contains(command), "{out}");
@@ -98,14 +131,14 @@ fn the_command_to_run_takes_no_column_twice() {
         out.contains("or say which one it is: --channel time=A, with its unit"),
         "{out}"
     );
-    // No option states a factor, so that the file is refused, and no command is offered.
+    // No option states a factor. So the file is refused, and no command is offered.
     let scaled = foreign("Zeit [s];Weg [1/100 mm];Kraft [N]\n");
     fs::write(root.path().join("scaled.txt"), scaled).unwrap();
     let (code, out, err) = said(root.path(), &["inspect", "scaled.txt"]);
     assert_eq!(code, Some(2), "{out}");
     assert!(err.contains("has a factor, which is not read"), "{err}");
     assert!(out.contains("Kraft [N]") && !out.contains("next"), "{out}");
-    // A column that the user named is not offered again, nor called unused while others are asked for.
+    // A column that the user named is not offered again, and not called unused while others are missing.
     let (code, out, err) = said(
         root.path(),
         &["inspect", "rig.txt", "--channel", "displacement=B"],
@@ -118,7 +151,7 @@ fn the_command_to_run_takes_no_column_twice() {
     );
 }
 
-/// What is asked is printed with the option, the command has it, and with it nothing is asked any more.
+/// Each question is printed with its option. The printed command contains the option, and with it no question remains.
 #[test]
 fn a_question_is_no_error_and_its_command_answers_it() {
     let root = tempfile::tempdir().unwrap();
@@ -133,7 +166,7 @@ fn a_question_is_no_error_and_its_command_answers_it() {
         out.contains("question: column Kraft: the name carries no unit"),
         "{out}"
     );
-    // Which unit it is nobody but the user knows, so none is proposed.
+    // Only the user knows the unit, so none is proposed.
     let command = "hil trace a.txt --unit time=UNIT --unit force=UNIT";
     assert!(out.contains(command), "{out}");
     let (code, out, err) = said(

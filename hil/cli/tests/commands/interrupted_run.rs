@@ -1,4 +1,4 @@
-//! `hil run` that is killed, or whose emulator is: what it had recorded is there, and nobody is left behind.
+//! `hil run` that is killed, or whose emulator is killed: the samples recorded before exist, and no process remains.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -10,10 +10,10 @@ use crate::emulated;
 use mesh_damper_link::image::{Board, FIRMWARE};
 use mesh_damper_recording::Recording;
 
-/// A programme that goes on for longer than it takes to be interrupted, and one that begins alike.
+/// A programme that lasts longer than its interruption takes, and a short one with the same beginning.
 const LONG: [&str; 2] = ["--blocks", "0.1:5:17000"];
 const SHORT: [&str; 2] = ["--blocks", "0.1:5:200"];
-/// Nothing takes nearly so long.
+/// No step takes nearly this long.
 const LONGEST: Duration = Duration::from_secs(120);
 
 fn start(directory: &Path, arguments: &[&str]) -> Child {
@@ -26,7 +26,7 @@ fn start(directory: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// What `seen` gives, once it gives anything.
+/// Waits for `seen` to return a value, and returns it.
 pub fn wait_for<T>(what: &str, mut seen: impl FnMut() -> Option<T>) -> T {
     let until = Instant::now() + LONGEST;
     loop {
@@ -46,7 +46,7 @@ fn wait_for_bytes(file: &Path, bytes: u64) {
     });
 }
 
-/// Takes away what a run left, if it left anything: the next would refuse to take its place.
+/// Removes the output of a run, if there is any: the next run would refuse to overwrite it.
 fn clear(directory: &Path) {
     let left = directory.join("run-out");
     if left.exists() {
@@ -87,7 +87,7 @@ fn a_run_that_is_killed_at_any_moment_leaves_what_it_recorded() {
     assert!(start(root.path(), &SHORT).wait().unwrap().success());
     let out = root.path().join("run-out");
     let journal = out.join("recording.partial.csv");
-    // A run that went well leaves none.
+    // A successful run leaves no journal.
     assert!(!journal.exists());
     let whole = Recording::read(out.join("recording.csv.gz")).unwrap();
     fs::remove_dir_all(&out).unwrap();
@@ -112,7 +112,7 @@ fn a_run_that_is_killed_at_any_moment_leaves_what_it_recorded() {
     assert!(longest > 5000, "{longest}");
 }
 
-/// What it left is all that there is of its test.
+/// The remaining files are the only record of its test.
 #[test]
 fn a_run_under_way_holds_its_folder_and_what_a_killed_one_left_is_kept() {
     let root = tempfile::tempdir().unwrap();
@@ -143,12 +143,12 @@ fn a_run_under_way_holds_its_folder_and_what_a_killed_one_left_is_kept() {
     );
     assert!(fs::read(&journal).unwrap() == left);
     fs::rename(&journal, root.path().join("kept.csv")).unwrap();
-    // The lock went with the process that held it.
+    // The lock was released with the process that held it.
     assert!(start(root.path(), &SHORT).wait().unwrap().success());
     assert!(fs::read(root.path().join("kept.csv")).unwrap() == left);
 }
 
-/// Wherever the file ends, its whole rows are the recording, and no other number is.
+/// Wherever the file ends, the recording consists of the whole rows and contains no other number.
 #[test]
 fn a_row_that_was_cut_is_left_out() {
     let head = "# unfinished: the run was under way\ntime_s,displacement_mm,force_kN\n";
@@ -225,7 +225,7 @@ fn a_harness_killed_at_any_moment_leaves_no_emulator() {
     for moment in 0..12 {
         let mut harness = start(root.path(), &[&LONG[..], &["--on", "image"]].concat());
         let emulator = emulator_of(&harness);
-        // As soon as there is one, then while it starts, then on its way.
+        // As soon as the emulator exists, then while it starts, then during the run.
         if moment >= 6 {
             wait_for_bytes(&journal, 5_000 * (moment - 5));
         } else {

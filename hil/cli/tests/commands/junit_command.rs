@@ -1,4 +1,4 @@
-//! `--junit`: the checks of a command as build servers read them, those that fail included.
+//! `--junit`: the checks of a command in the format of build servers, including those that fail.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ use quick_xml::events::{BytesStart, Event};
 
 use crate::refusal::hil;
 
-/// A test case as it stands in the file.
+/// A test case in the file.
 #[derive(Debug)]
 pub struct Case {
     pub class: String,
@@ -19,7 +19,7 @@ pub struct Case {
     mark: Option<(String, String)>,
 }
 
-/// A suite as it stands in the file.
+/// A suite in the file.
 pub struct Suite {
     name: String,
     properties: BTreeMap<String, String>,
@@ -32,7 +32,7 @@ impl Suite {
         self.cases.iter().filter(of).count()
     }
 
-    /// Why the case `name` failed.
+    /// The reason for which the case `name` failed.
     #[track_caller]
     pub fn failure(&self, name: &str) -> &str {
         let case = self.cases.iter().find(|case| case.name == name);
@@ -58,8 +58,8 @@ fn attributes(element: &BytesStart) -> BTreeMap<String, String> {
     each.collect()
 }
 
-/// Reads a file by the rules of the usual schema: `testsuites` of one `testsuite` of `properties` and `testcase`s, whose counts and times
-/// are what the attributes say.
+/// Reads a file by the rules of the usual schema: `testsuites` with one `testsuite` of `properties` and `testcase`s, whose counts and
+/// times equal the attributes.
 pub fn suite(path: &Path) -> Suite {
     let text = fs::read_to_string(path).unwrap();
     let mut reader = Reader::from_str(&text);
@@ -163,7 +163,7 @@ fn a_run_has_a_case_for_each_block() {
     assert_eq!(suite.properties["tick rate, Hz"], "10000");
 }
 
-/// The rig stops in the second of three blocks: the file is written though the command fails.
+/// The rig stops in the second of three blocks: the file is written although the command fails.
 #[test]
 fn a_run_that_stops_says_in_which_block() {
     let root = tempfile::tempdir().unwrap();
@@ -197,7 +197,7 @@ fn faults_have_a_case_for_each_requirement() {
     let name = "the adversary's trials: hazardous states";
     let case = suite.cases.iter().find(|case| case.name == name).unwrap();
     assert!(case.mark.is_none());
-    // Of pairs of attacks there were none.
+    // There were no pairs of attacks.
     let pairs = suite
         .cases
         .iter()
@@ -208,7 +208,7 @@ fn faults_have_a_case_for_each_requirement() {
     assert_eq!(suite.properties["attack trials"], "2");
 }
 
-/// The floors are the checks; a seed by itself is none.
+/// The floors are the checks; a single seed is not a check.
 #[test]
 fn blind_trials_have_a_case_for_each_floor_and_seed() {
     let root = tempfile::tempdir().unwrap();

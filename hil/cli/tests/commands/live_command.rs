@@ -1,4 +1,4 @@
-//! `hil run --live` and `--mqtt`: what who looks on is told, and that the run is the same without them.
+//! `hil run --live` and `--mqtt`: the data for viewers and subscribers. The run is the same without them.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The page changes no bit of what is recorded, keeps standard output for what was asked for, and nobody waits for who does not come.
+/// The page changes no bit of the recording, and standard output contains only the requested output. The run does not wait for a
+/// viewer.
 #[test]
 fn a_run_with_a_page_ends_and_is_the_same() {
     let root = tempfile::tempdir().unwrap();
@@ -90,7 +91,7 @@ fn a_broker_gets_the_cycles_of_the_table() {
     }
 }
 
-/// What the monitor named is published as it is told at the end.
+/// A fault that the monitor identified is published as it is reported at the end.
 #[test]
 fn a_broker_gets_the_events_of_the_summary() {
     let Some(broker) = Mosquitto::start(None) else {
@@ -144,7 +145,7 @@ fn without_a_broker_the_test_goes_on_and_says_so() {
     assert!(!said.contains("geheim") && !text(&output.stdout).contains("geheim"));
 }
 
-/// Nothing has moved, and nothing is left.
+/// Nothing has moved, and no file remains.
 #[test]
 fn what_cannot_be_is_refused_before_the_rig_moves() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Disks that are full, files that may not grow, folders that are read-only: one message, and no file half written.
+//! Full disks, files that must not grow, read-only folders: one message, and no partial file.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// `script` in a shell of its own in `directory`, with the command as `$HIL`.
+/// `script` in a separate shell in `directory`, with the command as `$HIL`.
 fn shell(directory: &Path, script: &str) -> Output {
     Command::new("sh")
         .args(["-c", script])
@@ -17,7 +17,7 @@ fn shell(directory: &Path, script: &str) -> Output {
         .unwrap()
 }
 
-/// `script` with file systems of its own; none, and said so, where they may not be mounted.
+/// `script` with separate file systems; `None`, with a message, if they cannot be mounted.
 fn with_mounts(directory: &Path, script: &str) -> Option<Output> {
     const UNSHARE: &str = "exec unshare --user --map-root-user --mount sh -c";
     let tried = shell(
@@ -25,7 +25,7 @@ fn with_mounts(directory: &Path, script: &str) -> Option<Output> {
         &format!("{UNSHARE} 'mount -t tmpfs tmpfs {}'", directory.display()),
     );
     if !tried.status.success() {
-        // Past the harness of the tests, which keeps what passing tests print to itself.
+        // Past the test harness, which hides the output of passing tests.
         let said = writeln!(
             std::io::stderr(),
             "left out, no file system may be mounted here"
@@ -49,7 +49,7 @@ const RUN: &str = "\"$HIL\" run --blocks 0.1:5:40";
 #[test]
 fn a_full_disk_is_said_and_what_was_recorded_stays() {
     let root = tempfile::tempdir().unwrap();
-    // The recording so far is 60 KiB and more.
+    // The recording so far has 60 KiB or more.
     let script = format!(
         "mount -t tmpfs -o size=32k tmpfs . && cd \"$PWD\" && {RUN}; code=$?; ls -A run-out; exit $code"
     );
@@ -74,7 +74,7 @@ fn where_one_file_has_no_room_none_is_written() {
         &output,
         "full/big.json: cannot write it: no space left on the device; make room",
     );
-    // Nothing is lost either.
+    // No file is lost.
     let listed = String::from_utf8(output.stdout).unwrap();
     assert_eq!(listed, "full:\n\nrun-out:\nrecording.partial.csv\n");
 }
@@ -100,7 +100,7 @@ fn a_folder_without_permission_is_said() {
     fs::create_dir(&closed).unwrap();
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
     if fs::write(closed.join("tried"), "").is_ok() {
-        // Whoever may do everything is refused nothing.
+        // A user with all permissions is never refused.
         writeln!(
             std::io::stderr(),
             "left out, permissions do not bind this user"
@@ -119,7 +119,7 @@ fn a_folder_without_permission_is_said() {
 #[test]
 fn a_file_that_may_not_grow_is_said() {
     let root = tempfile::tempdir().unwrap();
-    // In blocks of 512 bytes; the signal that goes with it is ignored, as shells' children inherit.
+    // In blocks of 512 bytes. The signal for the limit is ignored, which children of the shell inherit.
     let output = shell(root.path(), &format!("trap '' XFSZ; ulimit -f 8; {RUN}"));
     said_once(&output, "it would be larger than a file may be");
 }
@@ -127,7 +127,7 @@ fn a_file_that_may_not_grow_is_said() {
 #[test]
 fn a_full_device_is_said() {
     let root = tempfile::tempdir().unwrap();
-    // What was recorded is there, so that the folder takes another run.
+    // The recorded data exist, so the folder accepts another run.
     for to in ["--json /dev/full", "--json - > /dev/full"] {
         let output = shell(root.path(), &format!("{RUN} --out out {to}"));
         said_once(&output, "no space left on the device");
@@ -135,7 +135,7 @@ fn a_full_device_is_said() {
     }
 }
 
-/// What a command says is lost as its files would be.
+/// Standard output on a full device fails like a file.
 #[test]
 fn standard_output_that_takes_nothing_is_said() {
     let root = tempfile::tempdir().unwrap();
@@ -148,12 +148,12 @@ fn standard_output_that_takes_nothing_is_said() {
         let output = shell(root.path(), &format!("\"$HIL\" {command} > /dev/full"));
         said_once(&output, "no space left on the device");
     }
-    // Who closes it wants nothing said, and who wants the JSON there shall hear that it cannot be.
+    // A user who closes standard output wants no text. A user who requests the JSON there gets an error.
     let output = shell(root.path(), &format!("{RUN} --json - >&-"));
     said_once(&output, "standard output is closed");
     let output = shell(root.path(), &format!("{RUN} --out said >&-"));
     assert_eq!(output.status.code(), Some(0));
-    // Who reads a line has read enough.
+    // A reader of one line may close the pipe.
     let output = shell(root.path(), &format!("{RUN} --out piped | head -n 1"));
     assert_eq!(output.status.code(), Some(0));
     assert!(

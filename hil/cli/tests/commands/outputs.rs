@@ -1,5 +1,5 @@
-//! What the commands write destroys nothing: an output that is an input, another output or a link, and a folder that
-//! another command fills, are refused in one line before any work.
+//! The commands destroy nothing when they write. An output that is an input, another output or a link is refused in one line before
+//! any work, and so is a folder that another command fills.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -16,8 +16,8 @@ const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "effects": [],
   "fitted_range": { "displacement": [-0.2, 0.2], "velocity": [-6.3, 6.3] } }"#;
 
-/// The commands that fill a folder, with that folder as `out`. What they would read is not there: a refusal that does not
-/// name it comes before any work.
+/// The commands that fill a folder, with that folder as `out`. Their inputs do not exist: a refusal that does not mention them comes
+/// before any work.
 const FILLING: [(&[&str], &str); 8] = [
     (
         &["run", "--model", "none.json", "--out", "out"],
@@ -35,7 +35,7 @@ const FILLING: [(&[&str], &str); 8] = [
     ),
 ];
 
-/// All that is in `directory`: bytes of files, and where links lead.
+/// All contents of `directory`: bytes of files, and targets of links.
 fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(directory).unwrap() {
@@ -53,7 +53,7 @@ fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Asserts that the command refuses with `said`, and that every file below `root` is as it was.
+/// Asserts that the command refuses with `said`, and that every file below `root` is unchanged.
 #[track_caller]
 fn destroys_nothing(root: &Path, arguments: &[&str], said: &[&str]) {
     let before = tree(root);
@@ -61,7 +61,7 @@ fn destroys_nothing(root: &Path, arguments: &[&str], said: &[&str]) {
     assert!(tree(root) == before, "{arguments:?}");
 }
 
-/// A folder with a model and with a recording that all that reads recordings takes.
+/// A folder with a model, and with a recording that all readers of recordings accept.
 fn root_with_recording() -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     let mut text = "time_s,displacement_mm,force_kN\n".to_owned();
@@ -118,7 +118,7 @@ fn a_recording_and_a_model_stay_whatever_leads_to_them() {
     );
 }
 
-/// What is read here is neither recording nor model, and is not even looked into.
+/// The inputs here are neither recording nor model, and are not opened.
 #[test]
 fn no_command_replaces_what_it_reads() {
     let root = tempfile::tempdir().unwrap();
@@ -262,7 +262,7 @@ fn a_folder_that_another_command_fills_is_refused() {
     let output = hil(root.path(), &["run", "--blocks", "0.1:5:4", "--out", "out"]);
     assert!(output.status.success());
     let names: Vec<PathBuf> = tree(&folder).into_keys().collect();
-    // The lock left nothing.
+    // No lock file remains.
     assert_eq!(
         names,
         ["cycles.csv", "recording.csv.gz"].map(|name| folder.join(name))

@@ -58,7 +58,7 @@ fn every_claim_has_its_verdict_and_its_numbers() {
         assert_eq!(names, expected, "{name}");
         for (figure, expected) in *figures {
             let found = found[*figure].as_f64().unwrap();
-            // What rounding leaves is 0.
+            // The absolute term allows for values that are 0 except for rounding.
             assert!(
                 (found - expected).abs() <= 6e-4 * expected.abs() + 1e-6,
                 "{name}, {figure}: {found}, expected {expected}"
@@ -129,7 +129,7 @@ fn the_json_holds_every_number() {
         }
     }
     assert_eq!(elements["bores"].as_array().unwrap().len(), 4);
-    // The reading and the bore that the law is compared with.
+    // The interpretation and the bore with which the law is compared.
     let compared = &json["comparison"]["by_density"][0]["finite_elements"]["Ok"];
     assert_eq!(readings[1]["by_density"][0]["Ok"], *compared);
     assert_eq!(elements["bores"][2]["found"]["Ok"], *compared);
@@ -174,7 +174,7 @@ fn the_report_holds_every_claim_and_figure_and_needs_no_other_file() {
     ] {
         assert!(page.contains(&format!("<h3>{figure}")), "{figure}");
     }
-    // Nothing is fetched: neither by the page nor by the script in it.
+    // Neither the page nor its script fetches anything.
     let own = page.replace("http://www.w3.org/2000/svg", "");
     for foreign in [
         "http://",
@@ -190,7 +190,7 @@ fn the_report_holds_every_claim_and_figure_and_needs_no_other_file() {
     ] {
         assert!(!own.contains(foreign), "{foreign}");
     }
-    // Every number is one.
+    // Every number is valid.
     let (content, script) = own.split_once("<script>").unwrap();
     assert!(!content.contains("NaN"));
     assert!(script.ends_with("</script></body></html>"));

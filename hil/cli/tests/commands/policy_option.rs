@@ -1,4 +1,4 @@
-//! The numbers that decide, given in a file.
+//! Decision thresholds in a policy file.
 
 use crate::refusal::refuses;
 

@@ -1,4 +1,4 @@
-//! `hil predict`: the recording's rows come back with the force of the model, in the recording's own unit.
+//! `hil predict`: writes the recording's rows with the force of the model, in the recording's own unit.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use mesh_damper_recording::Recording;
 
-/// k1 = 2 kN/mm and a preload of 0.5 kN: a force that a line of the file shows.
+/// k1 = 2 kN/mm and a preload of 0.5 kN: each line of the file shows this force.
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
   "law": [ { "amplitude": 0.0, "k1": 2.0, "k3": 0.0, "c": 0.0, "alpha": 0.5 } ],
@@ -40,7 +40,7 @@ fn predict(directory: &Path, recording: &str, out: &str, on: &str) {
     );
 }
 
-/// A recording in another unit than the fitted one is named, and its error is no percentage of twenty digits.
+/// A recording in a unit other than the fitted one is reported, and its error is not a percentage of twenty digits.
 #[test]
 fn a_force_of_another_size_than_the_predicted_one_is_named() {
     let root = tempfile::tempdir().unwrap();
@@ -85,7 +85,7 @@ fn a_force_of_another_size_than_the_predicted_one_is_named() {
 #[test]
 fn the_rows_come_back_with_a_column_in_the_recordings_own_unit() {
     let root = tempfile::tempdir().unwrap();
-    // Time in ms, displacement in inches, force in pound-force; a column that is not known, and a quoted one.
+    // Time in ms, displacement in inches, force in pound-force; an unknown column, and a quoted one.
     let mut text = String::from("# specimen: one\ntime_ms,note,displacement_in,force_lbf\n");
     for i in 0..1000 {
         let time = f64::from(i) * 0.002;
@@ -144,7 +144,7 @@ fn a_jittering_recording_is_predicted_at_its_own_times() {
     }
 }
 
-/// A sine of 0.1 mm, at 2 Hz up to 1.26 mm/s, beside the operating range of a model: JSON, what is said and what is warned of.
+/// A sine of 0.1 mm at 2 Hz, up to 1.26 mm/s, against the operating range of a model: JSON, output and warnings.
 fn beside(range: &str) -> (serde_json::Value, String, String) {
     let root = tempfile::tempdir().unwrap();
     let model = MODEL.replace(
@@ -179,19 +179,19 @@ fn samples_outside_the_operating_range_are_counted_and_warned_of() {
     let (json, out, error) = beside(range);
     let outside = &json["outside_operating_range"];
     let figure = |value: &serde_json::Value| value.as_f64().unwrap();
-    // Of a sine the part beyond 0.0525 of 0.1 mm, and that beyond 1.05 of 1.257 mm/s.
+    // The fractions of a sine beyond 0.0525 of 0.1 mm, and beyond 1.05 of 1.257 mm/s.
     let part = |edge: f64| 1.0 - edge.asin() / std::f64::consts::FRAC_PI_2;
     let speed = 0.1 * std::f64::consts::TAU * 2.0;
     for (channel, edge, most) in [
         ("displacement", 0.525, 1.0),
         ("velocity", 1.05 / speed, speed - 1.0),
     ] {
-        // Each of four crossings in a cycle of 250 samples is off by half of one at most.
+        // Each of four crossings in a cycle of 250 samples is off by at most half a sample.
         let off = figure(&outside[channel]["part"]) - part(edge);
         assert!(off.abs() < 8e-3, "{channel}: {off}");
         assert!((figure(&outside[channel]["most"]) - most).abs() < 5e-3);
     }
-    // One is large where the other is small, so that all of both count but for what both share.
+    // One is large where the other is small. So the fraction is the sum of both, except for the samples that both share.
     let all = figure(&outside["part"]);
     assert!(all > part(0.525) + 0.05 && all <= 1.0, "{all}");
     assert!((figure(&json["beyond_fitted_range"]) - 1.0).abs() < 5e-3);
@@ -207,7 +207,7 @@ fn samples_outside_the_operating_range_are_counted_and_warned_of() {
     assert!(error.contains("by up to 1.00 times the range, velocity at "));
 }
 
-/// The sine exceeds the range by a 50th: a number, and no warning.
+/// The sine exceeds the range by a 50th: the number is reported, without a warning.
 #[test]
 fn a_tiny_overshoot_of_the_operating_range_is_no_warning() {
     let range = r#""displacement": [-0.098, 0.098], "velocity": [-6.3, 6.3]"#;
@@ -222,7 +222,8 @@ fn a_tiny_overshoot_of_the_operating_range_is_no_warning() {
     );
 }
 
-/// A logger that goes on in newtons under a header of kilonewtons: a trace mends that, and a prediction is held to the same force.
+/// A logger that changes to newtons under a header of kilonewtons: a trace repairs this, and a prediction is compared with the same
+/// repaired force.
 #[test]
 fn a_unit_that_changes_on_the_way_is_mended_as_a_trace_mends_it() {
     let root = tempfile::tempdir().unwrap();
@@ -262,7 +263,7 @@ fn a_unit_that_changes_on_the_way_is_mended_as_a_trace_mends_it() {
     assert!(warnings.contains("1000"), "{warnings}");
 }
 
-/// The motion that the law was given, with the force to the last bit.
+/// The motion that the law received, with the force to the last bit.
 #[test]
 fn the_motion_comes_along_where_it_is_asked_for() {
     let root = tempfile::tempdir().unwrap();
@@ -307,7 +308,7 @@ fn the_motion_comes_along_where_it_is_asked_for() {
     assert_eq!(column("temperature")[7], 20.0);
 }
 
-/// The name says the format, whatever the recording came in; one of no format is refused before the model is looked for.
+/// The name determines the format, whatever the format of the recording. An unknown format is refused before the model is read.
 #[test]
 fn a_prediction_goes_where_its_name_ends() {
     let root = tempfile::tempdir().unwrap();
@@ -333,7 +334,7 @@ fn a_prediction_goes_where_its_name_ends() {
         let predicted = Recording::read_as(&path, &reading).unwrap();
         assert_eq!(predicted.declared("specimen"), Some("one"), "{name}");
         assert_eq!(predicted.len(), 1000);
-        // A prediction can be predicted of.
+        // A prediction can be the input of another prediction.
         predict(root.path(), name, "again.mcap", "f64");
         read.push(predicted.force);
     }

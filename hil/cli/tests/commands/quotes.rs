@@ -1,7 +1,8 @@
-//! Code that pages of `docs/` quote from the examples is the examples' own.
+//! Code that pages of `docs/` quote from the examples equals the code of the examples.
 //!
-//! A block after `<!-- from PATH:ANCHOR -->` holds the lines of that file between `ANCHOR: NAME` and `ANCHOR_END: NAME`, and a block
-//! after `<!-- from PATH -->` the whole file. It stands in the page itself, so that a forge shows it too. `BLESS=1` writes the blocks.
+//! A block after `<!-- from PATH:ANCHOR -->` contains the lines of that file between `ANCHOR: NAME` and `ANCHOR_END: NAME`. A block
+//! after `<!-- from PATH -->` contains the whole file. The code is in the page itself, so that code hosting sites show it too.
+//! `BLESS=1` writes the blocks.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The lines of a file, or of the anchor after a colon, without what indents all of them.
+/// The lines of a file, or of the anchor after a colon, without their common indentation.
 fn quoted(source: &str) -> Result<String, String> {
     let (path, anchor) = source
         .split_once(':')
@@ -45,7 +46,7 @@ fn quoted(source: &str) -> Result<String, String> {
     Ok(text.join("\n").trim_matches('\n').to_owned() + "\n")
 }
 
-/// A page with its quotes as the files have them, and their number.
+/// A page with its quotes updated from the files, and the number of quotes.
 fn renewed(page: &str) -> Result<(String, usize), String> {
     let mut renewed = String::new();
     let mut quotes = 0;

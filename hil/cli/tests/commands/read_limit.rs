@@ -1,4 +1,4 @@
-//! Files that hold more than a machine has memory for, or more than a quadratic search can look through, or less than was written.
+//! Files that are too large for the machine's memory, that would take a quadratic search too long, or that are incomplete.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -13,10 +13,10 @@ use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
 use mesh_damper_studies::orthogonal::Experiment;
 
 const HEADER: &str = "time_s,displacement_mm,force_kN\n";
-/// Address space of the command where nothing but its own is needed, MiB.
+/// Address space of the command itself, MiB.
 const ALONE: u64 = 200;
 
-/// The command with these arguments in `directory` and so many MiB of address space.
+/// The command with these arguments in `directory` and this number of MiB of address space.
 fn hil_within(mebibytes: u64, directory: &Path, arguments: &[&str]) -> Output {
     let script = format!("ulimit -v {}; exec \"$HIL\" \"$@\"", 1024 * mebibytes);
     Command::new("sh")
@@ -38,7 +38,7 @@ fn refuses(output: &Output, said: &[&str]) {
     }
 }
 
-/// Zips `part` over and over, after `head`, to so many bytes.
+/// Compresses `head` and then repetitions of `part`, up to this number of bytes.
 fn bomb(path: &Path, head: &str, part: &str, bytes: usize) {
     let file = fs::File::create(path).unwrap();
     let mut zip = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
@@ -97,7 +97,7 @@ fn a_line_without_an_end_takes_no_more_memory_than_a_line_may_have() {
             refuses(&hil_within(ALONE, root.path(), &arguments), said);
         }
     }
-    // Each line is short, and all of it is one cell.
+    // Each line is short, but together they are one cell.
     let said = [
         "quoted.csv.gz: holds more than 16MiB, the limit of a file;",
         "raise the limit with --max-read 32MiB",
@@ -182,7 +182,7 @@ fn the_limit_can_be_set() {
     assert_eq!(predict("1 TB").status.code(), Some(2));
 }
 
-/// The time that `work` takes at best when it is done so many times.
+/// The shortest time of `times` repetitions of `work`.
 fn least(times: usize, work: impl Fn()) -> f64 {
     let once = || {
         let start = Instant::now();
@@ -217,14 +217,15 @@ fn time_grows_as_the_number_of_columns() {
         fs::write(&path, header + &rows).unwrap();
         move || assert!(Experiment::read(&path).is_ok())
     };
-    // As many columns in one file as in 64, which a search through all names for each of them takes 64 times as long for.
+    // The same number of columns in one file and in 64 files: a search through all names for each column would take 64 times as long
+    // in one file.
     let of_recordings = least(1, recording(1 << 16)) / least(64, recording(1 << 10));
     assert!(of_recordings < 16.0, "{of_recordings}");
     let of_tests = least(1, test(1 << 15)) / least(64, test(1 << 9));
     assert!(of_tests < 16.0, "{of_tests}");
 }
 
-/// Wherever in its last line a file ends, its whole rows are the recording, and no other number is.
+/// Wherever a file ends within its last line, the recording consists of the whole rows and contains no other number.
 #[test]
 fn a_last_row_without_a_line_end_is_left_out_and_said() {
     let text = format!("{HEADER}{}", rows(12));
@@ -241,7 +242,7 @@ fn a_last_row_without_a_line_end_is_left_out_and_said() {
         };
         assert_eq!(part.faults(), [fault]);
     }
-    // What was not cut within a row is whole.
+    // A file that was not cut within a row is complete.
     for whole_rows in [
         &text[..last],
         &text.replace('\n', "\r\n"),

@@ -1,4 +1,4 @@
-//! What the README and `docs/errors.md` say is so.
+//! The statements of the README and of `docs/errors.md` are true.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use mesh_damper_demo::{demo, loop_error};
 const README: &str = include_str!("../../../../README.md");
 const ERRORS: &str = include_str!("../../../../docs/errors.md");
 
-/// Figures in %, of which three digits at most are given: what a better fit or another libm changes is no untruth.
+/// Tolerance of the figures in %, which have at most three digits: a better fit or another libm may change them by this much.
 const PART: f64 = 0.1;
 
 fn cells(row: &str) -> Vec<&str> {
@@ -20,7 +20,7 @@ fn the_minimum_rust_version_is_the_packages() {
     assert!(README.contains(&said), "{said}");
 }
 
-/// The numbers of `text`, without the sentence's own dots and commas. A number within a name or a path is not one.
+/// The numbers of `text`, without the sentence's own dots and commas. A number within a name or a path does not count.
 fn numbers(text: &str) -> Vec<&str> {
     text.split(|c: char| c.is_whitespace() || "|()[]`".contains(c))
         .map(|word| word.trim_end_matches(['.', ',', ';', ':']))
@@ -28,8 +28,8 @@ fn numbers(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// A figure stands in a page of `docs/`, where a test or a command holds it, and the README repeats it: each row of its
-/// table of figures names its pages, which must give every number of the row.
+/// Each figure is in a page of `docs/`, where a test or a command checks it, and the README repeats it. Each row of its table of
+/// figures links to pages, which must contain every number of the row.
 #[test]
 fn every_figure_stands_in_a_page_that_it_names() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

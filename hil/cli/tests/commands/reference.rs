@@ -1,4 +1,4 @@
-//! `docs/command-reference.md` is the help of every command.
+//! `docs/command-reference.md` contains the help of every command.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ This page holds the help of every command, as `hil COMMAND --help` prints it.
 With `cargo`, write `cargo hil` for `hil`.
 ";
 
-/// The names in the table of `docs/commands.md`, in its order: `study numbers`.
+/// The names in the table of `docs/commands.md`, in its order, such as `study numbers`.
 fn named() -> Vec<&'static str> {
     let rows = COMMANDS.lines();
     rows.filter_map(|row| row.strip_prefix("| `hil ")?.split_once('`'))
@@ -32,13 +32,13 @@ fn help(command: &str) -> String {
     lines.join("\n")
 }
 
-/// The commands below one, as its help lists them.
+/// The subcommands of a command, as its help lists them.
 pub fn below(help: &str) -> Vec<String> {
     let mut lines = help.lines().skip_while(|line| *line != "Commands:");
     lines.next();
     lines
         .take_while(|line| !line.is_empty())
-        // A name stands after two blanks; the rest of a long description is further to the right.
+        // A name follows two blanks; the continuation of a long description is further to the right.
         .filter_map(|line| {
             line.strip_prefix("  ")?
                 .split_whitespace()
@@ -65,7 +65,7 @@ fn the_list_of_commands_names_each() {
     assert_eq!(listed, expected);
 }
 
-/// The page is made of the help; `BLESS=1` writes it.
+/// The page is generated from the help; `BLESS=1` writes it.
 #[test]
 fn the_page_is_the_help_of_every_command() {
     let mut page = HEAD.to_owned();

@@ -23,7 +23,7 @@ fn names(directory: &Path) -> Vec<String> {
     names
 }
 
-/// Asserts that the command refuses with `said` in its one line, and leaves `directory` as it was.
+/// Asserts that the command refuses with `said` in its one line, and leaves `directory` unchanged.
 #[track_caller]
 pub fn refuses(directory: &Path, arguments: &[&str], said: &[&str]) {
     let before = names(directory);

@@ -8,14 +8,14 @@ use crate::refusal::{hil, refuses};
 use mesh_damper_recording::Recording;
 use serde_json::Value;
 
-/// 2 kN/mm, a dashpot of 1e-3 kN·s/mm, and a channel that is late.
+/// 2 kN/mm, a dashpot of 1e-3 kN·s/mm, and a channel with a delay.
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
   "units": { "displacement": "mm", "force": "kN", "time": "s", "temperature": "degC" },
   "law": [ { "amplitude": 0.0, "k1": 2.0, "k3": 0.0, "c": 0.001, "alpha": 1.0 } ],
   "effects": [ { "family": "delay", "parameters": { "time": 0.001 } } ],
   "fitted_range": { "displacement": [-0.02, 0.02], "velocity": [-6.3, 6.3] } }"#;
 
-/// A force in N, with no displacement beside it, and a base in µm.
+/// A force in N without a displacement column, and a base in µm.
 fn files(directory: &Path) {
     fs::write(directory.join("model.json"), MODEL).unwrap();
     let (mut force, mut base) = (
@@ -259,7 +259,7 @@ fn what_gives_no_motion_is_refused_in_one_line() {
     );
 }
 
-/// Times that jitter are brought to equal steps, as for every other command.
+/// Jittering times are resampled to equal steps, as in every other command.
 #[test]
 fn uneven_times_are_resampled() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `hil run`: what it leaves is a recording like any other, and the same for the same seed.
+//! `hil run`: it writes a normal recording, and the same one for the same seed.
 
 use std::fs;
 use std::path::Path;
@@ -15,8 +15,8 @@ fn run(directory: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A specimen that softens for longer than a run-in lasts, and in the run-in by no more than one may: 15 %
-/// of k1 from where it was learned.
+/// A specimen that softens for longer than a run-in lasts. Within the run-in it softens by no more than the permitted 15 % of k1 at
+/// which the monitor learned it.
 const SOFTENING: [&str; 4] = [
     "--effect",
     "drift:stiffness=-0.5,cycles=500",
@@ -24,7 +24,7 @@ const SOFTENING: [&str; 4] = [
     "0.1:10:500",
 ];
 
-/// What the monitor names is told, in the JSON with its evidence.
+/// Each fault that the monitor identifies is reported, in the JSON with its evidence.
 #[test]
 fn what_the_monitor_names_is_told() {
     let root = tempfile::tempdir().unwrap();
@@ -54,7 +54,7 @@ fn what_the_monitor_names_is_told() {
     assert!(events.iter().any(|event| event["fault"] == true));
 }
 
-/// The same specimen beside a law that may follow: it errs less, and no fault is named.
+/// The same specimen with a law that may adapt: its error is smaller, and no fault is reported.
 #[test]
 fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
     let root = tempfile::tempdir().unwrap();
@@ -120,7 +120,7 @@ fn leaves_a_recording_and_its_cycles() {
         .displacement
         .iter()
         .fold(0.0, |a: f64, b| a.max(b.abs()));
-    // The amplitude is held to a part in a hundred, beside noise of 1e-4 mm.
+    // The amplitude is within 1 %, with noise of 1e-4 mm.
     assert!((largest - 0.1).abs() < 5e-3, "{largest}");
 
     let cycles = fs::read_to_string(root.path().join("run-out/cycles.csv")).unwrap();
@@ -130,7 +130,7 @@ fn leaves_a_recording_and_its_cycles() {
         let steady = |row: &&serde_json::Value| row["block"] == block && row["ramp"] == false;
         assert_eq!(rows.iter().filter(steady).count(), cycles);
         for row in rows.iter().filter(steady) {
-            // The law beside is that of the specimen's own density at 0.1 mm.
+            // The law in the rig has the specimen's own density at 0.1 mm.
             let (measured, model) = (
                 &row["stiffness_kn_per_mm"],
                 &row["model_stiffness_kn_per_mm"],
@@ -151,7 +151,7 @@ fn leaves_a_recording_and_its_cycles() {
     assert_ne!(csv("first"), csv("run-out"));
 }
 
-/// 0.05 mm and 0.1 mm beside a model that was fitted on 0.07 mm: ticks of the second block are outside, as the recording shows.
+/// 0.05 mm and 0.1 mm with a model that was fitted on 0.07 mm: ticks of the second block are outside, as the recording shows.
 #[test]
 fn ticks_outside_the_operating_range_of_the_model_are_counted() {
     let root = tempfile::tempdir().unwrap();
@@ -193,7 +193,7 @@ fn ticks_outside_the_operating_range_of_the_model_are_counted() {
     );
     assert!(error.lines().any(|line| line == warned), "{error}");
 
-    // 0.1 mm at 5 Hz is 3.1 mm/s: more of the ticks are outside where no more than 1 mm/s was fitted.
+    // 0.1 mm at 5 Hz is 3.1 mm/s: more of the ticks are outside if only 1 mm/s was fitted.
     model(1.0);
     let (json, _) = ran(&blocks);
     assert!(json["outside_operating_range"]["part"].as_f64().unwrap() > part + 0.1);
@@ -202,7 +202,7 @@ fn ticks_outside_the_operating_range_of_the_model_are_counted() {
     let (json, error) = ran(&["--model", "model.json", "--blocks", "0.05:5:10"]);
     assert_eq!(json["outside_operating_range"]["ticks"], 0);
     assert!(!error.contains("operating range"), "{error}");
-    // The published coefficients have none.
+    // The published coefficients have no operating range.
     let (json, _) = ran(&["--blocks", "0.05:5:10"]);
     assert!(json["outside_operating_range"].is_null());
 }
@@ -235,7 +235,7 @@ fn the_file_of_a_programme_says_what_blocks_say() {
     assert_eq!(outputs[0], outputs[1]);
 }
 
-/// As JSON, or what was said of a failure with its exit code.
+/// The JSON, or the exit code and the message of a failure.
 fn driven(directory: &Path, arguments: &[&str]) -> Result<serde_json::Value, (i32, String)> {
     let output = run(directory, &[arguments, &["--json", "-"]].concat());
     if output.status.success() {
@@ -247,7 +247,7 @@ fn driven(directory: &Path, arguments: &[&str]) -> Result<serde_json::Value, (i3
 
 const RANDOM: &str = "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=10s,seed=2";
 
-/// What a run recorded is a motion for the next, whose recording is one for a trace.
+/// The recording of a run is a motion for the next run, whose recording can be traced.
 #[test]
 fn a_motion_is_followed_recorded_and_followed_again() {
     let root = tempfile::tempdir().unwrap();
@@ -256,7 +256,7 @@ fn a_motion_is_followed_recorded_and_followed_again() {
     assert!((figure(&first, "rms_mm") - 0.08).abs() < 1e-4, "{first}");
     assert_eq!(figure(&first, "duration_s"), 14.0);
     assert!(figure(&first, "following_error_rms_mm") < 0.1 * 0.08);
-    // The law is the specimen's; what is left is the observer's, which is told the demand and not what the actuator made of it.
+    // The law is the specimen's. The remaining error is the observer's, whose input is the demand and not the actuator's motion.
     assert!(figure(&first, "law_nrmse") < 0.1);
     assert_eq!(first["cycles"], serde_json::json!([]));
     assert!(!root.path().join("run-out/cycles.csv").exists());
@@ -267,7 +267,7 @@ fn a_motion_is_followed_recorded_and_followed_again() {
         "{said}"
     );
 
-    // A column of displacement is enough, in any unit.
+    // A column of displacement is sufficient, in any unit.
     let mut text = "time_ms,displacement_um\n".to_owned();
     for (time, y) in recording.time.iter().zip(&recording.displacement) {
         text += &format!("{},{}\n", 1e3 * time, 1e3 * y);
@@ -276,13 +276,13 @@ fn a_motion_is_followed_recorded_and_followed_again() {
     let arguments = ["--drive", "motion.csv", "--scale", "0.5", "--out", "again"];
     let second = driven(root.path(), &arguments).unwrap();
     assert!(figure(&second, "following_error_rms_mm") < 0.1 * 0.04);
-    // The noise of the displacement channel, 1e-4 mm, halved with the motion, is about what is left out.
+    // The noise of the displacement channel, 1e-4 mm, halved with the motion, is about the rejected part.
     let left_out = figure(&second, "left_out_rms_mm");
     assert!(left_out > 2e-5 && left_out < 2e-4, "{left_out}");
     let again = Recording::read(root.path().join("again/recording.csv.gz")).unwrap();
     let rms = |y: &[f64]| (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
     let ratio = rms(&again.displacement) / rms(&recording.displacement);
-    // The actuator exceeds the demand at the band's upper end, in both runs alike.
+    // The actuator exceeds the demand at the band's upper end in both runs.
     assert!((ratio / 0.5 - 1.0).abs() < 0.1, "{ratio}");
 }
 
@@ -327,7 +327,7 @@ fn a_motion_that_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         assert!(message.contains(said), "{said}: {message}");
         assert!(!root.path().join("run-out").exists(), "{message}");
     }
-    // The scale that the refusal gives is one that runs.
+    // The refusal gives a scale at which the run succeeds.
     let (_, message) = driven(root.path(), &["--drive", "large.csv"]).unwrap_err();
     let scale = message
         .split("--scale ")
@@ -339,7 +339,7 @@ fn a_motion_that_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
     driven(root.path(), &["--drive", "large.csv", "--scale", scale]).unwrap();
 }
 
-/// A model that was fitted on `reach` mm and 100 mm/s, of another stiffness than the specimen's where `factor` is not 1.
+/// A model that was fitted on `reach` mm and 100 mm/s. Its stiffness differs from the specimen's if `factor` is not 1.
 fn model_of_stiffness(directory: &Path, factor: f64, reach: f64) {
     // A specimen of 3 g/cm³ at 0.1 mm.
     let (k1, k3, c) = (1.0539 * factor, 10.5 * factor, 0.1114 * factor);
@@ -352,7 +352,7 @@ fn model_of_stiffness(directory: &Path, factor: f64, reach: f64) {
     fs::write(directory.join("model.json"), text).unwrap();
 }
 
-/// A law of another specimen ran beside this one with an error of 613 %, and nothing was said.
+/// A law of another specimen once ran with this one with an error of 613 % and without a warning.
 #[test]
 fn a_model_of_another_specimen_is_warned_of_first() {
     let root = tempfile::tempdir().unwrap();
@@ -366,7 +366,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
         (json, error)
     };
     let blocks = ["--blocks", "0.1:5:6"];
-    // Off by as much as it is too stiff.
+    // The error is as large as the excess of stiffness.
     for (factor, expected) in [(7.13, 6.13), (1.9, 0.9), (0.4, 0.6)] {
         let (json, error) = ran(factor, &blocks);
         let first = &json["first_error"];
@@ -391,7 +391,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
     assert_eq!((&*error, &json["warnings"]), ("", &serde_json::json!([])));
     let nrmse = json["first_error"]["nrmse"].as_f64().unwrap();
     assert!((nrmse - 0.3).abs() < 0.05, "{nrmse}");
-    // Cycles of a motion are not distinguished: all of it counts.
+    // Cycles of a streamed motion are not distinguished: all of it counts.
     let drive = [
         "--drive",
         "random:rms=0.08mm,from=0.5Hz,to=12Hz,duration=3s,seed=2",
@@ -404,7 +404,7 @@ fn a_model_of_another_specimen_is_warned_of_first() {
     );
 }
 
-/// Before the run, of what is asked: an amplitude and a speed that the model was never fitted on.
+/// Before the run, for the requested motion: an amplitude and a speed that are outside the fitted range.
 #[test]
 fn blocks_outside_the_operating_range_are_warned_of_first() {
     let root = tempfile::tempdir().unwrap();
@@ -439,7 +439,7 @@ fn blocks_outside_the_operating_range_are_warned_of_first() {
     }
     let (json, error) = ran("0.05:5:4");
     assert_eq!((&*error, &json["warnings"]), ("", &serde_json::json!([])));
-    // Nothing is asked of a law that was not fitted.
+    // A law that was not fitted has no range to check.
     let output = run(root.path(), &["--blocks", "0.05:5:4", "--json", "-"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(json["asked_outside_operating_range"].is_null() && json["first_error"].is_null());

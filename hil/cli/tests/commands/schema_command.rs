@@ -1,4 +1,4 @@
-//! `hil schema`, and that what the commands write is as it says.
+//! `hil schema`: the documents that the commands write conform to it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::command::hil;
 use crate::validator::problems;
 
-/// Documents that another file of these tests makes and has judged by [`is_as_its_schema_says`].
+/// Documents that another file of these tests creates and checks with [`is_as_its_schema_says`].
 const ELSEWHERE: [(&str, &str); 7] = [
     ("amplitude-free", "amplitude_free_command.rs"),
     ("bench", "bench_command.rs"),
@@ -24,7 +24,7 @@ fn tests() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/commands")
 }
 
-/// Where the schemas of the repository are.
+/// The path of the repository's schemas.
 fn stored() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema")
 }
@@ -35,7 +35,7 @@ fn read(path: impl AsRef<Path>) -> Value {
     serde_json::from_slice(&bytes).unwrap()
 }
 
-/// All schemas by their names, of the command itself.
+/// All schemas of the command by name.
 fn schemas() -> BTreeMap<String, Value> {
     let root = tempfile::tempdir().unwrap();
     hil(root.path(), &["schema", "--all", "--out", "schemas"]);
@@ -49,7 +49,7 @@ fn schemas() -> BTreeMap<String, Value> {
         .collect()
 }
 
-/// Asserts that `value` is the document `name` by the schema that the command gives, and has no field beside.
+/// Asserts that `value` is the document `name` by the command's schema, and has no additional field.
 #[track_caller]
 pub fn is_as_its_schema_says(name: &str, value: &Value) {
     let root = tempfile::tempdir().unwrap();
@@ -63,7 +63,7 @@ fn has_schema(name: &str, schema: &Value, value: &Value) {
     assert!(problems.is_empty(), "{name}: {}", problems.join("\n"));
 }
 
-/// Small documents of the commands, by name. None takes long.
+/// Small documents of the commands, by name. None takes long to create.
 fn documents(root: &Path) -> BTreeMap<&'static str, Value> {
     let run = |line: &str| {
         hil(root, &line.split(' ').collect::<Vec<_>>());
@@ -137,10 +137,10 @@ fn what_the_commands_write_is_as_their_schemas_say() {
             continue;
         }
         let made = ELSEWHERE.iter().find(|(document, _)| *document == name);
-        let (_, file) = made.unwrap_or_else(|| panic!("no test makes the document {name}"));
+        let (_, file) = made.unwrap_or_else(|| panic!("no test writes the document {name}"));
         let test = fs::read_to_string(tests().join(file)).unwrap();
         let judged = format!("is_as_its_schema_says(\"{name}\"");
-        assert!(test.contains(&judged), "{file} does not judge {name}");
+        assert!(test.contains(&judged), "{file} does not check {name}");
     }
 }
 
@@ -154,7 +154,7 @@ fn the_benchmark_of_others_is_as_its_schema_says() {
     is_as_its_schema_says("study-bouc-wen", &document);
 }
 
-/// A document says which it is, and a field that is missing, of another type or unknown is found.
+/// A document identifies its kind. A field that is missing, has another type or is unknown is found.
 #[test]
 fn a_schema_tells_a_document_from_what_is_none() {
     let root = tempfile::tempdir().unwrap();
@@ -177,7 +177,7 @@ fn a_schema_tells_a_document_from_what_is_none() {
     });
 }
 
-/// No way around the schemas: `add_json` takes anything, so that only what names a document may call it.
+/// No code bypasses the schemas: `add_json` accepts anything, so only code that identifies a document may call it.
 #[test]
 fn the_commands_write_documents_alone() {
     fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -207,7 +207,7 @@ fn the_commands_write_documents_alone() {
     );
 }
 
-/// Words that say a number's unit, or that it has none.
+/// Words that state a number's unit, or that it has none.
 const UNITS: &[&str] = &[
     "divided by",
     "multiple of",
@@ -266,17 +266,17 @@ const UNITS: &[&str] = &[
     "probability",
 ];
 
-/// Fields of the standard library's types, which say nothing of themselves.
+/// Fields of the standard library's types, which have no description of their own.
 const OF_THE_LIBRARY: [&str; 4] = ["Ok", "Err", "start", "end"];
 
-/// Fields that do not say what they are, and numbers that do not say in what.
+/// Fields without a description, and numbers without a unit.
 struct Bare<'a> {
     root: &'a Value,
     found: Vec<String>,
 }
 
 impl Bare<'_> {
-    /// What is said of a field: by itself, by what it refers to, or by the alternative that it makes.
+    /// The description of a field: its own, that of its reference, or that of its alternative.
     fn said(&self, field: &Value, alternative: &str) -> String {
         let of = |schema: &Value| {
             schema["description"]
@@ -331,7 +331,7 @@ impl Bare<'_> {
     }
 }
 
-/// Every field says what it is, and a number in what it is.
+/// Every field has a description, and a number has a unit.
 #[test]
 fn every_field_is_described() {
     let mut all = Vec::new();
@@ -351,21 +351,21 @@ fn every_field_is_described() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-/// What of `old` is gone or another in `new`: readers rely on it. What is added does not matter to them.
+/// Parts of `old` that are missing or changed in `new`: readers rely on them. Additional parts do not affect readers.
 fn lost(old: &Value, new: &Value, at: &str, lost: &mut Vec<String>) {
     match (old, new) {
         (Value::Object(old), Value::Object(new)) => {
             for (key, old) in old {
                 let at = format!("{at}/{key}");
                 match new.get(key) {
-                    // Words may be put better.
+                    // The wording may be improved.
                     _ if matches!(key.as_str(), "description" | "title") && old.is_string() => {}
                     Some(new) => self::lost(old, new, &at, lost),
                     None => lost.push(format!("{at} is gone")),
                 }
             }
         }
-        // Of a set, as `required`, `enum` and `oneOf` are, something may be added.
+        // A set, such as `required`, `enum` and `oneOf`, may get additional members.
         (Value::Array(old), Value::Array(new)) => {
             for each in old {
                 let mut closest = None;

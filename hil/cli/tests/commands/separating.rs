@@ -1,4 +1,4 @@
-//! What one condition cannot tell apart, the test that a trace asks for does.
+//! The test that a trace requests distinguishes effects that one condition cannot distinguish.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ fn families(result: &Value) -> Vec<&str> {
         .collect()
 }
 
-/// What one condition says: the family alone, or several with it; then the test that is asked for leaves it alone.
+/// One condition gives the family alone, or several families including it. In the second case the requested test gives it alone.
 fn separates(family: &str, effect: &str) {
     let before = traced(effect, ONE_CONDITION);
     let rivals = families(&before);
@@ -56,7 +56,7 @@ fn separates(family: &str, effect: &str) {
     assert!(after["separating_test"].is_null());
 }
 
-/// At one frequency a dashpot is a Maxwell branch too.
+/// At one frequency a dashpot is also a Maxwell branch.
 #[test]
 fn a_dashpot_is_ambiguous_until_the_test_that_is_asked_for() {
     assert_eq!(
@@ -76,7 +76,7 @@ fn a_late_channel() {
     separates("delay", "delay:time=0.001");
 }
 
-/// The file is the test: one command runs it, and its trace names the effect.
+/// The file contains the test: one command runs it, and its trace identifies the effect.
 #[test]
 fn the_test_is_a_file_that_one_command_runs() {
     let effect = "viscous:c=0.05";
@@ -93,7 +93,7 @@ fn the_test_is_a_file_that_one_command_runs() {
         })
         .collect();
     assert_eq!((rows[0], rows[rows.len() - 1][1]), ([0.0, 0.0], 0.0));
-    // As long as its blocks with two cycles of ramp before each and after the last, and as large.
+    // It is as long as its blocks with two cycles of ramp before each and after the last, and as large.
     let blocks = before["separating_blocks"].as_array().unwrap();
     let field = |block: &Value, name: &str| block[name].as_f64().unwrap();
     let largest = blocks
@@ -112,7 +112,7 @@ fn the_test_is_a_file_that_one_command_runs() {
         "{last} s of {steady} s"
     );
 
-    // The command that the file names.
+    // The command in the file.
     let command = text
         .lines()
         .find_map(|line| line.strip_prefix("# run: cargo hil "));
@@ -130,8 +130,8 @@ fn the_test_is_a_file_that_one_command_runs() {
     );
     let after = result(root.path());
     assert_eq!(after["verdict"], "found", "{:?}", families(&after));
-    // The rival is gone. The sensors' lag of 0.15 ms may show beside what is left: it rounds the force where the friction
-    // turns, and not the displacement.
+    // The rival is gone. The sensors' lag of 0.15 ms may appear in the remaining residual: it rounds the force where the friction
+    // reverses, but not the displacement.
     let found = families(&after);
     assert_eq!(found[0], "viscous", "{found:?}");
     assert!(
@@ -139,7 +139,7 @@ fn the_test_is_a_file_that_one_command_runs() {
         "{found:?}"
     );
     for effect in &after["effects"].as_array().unwrap()[1..] {
-        // By a time, or as a low-pass shows what is slow: √2/ω late.
+        // As a time, or as a low-pass, which delays slow changes by √2/ω.
         let value = |name: &str| effect["parameters"][name]["value"].as_f64();
         let of_corner = |corner: f64| 2.0_f64.sqrt() / (std::f64::consts::TAU * corner);
         let late = value("time").or(value("corner").map(of_corner)).unwrap();
@@ -148,7 +148,7 @@ fn the_test_is_a_file_that_one_command_runs() {
     assert_eq!(after["separating_blocks"], serde_json::json!([]));
 }
 
-/// One motion of a band of frequencies tells what takes several blocks of sines.
+/// One motion with a band of frequencies gives the same information as several blocks of sines.
 #[test]
 fn a_random_motion_names_a_maxwell_branch_and_its_numbers() {
     let root = tempfile::tempdir().unwrap();

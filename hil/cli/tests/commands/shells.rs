@@ -1,11 +1,12 @@
-//! `hil completions` and `hil man`, as a shell and `man` take them.
+//! `hil completions` and `hil man`, checked with shells and with `man`.
 
 use std::fs;
 use std::process::Command;
 
 use crate::command::hil;
 
-/// Whether `program` is on this machine. Where `CI` is `true` it has to be, if `needed`; elsewhere a line says what is left out.
+/// Whether `program` is installed. If `CI` is `true` and the program is `needed`, it must be; otherwise a line reports what is
+/// skipped.
 fn is_there(program: &str, needed: bool) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&path).any(|folder| folder.join(program).is_file());
@@ -67,7 +68,7 @@ fn every_command_has_a_page_that_man_shows() {
         .map(|entry| entry.unwrap().path())
         .collect();
     assert_eq!(said.trim(), format!("{} pages are in man1", pages.len()));
-    // A hyphen that may be copied is written so.
+    // This is the spelling of a hyphen that can be copied.
     let text = |page: &str| {
         let text = fs::read_to_string(root.path().join("man1").join(page)).unwrap();
         text.replace("\\-", "-")

@@ -8,7 +8,7 @@ use mesh_damper_reference::tables::interpolate;
 use mesh_damper_studies::amplitude_independent::Sine;
 use mesh_damper_studies::surfaces::{DEGREE, fit};
 
-/// K of a steady cycle of the law that `hil run` has beside the specimen, at 2.75 g/cm³, 0.1 mm, 1 Hz.
+/// K of a steady cycle of the law that `hil run` computes next to the specimen, at 2.75 g/cm³, 0.1 mm, 1 Hz.
 fn stiffness_in_the_rig(law: &str) -> f64 {
     let root = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_hil"))

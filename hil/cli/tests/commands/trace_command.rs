@@ -1,4 +1,4 @@
-//! `hil trace` and `hil predict` one after the other: the files that they leave agree with each other.
+//! `hil trace` followed by `hil predict`: their files agree with each other.
 
 use std::fs;
 use std::path::Path;
@@ -95,8 +95,8 @@ fn what_trace_leaves_predict_takes_up() {
     }
 }
 
-/// A channel that stands still for a while, a sign that is turned, a unit that changes on the way: both commands leave out the same samples,
-/// and mend the same.
+/// A channel that stands still for a while, an inverted sign, a unit that changes within the recording: both commands leave out the
+/// same samples and repair the same faults.
 #[test]
 fn both_say_the_same_of_a_recording_with_faults() {
     let root = tempfile::tempdir().unwrap();
@@ -155,7 +155,7 @@ fn both_say_the_same_of_a_recording_with_faults() {
     }
 }
 
-/// The constant force is known from the first test: it is in the law of the next, and is not found once more.
+/// The constant force is known from the first test: it is in the law of the next test, and is not found again.
 #[test]
 fn what_a_model_knows_stays_in_the_law_of_the_next_test() {
     let root = tempfile::tempdir().unwrap();
@@ -163,7 +163,7 @@ fn what_a_model_knows_stays_in_the_law_of_the_next_test() {
     for name in ["rec.csv", "next.csv"] {
         record(&root.path().join(name), &blocks);
     }
-    // The noise of `record` repeats, as a tone does.
+    // The noise of `record` is periodic, like a tone.
     let trace = |arguments: &[&str]| {
         let no_tone = &["--exclude", "periodic"];
         hil(root.path(), &[&["trace"], arguments, no_tone].concat())

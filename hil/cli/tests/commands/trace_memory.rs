@@ -1,5 +1,5 @@
-//! The memory that a trace takes for each row of its recording: a bound of one run over another, so that what the command takes
-//! besides does not count. And the command that measures it.
+//! The memory that a trace takes for each row of its recording: the difference of two runs, so that the memory of the command itself
+//! does not count. Also tests the command that measures it.
 #![cfg(target_os = "linux")]
 
 use std::process::Command;
@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::command::hil;
 use mesh_damper_studies::size::{BYTES_PER_ROW, Measured, Motion, measure};
 
-/// Far enough apart for what is kept of each row to stand out of what an allocator keeps for later.
+/// Far enough apart for the memory of the rows to exceed the memory that an allocator keeps in reserve.
 const ROWS: [usize; 2] = [50_000, 450_000];
 
 #[track_caller]
@@ -49,7 +49,7 @@ fn the_study_writes_what_it_measures() {
     );
     for one in all {
         assert!((8_000..12_000).contains(&one.rows), "{one:?}");
-        // The program itself takes more where it was built with debug information: twice the limit is a wrong unit.
+        // A build with debug information takes more memory; twice the limit would indicate a wrong unit.
         assert!(
             (4 << 20..2 * one.memory_limit()).contains(&one.memory),
             "{one:?}"

@@ -1,20 +1,21 @@
-//! Whether JSON is as a schema says, by the keywords that the commands' schemas use. Another keyword fails, so that none is left out.
+//! Whether JSON conforms to a schema, by the keywords that the commands' schemas use. Another keyword is an error, so that none is
+//! ignored.
 //!
-//! A library that knows all of JSON Schema takes as long to compile as a third of the command; `.ci/install` has one judge too.
+//! A library for all of JSON Schema would take a third of the command's compile time; `.ci/install` also validates with one.
 
 use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-/// What of `value` is not as `schema` says, a line each with its place. Fields that the schema does not name are among them: a reader takes
-/// them, as they may be added, and a command writes none.
+/// The parts of `value` that do not conform to `schema`, one line each with its place. Fields that the schema does not define are
+/// among them: a reader accepts them, because they may be added, but a command writes none.
 pub fn problems(schema: &Value, value: &Value) -> Vec<String> {
     let mut problems = Vec::new();
     Validator { root: schema }.judge(schema, value, "", &mut problems);
     problems
 }
 
-/// Keywords that ask for nothing.
+/// Keywords without a requirement.
 const WORDS: [&str; 6] = [
     "$schema",
     "$defs",
@@ -29,7 +30,7 @@ struct Validator<'a> {
 }
 
 impl<'a> Validator<'a> {
-    /// Judges all of `value`, by all that is said of it.
+    /// Checks all of `value` against all keywords.
     fn judge(&self, schema: &'a Value, value: &Value, at: &str, problems: &mut Vec<String>) {
         let known = self.apply(schema, value, at, problems);
         for name in value
@@ -43,7 +44,7 @@ impl<'a> Validator<'a> {
         }
     }
 
-    /// Judges `value` by one of several schemas, and gives the fields that this one names.
+    /// Checks `value` against one of several schemas, and returns the fields that this one defines.
     fn apply(
         &self,
         schema: &'a Value,
@@ -63,7 +64,7 @@ impl<'a> Validator<'a> {
                 return known;
             }
             Value::Object(asked) => asked,
-            other => panic!("{at}: {other} is no schema"),
+            other => panic!("{at}: {other} is not a schema"),
         };
         for (keyword, asked) in asked {
             let all = || asked.as_array().expect("a list").iter();
@@ -166,15 +167,15 @@ impl<'a> Validator<'a> {
                 | "maxItems",
                 _,
             ) => true,
-            (other, _) => panic!("{at}: {other} is no keyword that this validator knows"),
+            (other, _) => panic!("{at}: the validator lacks the keyword {other}"),
         }
     }
 
-    /// The schema that a reference leads to.
+    /// The schema to which a reference points.
     fn referred(&self, reference: &Value) -> &'a Value {
         let place = reference.as_str().and_then(|text| text.strip_prefix('#'));
         let found = place.and_then(|place| self.root.pointer(place));
-        found.unwrap_or_else(|| panic!("{reference} leads nowhere"))
+        found.unwrap_or_else(|| panic!("{reference} has no target"))
     }
 }
 
@@ -187,6 +188,6 @@ fn is_a(kind: &Value, value: &Value) -> bool {
         Some("string") => value.is_string(),
         Some("number") => value.is_number(),
         Some("integer") => value.is_i64() || value.is_u64(),
-        _ => panic!("{kind} is no type"),
+        _ => panic!("{kind} is not a type"),
     }
 }

@@ -1,6 +1,7 @@
 //! Held-out recordings outside the conditions of the fitted samples. Their error is that of an extrapolation.
 
 use mesh_damper_model::extrapolation::Extrapolation;
+use mesh_damper_recording::extremes::least_and_largest;
 
 use super::split::Role;
 use super::{Trace, Traced};
@@ -38,11 +39,7 @@ pub(super) fn warnings(trace: &Trace) -> Vec<String> {
         let Some(held) = &trajectory.temperature else {
             continue;
         };
-        let [least, most] = held
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| {
-                [a.min(t), b.max(t)]
-            });
+        let (least, most) = least_and_largest(held);
         let margin = crate::policy::policy().held_range.temperature;
         if least < low - margin || most > high + margin {
             warnings.push(format!(

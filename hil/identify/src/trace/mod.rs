@@ -7,6 +7,7 @@
 pub(crate) mod adopt;
 pub(crate) mod aligned;
 mod closing;
+pub mod conclusion;
 mod conditions;
 pub(crate) mod confirm;
 mod controlled;

@@ -174,7 +174,7 @@ fn hum_on_the_displacement_is_taken_off() {
     );
 }
 
-/// An effect that acts only in some places has to be fitted and judged in such places, wherever they are in the recording.
+/// An effect that acts only in some places must be fitted and judged in such places, at any time of the recording.
 #[test]
 fn steps_show_what_acts_on_one_side() {
     let test = |seed| {
@@ -233,7 +233,7 @@ fn one_cycle_at_each_amplitude_gives_coefficients_for_each() {
     }
 }
 
-/// With the stated probability, whatever the noise of the displacement.
+/// With the stated probability, for any noise of the displacement.
 #[test]
 fn the_band_holds_the_force_along_the_true_motion() {
     let law = law();

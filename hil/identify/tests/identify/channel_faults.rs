@@ -55,8 +55,8 @@ fn clean_recordings_have_no_faults() {
     );
 }
 
-/// The same on the recordings kept next to the repository, which none of its code made. Two of the measured ones do have
-/// faults: a logger that left out a row 179 times, and four lone samples of a load cell that stand 0.06 … 0.2 kN off.
+/// The same for the recordings next to the repository, which none of its code produced. Two of the measured ones do have faults: a
+/// logger that left out a row 179 times, and four single samples of a load cell with an error of 0.06 … 0.2 kN.
 #[test]
 fn recordings_of_others_have_the_faults_that_are_in_them() {
     let Some(folder) = recordings() else {
@@ -111,8 +111,8 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
     }
 }
 
-/// Every fault, in recordings of every physics: found in the channel that it is in, with about as many samples, and
-/// nothing else said. The gate tries every third of them, one after the other.
+/// Every fault, in recordings of every physics: it is found in its channel, with about the correct number of samples, and nothing
+/// else is reported. The gate tries every third combination in order.
 #[test]
 fn faults_are_found_counted_and_nothing_else_is() {
     every_fault_in_every_physics(3);
@@ -228,7 +228,7 @@ fn concluded(recording: &Recording) -> (Verdict, Vec<String>, Vec<String>) {
     (result.verdict, families, faults.collect())
 }
 
-/// Physics is not invented from faults: a spoilt recording gives the verdict and the families of the clean one.
+/// Physics is not invented from faults: a recording with a fault gives the verdict and the families of the clean one.
 #[test]
 fn faults_do_not_become_physics() {
     let blocks: Vec<TestBlock> = [

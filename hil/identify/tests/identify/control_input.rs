@@ -49,7 +49,7 @@ fn steps(seed: u64) -> Schedule {
     }
 }
 
-/// A schedule that holds one current longer than any test.
+/// A schedule with one constant current that is longer than any test.
 fn held(current: f64) -> Schedule {
     let of_seed = |seed| Schedule {
         most: current,
@@ -129,7 +129,7 @@ fn a_current_in_steps_is_found_with_its_lag() {
     assert_eq!(found.model.controls[0].range, [0.0, 1.0]);
 }
 
-/// Three currents are fitted, and the fourth, which lies between them, is predicted. The law alone does not know the current.
+/// Three currents are fitted, and the fourth, which lies between them, is predicted. The law alone does not use the current.
 #[test]
 fn a_current_that_is_steady_in_each_recording_is_the_same_thing() {
     let at = |current: f64, seed| recorded(controlled(1.0, held(current)), &blocks(), seed);
@@ -155,7 +155,7 @@ fn a_current_on_which_nothing_depends_is_none() {
     assert_eq!(result.verdict, Verdict::None, "{:?}", families(&result));
 }
 
-/// Its place in the model differs from that in the recording: another column stands before it.
+/// Its index in the model differs from that in the recording: another column precedes it.
 #[test]
 fn a_column_is_known_by_its_name() {
     let test = |seed: u64| {
@@ -183,7 +183,7 @@ fn a_column_is_known_by_its_name() {
     assert!(refused.to_string().contains("current_A"), "{refused}");
 }
 
-/// A known input stands where the model has it, whatever the columns' order, and every recording needs it.
+/// A known input has its index in the model, for any order of the columns, and every recording must contain it.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_known_input_stays_and_must_be_there() {
@@ -235,7 +235,7 @@ fn a_current_that_was_never_another_is_said_to_be_another() {
     assert!(said, "{:?}", result.warnings);
 }
 
-/// An input that one of the recordings lacks cannot be used, and the trace says so.
+/// An input that is missing in one of the recordings cannot be used, and the trace reports this.
 #[test]
 fn a_column_that_a_recording_lacks_is_not_looked_at() {
     let test = |seed| recorded(controlled(1.0, steps(seed)), &blocks(), seed);

@@ -1,4 +1,4 @@
-//! The trace on the recordings that are kept next to the repository. If they are absent, the tests are skipped and say so.
+//! The trace on the recordings that are kept next to the repository. If they are absent, the tests are skipped with a message.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ fn read(folder: &std::path::Path, name: &str) -> Recording {
     Recording::read(folder.join(format!("{name}.csv.gz"))).unwrap()
 }
 
-/// Families of the key that this tracer knows.
+/// Families of the key that this version of the trace can find.
 const KNOWN: [&str; 10] = [
     "none",
     "offset",
@@ -131,7 +131,7 @@ fn a_measured_damper_is_predicted_twice_as_well_at_a_condition_not_fitted() {
         };
         let preferred = &result.effects[..1];
         assert!(has(preferred, &["stick_slip", "yielding"]), "{preferred:?}");
-        // The report may say that a spring in series does equally well; the law has none.
+        // The report may state that a spring in series fits equally well; the law has none.
         let series = ["compliance", "delay"];
         let mut in_law = traced.model.effects.iter();
         assert!(!in_law.any(|effect| series.contains(&effect.family.name())));

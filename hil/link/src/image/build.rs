@@ -69,7 +69,12 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         ])
         // A separate directory for each board, because the binary has the same name for all.
         .arg("--target-dir")
-        .arg(target_directory(root, board))
+        .arg(target_directory(root).join(board.folder()))
+        // What the boards have in common is built once.
+        .env(
+            "CARGO_BUILD_BUILD_DIR",
+            target_directory(root).join("images"),
+        )
         // A target-cpu in these variables would change the images' rounding, and link arguments their layout.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", flags)
@@ -99,13 +104,10 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .ok_or_else(|| failed("cargo names no file that it built".into()))
 }
 
-/// Cargo's target directory for `board`.
-fn target_directory(root: &Path, board: Board) -> PathBuf {
-    let directory = match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(directory) => PathBuf::from(directory),
-        None => root.join("target"),
-    };
-    root.join(directory).join(board.folder())
+/// Cargo's target directory.
+fn target_directory(root: &Path) -> PathBuf {
+    let directory = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    root.join(directory)
 }
 
 /// Checks that the core library for `target` is installed.

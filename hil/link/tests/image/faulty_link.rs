@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::emulated;
 use crate::support::{EFFECTS, bits, every_effect, law, motions, pack, setup};
 
-/// `frame` as it goes on when it is lost (0), repeated (1), cut (2) or damaged (3), and as it is for any other `kind`.
+/// Frames that replace `frame` if it is lost (0), repeated (1), cut (2) or damaged (3); `frame` unchanged for any other `kind`.
 fn disturbed(frame: &[u8], kind: usize, random: &mut ChaCha8Rng) -> Vec<Vec<u8>> {
     let mut frame = frame.to_vec();
     match kind {
@@ -26,7 +26,7 @@ fn disturbed(frame: &[u8], kind: usize, random: &mut ChaCha8Rng) -> Vec<Vec<u8>>
     vec![frame]
 }
 
-/// Number of the kind of fault that [`disturbed`] does not know: the frame comes after a later one.
+/// Number of the fault that [`disturbed`] does not implement: the frame comes after a later one.
 const LATE: usize = 4;
 const KINDS: usize = 5;
 

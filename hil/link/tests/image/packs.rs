@@ -72,7 +72,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
         refused(&good[..length], LENGTH, AGAIN);
         logged.push("PackLength");
     }
-    // The next version, whose checksum cannot be checked: the refusal names the version, not the checksum.
+    // The next version, whose checksum cannot be checked: the refusal reports the version, not the checksum.
     let mut newer = good.clone();
     newer[4] += 1;
     refused(&newer, VERSION, EXPORT);

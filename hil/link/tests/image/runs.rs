@@ -22,7 +22,7 @@ fn a_million_ticks_of_every_effect_alone_and_together_are_the_hosts_bit_for_bit(
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let every = every_effect();
     let alone = every.chunks(1).map(<[_]>::to_vec);
-    // In as many laws as it takes.
+    // In as many laws as necessary.
     let together = every.chunks(EFFECTS).map(<[_]>::to_vec);
     for effects in alone.chain(together) {
         let law = law(&effects);
@@ -63,7 +63,7 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
     }
 }
 
-/// Each input goes its own way, one of them never, and all of them back to 0.
+/// Each input has its own time history, one of them is always 0, and all return to 0.
 #[test]
 fn control_inputs_that_change_every_tick_come_out_on_every_board_as_on_the_host() {
     const TICKS: u32 = 3000;
@@ -119,7 +119,7 @@ fn a_late_tick_and_an_emergency_stop_are_the_hosts_on_every_board() {
         }
         let state = State::Faulted(cause);
         assert_eq!(host.rig.state(), state);
-        // As long as it is pressed, neither a start nor a clear does anything.
+        // As long as the emergency stop is pressed, neither a start nor a clear has an effect.
         if bench.plant().tripped {
             let refused = image.start_rig();
             let told = matches!(refused, Err(LinkError::Start(StartRefused::Faulted(which))) if which == cause);

@@ -38,7 +38,7 @@ fn a_streamed_motion_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample(
         let run = run_rig_on(&mut image, driven(), |_| {}).unwrap();
         assert!(run == host, "{board:?}");
         let statistics = image.statistics().unwrap();
-        // As that of a programme, above.
+        // The same limit as for a programme, above.
         assert!(statistics.stack <= 1376, "{statistics:?}");
     }
 }

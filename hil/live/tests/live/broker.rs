@@ -46,7 +46,7 @@ impl Mosquitto {
         } else {
             text += "allow_anonymous true\n";
         }
-        // The user who starts it owns its files, including root.
+        // The user who starts the broker owns its files, including root.
         text += "user root\n";
         let port = free_port();
         text += &format!("listener {port} 127.0.0.1\n");

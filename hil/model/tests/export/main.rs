@@ -154,7 +154,7 @@ fn a_module_gives_the_force_of_the_pack_bit_for_bit_and_says_the_same() {
     agrees!(third);
 }
 
-/// An export names the control input at each index, in Rust and in C.
+/// An export lists the control input at each index, in Rust and in C.
 #[test]
 fn an_export_names_its_control_inputs() {
     assert_eq!(second::CONTROLS, [CURRENT]);
@@ -246,7 +246,7 @@ fn what_cannot_be_exported_is_refused_by_name() {
         ..settings("m")
     };
     assert!(refused(&alone, &heavy).starts_with("density = 0 is outside"));
-    // 30 ms are 300 ticks at 10 kHz, and an image holds 255.
+    // 30 ms are 300 ticks at 10 kHz, and an image can store 255.
     let late = AddedEffect {
         family: Family::named("delay").unwrap(),
         parameters: [("time".to_owned(), 0.03)].into(),

@@ -14,7 +14,7 @@ pub const TICK_RATE: f64 = 2000.0;
 /// The control input of [`two_sines`].
 pub const CURRENT: &str = "current_A";
 
-/// An effect of the crate with its typical parameters, as a model file names them.
+/// An effect of the crate with its typical parameters, by their names in a model file.
 pub fn typical(description: &Description) -> AddedEffect {
     let count = description.parameters.len();
     let parameters = (0..).zip(description.typical).map(|(place, &value)| {

@@ -61,7 +61,7 @@ fn coded(text: &str, coding: Coding) -> Vec<u8> {
         Coding::Utf16 { big, marked } => utf16(text, big, marked),
         Coding::Windows1252 => match encoding_rs::WINDOWS_1252.encode(text) {
             (bytes, _, false) => bytes.into_owned(),
-            // It lacks letters of the names.
+            // The encoding lacks letters of the names.
             _ => text.as_bytes().to_vec(),
         },
     }

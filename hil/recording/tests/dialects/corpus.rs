@@ -226,7 +226,7 @@ pub fn say(said: &mut Reading, option: &str) {
         "--unit" => said.units.push(pair()),
         "--rate" => said.rate = value.parse().ok(),
         "--decimal" => said.decimal = Some(if value == "comma" { ',' } else { '.' }),
-        other => panic!("{other} is no option"),
+        other => panic!("{other} is not an option"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Wrong answers to a question.
 //!
-//! If a file does not say something, nobody can refuse an answer: a force without a unit is read in kN if the user says so. But an
-//! answer changes only its own subject, and an answer that contradicts the file is refused.
+//! If a file lacks some information, the reader cannot refuse an answer: a force without a unit is read in kN if the user says so.
+//! But an answer changes only its own subject, and an answer that contradicts the file is refused.
 
 use mesh_damper_recording::files::Reading;
 
@@ -64,7 +64,7 @@ pub fn check(
         };
         let is_about = other.contains(&format!(" {name}="));
         let is_as_said = match other.split(' ').next() {
-            // Whatever the column holds.
+            // For any content of the column.
             Some("--channel") => is_about,
             Some("--unit") => is_about && factor(name, values, column).is_some(),
             // A thousands separator needs three digits.

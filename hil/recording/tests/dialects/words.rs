@@ -5,7 +5,7 @@ use super::corpus::{Column, Dialect, KN, MM, N, OWN, Outcome, S, SAMPLES, rows};
 /// The content of a column that is not the channel: a number that no channel of the recording has.
 const WRONG: &str = "9.5";
 
-/// Rows in which `%` stands for a column that is none of the channels, and `t`, `y` and `f` stand for the channels.
+/// Rows in which `%` stands for a column that is not a channel, and `t`, `y` and `f` stand for the channels.
 fn table(names: &str, columns: [Column; 3], pattern: &str) -> String {
     let row = |index: usize| {
         let [time, y, force] = columns.map(|column| column.cell(index, '.'));

@@ -1,8 +1,8 @@
-"""Reads one prediction, which `hil predict` wrote in every format, by the programs that people read it with.
+"""Reads one prediction, which `hil predict` wrote in every format, with the programs that are usually used for it.
 
     python read.py FOLDER
 
-FOLDER has pred.csv, pred.csv.gz, pred.parquet, pred.mat and pred.mcap. The text, of nine digits, is what the others are compared with.
+FOLDER contains pred.csv, pred.csv.gz, pred.parquet, pred.mat and pred.mcap. The others are compared with the text, which has nine digits.
 """
 
 import json

@@ -1,9 +1,9 @@
-"""Writes one recording in many formats, by the programs that people write them with.
+"""Writes one recording in many formats, with the programs that are usually used for them.
 
     pip install -r requirements.txt && python write.py FOLDER
 
-FOLDER gets the files and `files.json`, which says of each who wrote it, what a reader has to be told, and how near it has to come.
-The files beside this script are what it wrote once; the tests read them without Python.
+FOLDER gets the files and `files.json`. For each file, `files.json` contains the program that wrote it, the options that a reader
+needs, and the permitted error. The files next to this script are its stored output; the tests read them without Python.
 """
 
 import datetime
@@ -29,11 +29,11 @@ FILES = []
 
 
 def said(name, program, **more):
-    """One file's entry. `error` is the most that a value may be off, of the channel's largest; 0 is bit by bit."""
+    """One file's entry. `error` is the permitted error of a value over the channel's largest; 0 requires equality in every bit."""
     entry = {"file": name, "program": program, "error": 0.0}
     entry.update(more)
     FILES.append(entry)
-    # Some programs add to a file that is there.
+    # Some programs append to an existing file.
     (OUT / name).unlink(missing_ok=True)
     return str(OUT / name)
 
@@ -350,7 +350,7 @@ def hdf5():
 
 
 def matlab_73(name, **more):
-    """A file as MATLAB's own: 512 bytes, of which the first are its line, and HDF5 behind them."""
+    """A file like MATLAB's own: 512 bytes that begin with its text line, followed by HDF5."""
     import h5py
 
     path = said(name, version("h5py") + ", laid out as MATLAB R2023b does", **more)
@@ -431,7 +431,7 @@ def tdms():
                 properties.update({f"NI_Scale[{index}]_{field}": value for field, value in scale.items()})
             made.append(ChannelObject("Rig", names[key], raw[key], properties=properties))
         save(name, made, error=2e-4, **more)
-        # The reference program says the same.
+        # The reference program gives the same values.
         from nptdms import TdmsFile
         group = TdmsFile.read(OUT / name)["Rig"]
         for key in ["displacement", "force"]:
@@ -472,7 +472,7 @@ def tdms():
 
 
 def tdms_raw():
-    """What nptdms reads and does not write: interleaved values, the other order of bytes, and a DAQmx logger's raw ones."""
+    """Variants that nptdms reads but does not write: interleaved values, the other byte order, and raw values of a DAQmx logger."""
     import struct
 
     from nptdms import TdmsFile
@@ -569,7 +569,7 @@ def xlsx():
     for n, row in enumerate(zip(DISPLACEMENT, FORCE)):
         stamp = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(milliseconds=n)
         dated.active.append([stamp, *map(float, row)])
-    # A day of Excel has 2^-37 of it to the last bit: 0.6 µs.
+    # A date in Excel resolves 2^-37 of a day: 0.6 µs.
     dated.save(said("dates.xlsx", version("openpyxl"), error=1e-5, channels={"time": "Date"}, guesses=["seconds after the first"]))
     def saved(name, rows, *sheets, **more):
         made = openpyxl.Workbook()

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::{Estimate, Verdict};
+use mesh_damper_identify::trace::conclusion::Conclusion;
+use mesh_damper_identify::trace::result::Estimate;
 
-use super::{BatchEffect, BatchRow, VERDICTS, outcomes, pictures, word};
+use super::{BatchEffect, BatchRow, outcomes, pictures};
 use crate::html::{figure, table};
 use crate::text;
 
@@ -22,7 +23,7 @@ impl<'a> Group<'a> {
     /// The effects that traces found; an ambiguous trace does not count, because its effect is not known.
     fn found(&self) -> impl Iterator<Item = &'a BatchEffect> {
         let done = self.rows.iter().filter_map(|row| row.outcome.as_ref().ok());
-        done.filter(|one| one.verdict != Verdict::Ambiguous)
+        done.filter(|one| one.conclusion != Conclusion::Ambiguous)
             .flat_map(|one| &one.effects)
     }
 }
@@ -62,9 +63,9 @@ pub fn groups(rows: &[BatchRow]) -> Vec<Group<'_>> {
 
 /// How often each verdict occurred in each group.
 pub fn verdicts(rows: &[BatchRow]) -> Markup {
-    let of = |rows: &[&BatchRow], verdict| {
+    let of = |rows: &[&BatchRow], conclusion| {
         let given = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
-        given.filter(|one| one.verdict == verdict).count()
+        given.filter(|one| one.conclusion == conclusion).count()
     };
     let counts = |name: &str, rows: &[&BatchRow], is_sum: bool| {
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
@@ -72,7 +73,7 @@ pub fn verdicts(rows: &[BatchRow]) -> Markup {
             tr.best[is_sum] {
                 th scope="row" { (name) }
                 td { (rows.len()) }
-                @for verdict in VERDICTS { td { (of(rows, verdict)) } }
+                @for conclusion in Conclusion::ALL { td { (of(rows, conclusion)) } }
                 td { (failed) }
             }
         }
@@ -80,7 +81,7 @@ pub fn verdicts(rows: &[BatchRow]) -> Markup {
     let groups = groups(rows);
     let head = html! { tr {
         th scope="col" { "group" } th scope="col" { "traces" }
-        @for verdict in VERDICTS { th scope="col" { (word(verdict)) } }
+        @for conclusion in Conclusion::ALL { th scope="col" { (conclusion.words()) } }
         th scope="col" { "failed" }
     } };
     let all: Vec<&BatchRow> = rows.iter().collect();
@@ -94,7 +95,7 @@ pub fn verdicts(rows: &[BatchRow]) -> Markup {
 /// How often each effect was found in each group, and with which parameters; `None` if there are none.
 pub fn effects(rows: &[BatchRow]) -> Option<Markup> {
     let families: BTreeSet<&str> = outcomes(rows)
-        .filter(|one| one.verdict != Verdict::Ambiguous)
+        .filter(|one| one.conclusion != Conclusion::Ambiguous)
         .flat_map(|one| &one.effects)
         .map(|effect| &effect.family[..])
         .collect();

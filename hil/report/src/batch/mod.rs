@@ -6,7 +6,7 @@ mod row;
 mod traces;
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::Verdict;
+use mesh_damper_identify::trace::conclusion::Conclusion;
 
 pub use row::{BatchEffect, BatchOutcome, BatchRow};
 
@@ -26,10 +26,16 @@ pub fn batch_page(rows: &[BatchRow]) -> String {
         count => format!("{count} traces"),
     };
     let elapsed: f64 = rows.iter().map(|row| row.seconds).sum();
+    let with_warnings = outcomes(rows)
+        .filter(|one| !one.warnings.is_empty())
+        .count();
     let first = html! {
         div.verdict {
             p.heading { strong { (counted(rows)) } }
             p { "The traces took " (duration(elapsed)) " in total, one after another." }
+            @if with_warnings > 0 {
+                p { (with_warnings) " of " (outcomes(rows).count()) " traces have warnings; the table of part 4 has their number and text." }
+            }
         }
     };
     let sections = [
@@ -49,43 +55,25 @@ pub fn batch_page(rows: &[BatchRow]) -> String {
     page(&title, first, &sections, last, &[SCRIPT])
 }
 
-/// A verdict in the words of the page.
-const fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Found => "found",
-        Verdict::None => "nothing missing",
-        Verdict::Ambiguous => "ambiguous",
-        Verdict::Unlisted => "unlisted",
-    }
-}
-
-/// Every verdict.
-const VERDICTS: [Verdict; 4] = [
-    Verdict::Found,
-    Verdict::None,
-    Verdict::Ambiguous,
-    Verdict::Unlisted,
-];
-
 fn outcomes(rows: &[BatchRow]) -> impl Iterator<Item = &BatchOutcome> + Clone {
     rows.iter().filter_map(|row| row.outcome.as_ref().ok())
 }
 
-/// How often each verdict occurred, without those that did not.
+/// How often each conclusion occurred, without those that did not.
 fn counted(rows: &[BatchRow]) -> String {
     let failed = rows.len() - outcomes(rows).count();
-    let verdicts = VERDICTS.map(|verdict| {
-        let count = outcomes(rows).filter(|one| one.verdict == verdict).count();
-        (count, word(verdict))
+    let conclusions = Conclusion::ALL.map(|conclusion| {
+        let with = outcomes(rows).filter(|one| one.conclusion == conclusion);
+        (with.count(), conclusion.words())
     });
-    let all = verdicts.into_iter().chain([(failed, "failed")]);
-    let given = all.filter(|(count, _)| *count > 0);
-    let said: Vec<String> = given
+    let all = conclusions.into_iter().chain([(failed, "failed")]);
+    let occurred = all.filter(|(count, _)| *count > 0);
+    let texts: Vec<String> = occurred
         .map(|(count, word)| format!("{count} {word}"))
         .collect();
-    match said.is_empty() {
+    match texts.is_empty() {
         true => "Nothing was traced".into(),
-        false => said.join(", "),
+        false => texts.join(", "),
     }
 }
 

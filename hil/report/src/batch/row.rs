@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use mesh_damper_identify::trace::result::{Estimate, FoundEffect, TraceResult, Verdict};
+use mesh_damper_identify::trace::conclusion::Conclusion;
+use mesh_damper_identify::trace::result::{Estimate, FoundEffect, TraceResult};
 
 /// One trace of a batch: one row of the page.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +27,8 @@ pub struct BatchRow {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchOutcome {
     /// The conclusion.
-    pub verdict: Verdict,
-    /// The effects found; for [`Verdict::Ambiguous`] those that the data cannot distinguish.
+    pub conclusion: Conclusion,
+    /// The effects found; for [`Conclusion::Ambiguous`] those that the data cannot distinguish.
     pub effects: Vec<BatchEffect>,
     /// Whether the model contains the effects found.
     pub adopted: bool,
@@ -37,6 +38,8 @@ pub struct BatchOutcome {
     pub nrmse_after: f64,
     /// The noise of the measured force, as a fraction of its RMS.
     pub noise: f64,
+    /// Problems of the data, as sentences.
+    pub warnings: Vec<String>,
     /// The trace's own report: an address relative to the page, with `/` between folders; `None` if none was written.
     pub report: Option<String>,
 }
@@ -54,12 +57,13 @@ impl BatchOutcome {
     /// The data of `result`, with the address of its report relative to the page.
     pub fn of(result: &TraceResult, report: Option<String>) -> Self {
         Self {
-            verdict: result.verdict,
+            conclusion: result.conclusion(),
             effects: result.effects.iter().map(BatchEffect::of).collect(),
             adopted: result.adopted,
             nrmse_before: result.baseline.nrmse_held_out,
             nrmse_after: result.augmented.nrmse_held_out,
             noise: result.noise_floor_nrmse,
+            warnings: result.warnings.clone(),
             report,
         }
     }

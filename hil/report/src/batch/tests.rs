@@ -14,7 +14,7 @@ fn rows(count: usize) -> Vec<BatchRow> {
     };
     let row = |i: usize| {
         let part = (i * 7919 % 1000) as f64 / 1000.0;
-        let verdict = VERDICTS[i % 4];
+        let conclusion = Conclusion::ALL[i / 5 % 5];
         let parameters = [
             ("slip_limit".to_owned(), estimate(0.03 * (1.0 + part), "mm")),
             ("stiffness".to_owned(), estimate(1.2 + part, "kN/mm")),
@@ -29,14 +29,15 @@ fn rows(count: usize) -> Vec<BatchRow> {
             parameters: parameters.into(),
         };
         let noise = 0.002 * (1.0 + 4.0 * part);
-        let found = matches!(verdict, Verdict::Found | Verdict::Ambiguous);
+        let found = matches!(conclusion, Conclusion::Found | Conclusion::Ambiguous);
         let outcome = BatchOutcome {
-            verdict,
+            conclusion,
             effects: if found { vec![effect] } else { Vec::new() },
             adopted: !i.is_multiple_of(16),
             nrmse_before: noise * (1.0 + 10.0 * part),
             nrmse_after: noise * (1.0 + part * part),
             noise,
+            warnings: vec![format!("test-{i:04}.csv: spikes in the force: {i} samples"); i % 2],
             report: Some(format!("reports/test-{i:04}/report.html")),
         };
         let message = format!(
@@ -67,7 +68,11 @@ fn every_row_is_there_once_and_counted() {
         std::fs::write(std::path::Path::new(&directory).join("batch.html"), &page).unwrap();
     }
     crate::structure::check(&page);
-    assert!(page.contains("40 found, 40 nothing missing, 40 ambiguous, 40 unlisted, 40 failed"));
+    assert!(page.contains(
+        "32 found, 32 nothing missing, 32 not decided, 32 ambiguous, 32 unlisted, 40 failed"
+    ));
+    assert!(page.contains("80 of 160 traces have warnings"));
+    assert!(page.contains("title=\"test-0001.csv: spikes in the force: 1 samples\">1</td>"));
     assert_eq!(page.matches("href=\"reports/test-").count(), 160);
     assert_eq!(page.matches("check the load cell").count(), 40);
     for said in [
@@ -140,10 +145,11 @@ fn the_median_is_that_of_what_was_found() {
     let mut values = [1.0, 4.0, 100.0].into_iter();
     all.retain(|row| row.outcome.is_ok());
     all.truncate(3);
-    for (row, verdict) in
-        all.iter_mut()
-            .zip([Verdict::Found, Verdict::Unlisted, Verdict::Ambiguous])
-    {
+    for (row, conclusion) in all.iter_mut().zip([
+        Conclusion::Found,
+        Conclusion::Unlisted,
+        Conclusion::Ambiguous,
+    ]) {
         row.group = None;
         let Ok(outcome) = &mut row.outcome else {
             panic!()
@@ -155,7 +161,7 @@ fn the_median_is_that_of_what_was_found() {
             high: 1.1 * value,
             unit: "kN/mm".into(),
         };
-        outcome.verdict = verdict;
+        outcome.conclusion = conclusion;
         outcome.effects = vec![BatchEffect {
             family: "stick_slip".into(),
             parameters: [("stiffness".to_owned(), stiffness)].into(),

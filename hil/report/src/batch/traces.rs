@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use maud::{Markup, html};
+use mesh_damper_identify::trace::conclusion::Conclusion;
 
-use super::{BatchOutcome, BatchRow, VERDICTS, pictures, word};
+use super::{BatchOutcome, BatchRow, pictures};
 use crate::text;
 
 /// Every trace that was made; `None` if there is none.
@@ -35,13 +36,14 @@ pub fn table(rows: &[BatchRow]) -> Option<Markup> {
         "after",
         "noise",
         "after over noise",
+        "warnings",
         "time, s",
     ];
     let caption = "All traces, in the order of the batch";
     Some(html! {
         div.filters hidden {
             label { "search " input type="search" data-filter="text" placeholder="name, group, effect"; }
-            (choices("verdict", &VERDICTS.map(word)))
+            (choices("verdict", &Conclusion::ALL.map(Conclusion::words)))
             @if groups.len() > 1 { (choices("group", &groups)) }
             span.shown role="status" {}
             button type="button" hidden { "show all" }
@@ -71,12 +73,13 @@ fn line(row: &BatchRow, outcome: &BatchOutcome, has_groups: bool) -> Markup {
                 }
             }
             @if has_groups { td { (row.group.as_deref().unwrap_or("–")) } }
-            td { (word(outcome.verdict)) @if !outcome.adopted { ", not adopted" } }
+            td { (outcome.conclusion.words()) @if !outcome.adopted { ", not adopted" } }
             td { (effects(outcome)) }
             td { (text::percent(outcome.nrmse_before)) }
             td { (text::percent(outcome.nrmse_after)) }
             td { (text::percent(outcome.noise)) }
             td { (text::number(outcome.nrmse_after / outcome.noise)) "×" }
+            td title=[(!outcome.warnings.is_empty()).then(|| outcome.warnings.join("\n"))] { (outcome.warnings.len()) }
             td { (text::number(row.seconds)) }
         }
     }

@@ -1,4 +1,4 @@
-// What a reader does with the pages, in a browser: `node check.mjs FOLDER`. It leaves a picture of each page in the folder.
+// Actions of a reader on the pages, in a browser: `node check.mjs FOLDER`. The script writes a picture of each page to the folder.
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -22,7 +22,7 @@ const open = async (file, options = {}) => {
   return { page, close: async () => { assert.deepEqual(wrong, [], file); await context.close(); } };
 };
 
-// Both themes, narrow and wide: nothing is cut off, and axe finds nothing.
+// Both themes, narrow and wide: nothing is cut off, and axe reports no problem.
 const looks = async file => {
   for (const colorScheme of ["light", "dark"]) for (const width of [1400, 390]) {
     const { page, close } = await open(file, { viewport: { width, height: 900 }, colorScheme });
@@ -38,7 +38,7 @@ const looks = async file => {
   }
 };
 
-// Complete without a script, and light on paper whatever the screen is.
+// Complete without a script, and light on paper with either theme.
 const bare = async file => {
   const without = await open(file, { javaScriptEnabled: false });
   assert.equal(await without.page.locator("main button:visible, .filters:visible").count(), 0);
@@ -56,13 +56,13 @@ const bare = async file => {
 // Labels of ticks, in order.
 const ticks = svg => svg.locator(".ticks text").allTextContents();
 
-// A loop: the value under the pointer is the sample's, a box is what is seen then, and Escape brings all back.
+// A loop: the value under the pointer is that of the sample, a box zooms to its contents, and Escape restores the whole view.
 const zooms = async file => {
   const { page, close } = await open(file);
   const figure = page.locator("section:has(> h2:text-is('Force–displacement loops')) figure").first();
   const svg = figure.locator("svg.picture");
   await svg.scrollIntoViewIfNeeded();
-  // A sample of the measured curve: where it is on the screen, and its values by the attributes alone.
+  // A sample of the measured curve: its position on the screen, and its values from the attributes alone.
   const sample = await svg.evaluate(svg => {
     const panel = svg.querySelector("g.panel"), inner = panel.querySelector("svg.curves");
     const path = inner.querySelector("[data-curve=measured] path");
@@ -105,7 +105,7 @@ const zooms = async file => {
   assert.ok(fine.length >= 4 && fine.join() !== whole.join(), fine.join());
   await page.mouse.move(...at(0.5, 0.45));
   await page.screenshot({ path: file.replace(".html", "-zoomed.png") });
-  // Moving keeps the size.
+  // Panning keeps the size.
   const place = () => svg.locator("svg.curves").evaluate(inner => inner.viewBox.baseVal.x);
   const before = await place();
   await page.keyboard.down("Shift");
@@ -127,7 +127,7 @@ const zooms = async file => {
   await page.mouse.dblclick(...at(0.5, 0.5));
   assert.deepEqual(await seen(), all);
 
-  // By keys alone.
+  // With keys alone.
   await page.mouse.move(0, 0);
   await svg.focus();
   await page.keyboard.press("ArrowRight");
@@ -151,7 +151,7 @@ const zooms = async file => {
   await section.locator("li[data-curve=before] button").click();
   assert.equal(await hidden(section), 0);
 
-  // A map says the value of its cell, and every picture says something where a curve of it is.
+  // A map shows the value of its cell, and every picture shows a value at its curves.
   for (const one of await page.locator("figure").all()) {
     const picture = one.locator("svg.picture");
     await picture.scrollIntoViewIfNeeded();
@@ -168,7 +168,7 @@ const zooms = async file => {
   await close();
 };
 
-// A batch: sorted by a column, filtered, and a point of the picture says whose it is.
+// A batch: sorted by a column, filtered, and a point of the picture shows its recording.
 const sorts = async file => {
   const { page, close } = await open(file);
   const column = async index => (await page.locator(`table.traces tbody tr:visible td:nth-child(${index + 1})`).allTextContents())

@@ -147,7 +147,7 @@ fn f32_is_f64_within_a_hundred_thousandth() {
     }
 }
 
-/// ∮F dy of the closed loop, whatever its amplitude.
+/// ∮F dy of the closed loop, for any amplitude.
 #[test]
 fn every_loop_takes_energy_up() {
     for study in studies() {

@@ -30,7 +30,7 @@ fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_l
     }
     let baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let failures = baseline.failures(&results);
-    // Another compiler generates other code, which says nothing about ours.
+    // Another compiler generates other code, so its counts do not apply to ours.
     if baseline.tools.rustc != results.tools.rustc && !is_ci() {
         say(&format!(
             "left out: the baseline of instructions is of {}, not of {}; rustup toolchain install {} has it compared",

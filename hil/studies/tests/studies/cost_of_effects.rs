@@ -14,7 +14,7 @@ use mesh_damper::law::Law;
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper_studies::bench::{Baseline, Core};
 
-/// Bytes of the configuration and of the state, by names; those of a host, whose pointers are longer.
+/// Bytes of the configuration and of the state, by names; for a host, whose pointers are longer.
 macro_rules! bytes {
     ($($effect:ident),+ $(,)?) => {
         [$((

@@ -248,7 +248,7 @@ fn amplitudes_end_where_the_tolerance_does() {
     }
 }
 
-/// A stiff damper with large losses is none of these; the nearest is no farther than any point of a grid, and is reachable.
+/// No density gives a stiff damper with large losses. The nearest solution is no farther than any point of a grid, and is reachable.
 #[test]
 fn what_cannot_be_had_comes_with_what_is_nearest() {
     let wanted = Wanted::new(8.0, 0.6).unwrap();

@@ -178,7 +178,7 @@ fn effects_have_their_closed_form() {
     assert_eq!(found.order, ["A", "B"].map(str::to_owned));
 }
 
-/// Three repeats, 5 % of scatter: the analysis names the factor that acts, but not those that do not, nor the column without a
+/// Three repeats, 5 % of scatter: the analysis identifies the factor that acts, but not those that do not, nor the column without a
 /// factor.
 #[test]
 fn repeats_tell_what_a_saturated_array_cannot() {

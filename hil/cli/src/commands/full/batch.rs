@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper_batch::outcome::Outcome;
 use mesh_damper_batch::{Batch, List, Progress as Done, Settings, Summary};
+use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_recording::error::InputError;
 
@@ -65,8 +66,8 @@ impl BatchCommand {
             [one] => List::read(one, limit)?,
             several => of_recordings(several)?,
         };
-        if !list.ignored.is_empty() {
-            warn(&ignored(&list.ignored));
+        if let Some(sentence) = list.left_out() {
+            warn(&sentence);
         }
         let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
         let batch = Batch {
@@ -141,21 +142,6 @@ fn listed_on_standard_input() -> Result<List, InputError> {
     List::of_lines("standard input", &text)
 }
 
-fn ignored(files: &[PathBuf]) -> String {
-    const NAMED: usize = 3;
-    let names = files.iter().take(NAMED).filter_map(|file| file.file_name());
-    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
-    let more = if files.len() > NAMED { ", …" } else { "" };
-    format!(
-        "{} left out, because the ending is not that of a recording: {}{more}",
-        match files.len() {
-            1 => "1 file is".to_owned(),
-            count => format!("{count} files are"),
-        },
-        names.join(", ")
-    )
-}
-
 /// The progress, in words.
 fn far(done: Done) -> String {
     let mut text = format!("{} of {}", done.done, done.total);
@@ -185,6 +171,18 @@ fn counted(count: usize, what: &str) -> String {
     }
 }
 
+const fn words(conclusion: Conclusion) -> &'static str {
+    match conclusion {
+        Conclusion::Found => "effects are found",
+        Conclusion::NothingMissing => "no effect is missing: the law explains the recordings",
+        Conclusion::NotDecided => {
+            "not decided: the uncertainty of the estimated velocity can hide an effect"
+        }
+        Conclusion::Ambiguous => "effects are found that the data cannot tell apart",
+        Conclusion::Unlisted => "unmodelled: no family of effects explains the residual",
+    }
+}
+
 fn print(summary: &Summary, out: &Path) {
     let earlier = match summary.kept {
         0 => String::new(),
@@ -199,26 +197,23 @@ fn print(summary: &Summary, out: &Path) {
         Outcome::Traced(found) => Some(found),
         Outcome::Failed(_) => None,
     });
-    for (verdict, words) in [
-        (
-            Verdict::None,
-            "no effect is missing: the law explains the recordings",
-        ),
-        (Verdict::Found, "effects are found"),
-        (
-            Verdict::Ambiguous,
-            "effects are found that the data cannot tell apart",
-        ),
-        (
-            Verdict::Unlisted,
-            "unmodelled: no family of effects explains the residual",
-        ),
-    ] {
-        let of_verdict = found.clone().filter(|found| found.verdict == verdict);
-        say(&format!("  {:>6}  {words}", of_verdict.count()));
+    for conclusion in Conclusion::ALL {
+        let with = found
+            .clone()
+            .filter(|found| found.conclusion() == conclusion);
+        say(&format!("  {:>6}  {}", with.count(), words(conclusion)));
     }
     if summary.failed > 0 {
         say(&format!("  {:>6}  failed", summary.failed));
+    }
+    let with_warnings = found.clone().filter(|found| !found.warnings.is_empty());
+    match with_warnings.count() {
+        0 => {}
+        count => say(&format!(
+            "{} with warnings: see the column `warnings` of {}",
+            counted(count, "trace"),
+            out.join("outcomes.csv").display()
+        )),
     }
     let mut families: BTreeMap<&str, usize> = BTreeMap::new();
     for effect in found

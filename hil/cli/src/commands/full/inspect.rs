@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::Recording;
 use mesh_damper_recording::columns::{self, Chosen, Rank};
+use mesh_damper_recording::cycles::Cycles;
 use mesh_damper_recording::error::InputError;
+use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::faults::ChannelFaultKind;
 use mesh_damper_recording::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
 use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::{Recording, Uniform};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -109,6 +111,9 @@ pub struct InspectedRecording {
     pub rate_hz: Option<f64>,
     /// RMS deviation of the times from a constant rate, as a fraction of a step; null if it is due to rounding.
     pub jitter_steps: Option<f64>,
+    /// Number of samples in a fast cycle: 19 of 20 cycles have at least as many. Null if the motion has no whole cycle, or if the rate is
+    /// not constant.
+    pub samples_per_cycle: Option<f64>,
     /// Smallest and largest displacement, mm.
     pub displacement_mm: [f64; 2],
     /// Smallest and largest force, kN.
@@ -345,11 +350,7 @@ fn count(
 }
 
 fn range(values: &[f64]) -> Option<[f64; 2]> {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (least, most) = (
-        finite().fold(f64::INFINITY, f64::min),
-        finite().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let (least, most) = least_and_largest(values.iter().filter(|value| value.is_finite()));
     (least <= most).then_some([least, most])
 }
 
@@ -357,19 +358,17 @@ fn like(recording: &Recording) -> InspectedRecording {
     let ends = |values: &[f64]| range(values).unwrap_or_default();
     let repaired = recording.repaired();
     let uniform = repaired.uniform().ok();
-    let jitter = recording
-        .faults()
-        .iter()
-        .chain(repaired.faults())
-        .find_map(|fault| match fault.kind {
-            ChannelFaultKind::Jitter { rms, .. } => Some(rms),
-            _ => None,
-        });
+    let of_times = uniform.as_ref().map_or_else(Vec::new, Uniform::faults);
+    let jitter = of_times.iter().find_map(|fault| match fault.kind {
+        ChannelFaultKind::Jitter { rms, .. } => Some(rms),
+        _ => None,
+    });
     InspectedRecording {
         samples: recording.len(),
         time_s: ends(&recording.time),
-        rate_hz: uniform.map(|uniform| 1.0 / uniform.period),
+        rate_hz: uniform.as_ref().map(|uniform| 1.0 / uniform.period),
         jitter_steps: jitter,
+        samples_per_cycle: uniform.as_ref().and_then(samples_per_cycle),
         displacement_mm: ends(&recording.displacement),
         force_kn: ends(&recording.force),
         controls: recording
@@ -377,6 +376,20 @@ fn like(recording: &Recording) -> InspectedRecording {
             .iter()
             .map(|control| control.name.clone())
             .collect(),
-        faults: repaired.faults().iter().map(ToString::to_string).collect(),
+        faults: repaired
+            .faults()
+            .iter()
+            .chain(&of_times)
+            .map(ToString::to_string)
+            .collect(),
     }
+}
+
+/// Of 20 cycles one may be shorter: noise can cross the mid level too.
+fn samples_per_cycle(uniform: &Uniform) -> Option<f64> {
+    let cycles = Cycles::of(&uniform.displacement, uniform.period).cycles;
+    let mut periods: Vec<f64> = cycles.iter().map(|cycle| cycle.period).collect();
+    periods.sort_by(f64::total_cmp);
+    let short = periods.get(periods.len() / 20)?;
+    Some(short / uniform.period)
 }

@@ -131,6 +131,11 @@ fn of_recording(recording: &InspectedRecording) -> String {
         (Some(rate), None) => format!("{} Hz", short(rate)),
         (None, _) => "without a constant rate".into(),
     };
+    let cycle = recording
+        .samples_per_cycle
+        .map_or_else(String::new, |samples| {
+            format!(", {} samples in the fastest cycles", samples.round())
+        });
     let range =
         |[least, most]: [f64; 2], unit: &str| format!("{} to {} {unit}", short(least), short(most));
     let controls = if recording.controls.is_empty() {
@@ -139,7 +144,7 @@ fn of_recording(recording: &InspectedRecording) -> String {
         format!("; control inputs {}", recording.controls.join(", "))
     };
     format!(
-        "  recording: {} samples from {} to {} s, {rate}; displacement {}; force {}{controls}",
+        "  recording: {} samples from {} to {} s, {rate}{cycle}; displacement {}; force {}{controls}",
         recording.samples,
         short(first),
         short(last),

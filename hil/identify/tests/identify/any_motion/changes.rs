@@ -1,4 +1,4 @@
-//! Changes during a test that are no effect of the specimen, or no listed effect.
+//! Changes during a test that are not effects of the specimen, or not listed effects.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 
 use super::{RATE, random, recorded, rms, steps, traced};
 
-/// A step of the zero in the middle of a test is no effect of the specimen, and hides none.
+/// A step of the zero in the middle of a test is not an effect of the specimen, and hides none.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn a_zero_that_steps_is_moved_back() {

@@ -1,4 +1,4 @@
-//! A dashpot that yields, under random motion, is named. So are a slider and a Maxwell branch, which are its limits.
+//! A dashpot that yields is identified under random motion, and so are its limiting cases, a slider and a Maxwell branch.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_recording::Recording;

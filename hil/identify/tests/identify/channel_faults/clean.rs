@@ -35,9 +35,9 @@ pub enum Hides {
     Listed(HiddenEffect),
     /// One-sided contact.
     Stop,
-    /// A tone that has nothing to do with the motion.
+    /// A tone that does not depend on the motion.
     Tone,
-    /// Friction that stands against the motion at once.
+    /// Friction that acts against the motion at once.
     Coulomb,
 }
 

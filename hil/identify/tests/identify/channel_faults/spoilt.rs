@@ -1,4 +1,4 @@
-//! Faults that are put into clean recordings, and whether they are found.
+//! Faults that are injected into clean recordings, and whether they are found.
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
@@ -7,34 +7,34 @@ use rand_chacha::ChaCha8Rng;
 
 use super::clean::Clean;
 
-/// The fault that is put into a clean recording.
+/// The fault that is injected into a clean recording.
 #[derive(Clone, Copy, Debug)]
 pub enum Spoilt {
     /// The number of spikes of 1 to 3 samples in the force, and their size over its RMS.
     ForceSpikes(usize, f64),
     /// The same in the displacement, over its RMS.
     DisplacementSpikes(usize, f64),
-    /// The force ends at this part of its largest value, on both sides.
+    /// The force is clipped at this fraction of its largest value, on both sides.
     ForceClipped(f64),
     /// The same above only.
     ForceClippedAbove(f64),
-    /// The displacement ends at this part of its largest value.
+    /// The displacement is clipped at this fraction of its largest value.
     DisplacementClipped(f64),
     /// The number of gaps, and the rows that are missing in each.
     Missing(usize, usize),
-    /// The force stands still: how often, and for how many samples.
+    /// The force is constant for a while: how often, and for how many samples.
     ForceHeld(usize, usize),
-    /// The same of the displacement.
+    /// The same for the displacement.
     DisplacementHeld(usize, usize),
-    /// Times are off by up to this part of a period; the samples are not.
+    /// Times have errors of up to this fraction of a period; the samples do not.
     Stamps(f64),
     /// The force is early by this many samples.
     Early(usize),
     /// The force has the wrong sign.
     Flipped,
-    /// The force is in another unit from this part of the recording on.
+    /// The force is in another unit from this fraction of the recording on.
     ForceUnit(f64),
-    /// The displacement is in a unit a thousand times larger up to this part of the recording.
+    /// The displacement is in a unit a thousand times larger up to this fraction of the recording.
     DisplacementUnit(f64),
     /// The whole force is in newtons, of a specimen that is declared.
     Newtons,
@@ -44,7 +44,7 @@ pub enum Spoilt {
     VelocityUnit,
     /// A velocity column has the wrong sign.
     VelocityFlipped,
-    /// A velocity column holds something else.
+    /// A velocity column contains another quantity.
     NoVelocity,
 }
 
@@ -115,7 +115,7 @@ impl Spoilt {
             }
         };
         match self {
-            // A spike that is no larger than the change of the force at a turn may pass.
+            // A spike no larger than the change of the force at a reversal may be missed.
             Self::ForceSpikes(_, size) => {
                 all(Channel::Force, &spikes, if size > 2.0 { 0.95 } else { 0.5 })
             }
@@ -171,7 +171,7 @@ impl Spoilt {
     }
 }
 
-/// How many samples have the fault.
+/// The number of samples with the fault.
 fn spoilt_samples(kind: ChannelFaultKind) -> usize {
     match kind {
         ChannelFaultKind::Spikes { samples, .. }
@@ -182,7 +182,7 @@ fn spoilt_samples(kind: ChannelFaultKind) -> usize {
     }
 }
 
-/// Starts of `count` stretches of `length` samples, none near another or an end.
+/// Starts of `count` stretches of `length` samples, none near another stretch or an end.
 fn places(count: usize, length: usize, samples: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let room = samples / (count + 1);
     assert!(room > 2 * length + 8);
@@ -192,7 +192,7 @@ fn places(count: usize, length: usize, samples: usize, random: &mut ChaCha8Rng) 
 }
 
 impl Spoilt {
-    /// The spoilt recording, and how many samples are spoilt.
+    /// The recording with the fault, and the number of faulty samples.
     pub fn of(self, clean: &Clean, seed: u64) -> (Recording, usize) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut c = clean.clone();

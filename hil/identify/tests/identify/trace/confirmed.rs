@@ -71,7 +71,7 @@ fn a_dashpot_is_not_confirmed_for_a_drag() {
     }
 }
 
-/// At a single frequency a dashpot and a Maxwell branch leave the same error, whatever else is present.
+/// At a single frequency a dashpot and a Maxwell branch leave the same error, with any other effect.
 #[test]
 fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     let blocks: [(f64, f64, u32); 4] = [0.05, 0.1, 0.15, 0.2].map(|amplitude| (amplitude, 5.0, 10));

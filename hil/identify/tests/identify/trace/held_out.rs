@@ -6,7 +6,8 @@ use mesh_damper_recording::Recording;
 
 use super::{BLOCKS, OTHERS, Sample, families, record, trace_of};
 
-/// A warning is given where the law errs outside the range in which it was fitted, and none where it holds, however small the force.
+/// A warning is given if the law errs outside the range in which it was fitted, and none if its error is small, for any size of the
+/// force.
 #[test]
 fn a_law_that_errs_outside_its_range_has_a_warning() {
     const SMALL: [(f64, f64, u32); 2] = [(0.02, 2.5, 8), (0.02, 1.25, 6)];

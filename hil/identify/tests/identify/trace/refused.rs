@@ -1,4 +1,4 @@
-//! Recordings that contradict each other, or hold no information, are refused.
+//! Recordings that contradict each other, or contain no information, are refused.
 
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;

@@ -1,4 +1,4 @@
-//! The report names the rules by which a trace rejects candidates.
+//! The report states the rules by which a trace rejects candidates.
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;

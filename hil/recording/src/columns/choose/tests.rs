@@ -1,4 +1,4 @@
-//! Which columns are chosen, asked for and refused.
+//! Which columns are chosen, which are missing, and which are refused.
 
 use super::*;
 use crate::files::Column;
@@ -151,7 +151,7 @@ fn a_unit_that_is_not_understood_is_asked_for_and_said() {
     let read = chosen(&names, &said("Load (kg)", "kgf")).unwrap();
     let note = "its own unit, \"kg\", is not understood";
     assert!(read.guesses.join("\n").contains(note), "{:?}", read.guesses);
-    // An option that is wrong is named, and not the column.
+    // The message is about the wrong option, not about the column.
     let wrong = chosen(&names, &said("Load (kg)", "mm")).unwrap_err();
     assert!(
         wrong.starts_with("--unit force=mm: mm is no unit of a force"),

@@ -1,4 +1,4 @@
-//! What became of every claim of the paper, with every number of it: read off runs that were looked at, so that a change shows.
+//! The result for every claim of the paper, with all its numbers, taken from reviewed runs, so that a test detects a change.
 
 #![allow(clippy::approx_constant, reason = "a figure may be near a constant")]
 

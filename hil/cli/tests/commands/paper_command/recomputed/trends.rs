@@ -1,4 +1,4 @@
-//! Sections 4.4 to 5.2: what stiffness and loss factor do.
+//! Sections 4.4 to 5.2: trends of stiffness and loss factor.
 
 use super::Row;
 

@@ -1,0 +1,69 @@
+//! What to do after a trace.
+
+use maud::{Markup, html};
+use mesh_damper_identify::trace::conclusion::Conclusion;
+use mesh_damper_identify::trace::result::TraceResult;
+
+use super::html::Section;
+use super::text;
+
+/// The steps that follow from the result, the first ones about its reliability and the last ones about the use of the model.
+pub fn steps(result: &TraceResult) -> Section {
+    let conclusion = result.conclusion();
+    let is_worse = text::is_worse(result);
+    let varied = match &result.remainder {
+        Some(left) => &left.depends_on,
+        None => &result.depends_on,
+    };
+    // A separating test for the rest says what to record.
+    let lacks_more = result.separating_test.is_none()
+        && (result.remainder.is_some() || conclusion == Conclusion::Unlisted);
+    let body = html! {
+        ul {
+            @if !result.warnings.is_empty() {
+                li { "Read the list “About the data” in step 1. A fault of a sensor or a wrong unit can look like an effect." }
+            }
+            @if let Some(test) = &result.separating_test {
+                li {
+                    "Run the test that would decide: " (test) " Then trace its recording together with these: "
+                    code { "hil trace RECORDING… NEW" } "."
+                }
+            }
+            @match conclusion {
+                Conclusion::NotDecided => {
+                    li { "Record again at a higher rate, or with less noise of the displacement, and trace the new recording." }
+                }
+                Conclusion::Found | Conclusion::NothingMissing => {
+                    li {
+                        "Check the result on a recording that is not in step 1: "
+                        code { "hil trace RECORDING… --held-out OTHER" } "."
+                    }
+                }
+                Conclusion::Ambiguous | Conclusion::Unlisted => {}
+            }
+            @if lacks_more {
+                li {
+                    "Find what the residual depends on"
+                    @if !varied.is_empty() { " (here: " (text::listed(varied)) ")" }
+                    ": record tests in which only one quantity changes, such as the frequency, the preload or the temperature, and trace them \
+                     together."
+                }
+            }
+            @if result.rejected.is_some() || is_worse {
+                li { "Fit recordings under conditions like those that were held out, with more amplitudes and frequencies near them." }
+            }
+            @if !is_worse {
+                li {
+                    "Predict the force for another motion: "
+                    code { "hil predict --model model.json --out predicted.csv MOTION.csv" } "."
+                }
+                li {
+                    "Put the law into firmware: "
+                    code { "hil export --model model.json --format rust --tick-rate HZ --out law.rs" }
+                    ". It holds within the range of the motion that was fitted; outside it the force is extrapolated."
+                }
+            }
+        }
+    };
+    Section::new("What to do next", body)
+}
