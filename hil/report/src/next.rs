@@ -1,6 +1,6 @@
 //! What to do after a trace.
 
-use maud::{Markup, html};
+use maud::html;
 use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::TraceResult;
 
