@@ -1,4 +1,4 @@
-//! Odd stiffness above the cubic: wires that come into contact with each other towards the end of the stroke.
+//! Stiffness of the fifth order: wires that come into contact with each other towards the end of the stroke.
 
 use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
@@ -43,7 +43,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
         outside: Growth::FifthPower,
         supplies_energy: false,
         scales_law: false,
-        sentence: "Odd stiffness above the cubic: wires that come to lie against each other.",
+        sentence: "Stiffness of the fifth order: wires that come to lie against each other.",
     };
     const NONE: Self = Self { k5: R::ZERO };
 

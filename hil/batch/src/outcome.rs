@@ -90,6 +90,9 @@ pub struct Found {
     pub unconfirmed: Vec<Effect>,
     /// Remainder of the law with all effects, as a multiple of the noise; null if it is only noise.
     pub remainder_times_noise: Option<f64>,
+    /// Whether the model explains the fitted samples, but its residual on the held-out samples is larger than their noise explains.
+    #[serde(default)]
+    pub held_out_differs: bool,
     /// The variables that the force beyond the law depends on.
     pub depends_on: Vec<String>,
     /// The test that would distinguish the candidates, if one is needed.
@@ -142,7 +145,12 @@ impl Found {
             noise_floor,
             ..
         } = self.nrmse;
-        Conclusion::of(self.verdict, error(augmented_fitted), error(noise_floor))
+        Conclusion::of(
+            self.verdict,
+            error(augmented_fitted),
+            error(noise_floor),
+            self.held_out_differs,
+        )
     }
 
     /// From `trace`, which was made of `recordings` in `trace_s`.
@@ -182,6 +190,7 @@ impl Found {
             effects: effects(&result.effects),
             unconfirmed: effects(&result.unconfirmed),
             remainder_times_noise: left.and_then(|left| finite(left.times_noise)),
+            held_out_differs: result.held_out_differs,
             depends_on: result.depends_on.clone(),
             separating_test: result.separating_test.clone(),
             warnings: result.warnings.clone(),

@@ -1,5 +1,7 @@
 //! Describes the output in text.
 
+use std::path::Path;
+
 use mesh_damper_model::export::{c_identifier, rust_module};
 
 use super::{Format, Range, Request, Summary};
@@ -40,7 +42,7 @@ impl Request {
             Format::Rust => format!(
                 "Use it beside the crate mesh-damper: `#[path = {:?}] mod {module};`, then `{module}::fill(&mut law)` with a \
                  `{module}::DamperLaw`",
-                self.out.display().to_string(),
+                from_src(&self.out).display().to_string(),
                 module = rust_module(&self.stem())
             ),
             Format::Fmu => format!(
@@ -60,5 +62,34 @@ impl Request {
             }
         };
         vec![said, used]
+    }
+}
+
+/// The path of a module from the folder `src` on: there is the `main.rs` that declares it. A path without `src` stays.
+fn from_src(path: &Path) -> &Path {
+    let mut rest = path;
+    let mut parts = path.components();
+    while let Some(part) = parts.next() {
+        if part.as_os_str() == "src" && parts.clone().next().is_some() {
+            rest = parts.as_path();
+        }
+    }
+    rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_is_declared_from_the_folder_of_main() {
+        for (out, declared) in [
+            ("mount.rs", "mount.rs"),
+            ("src/mount.rs", "mount.rs"),
+            ("/home/me/src/rig/src/laws/mount.rs", "laws/mount.rs"),
+            ("laws/mount.rs", "laws/mount.rs"),
+        ] {
+            assert_eq!(from_src(Path::new(out)), Path::new(declared));
+        }
     }
 }

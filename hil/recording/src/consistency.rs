@@ -84,7 +84,7 @@ fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputEr
                 "its force per displacement is {factor:.3e} times that of {}",
                 earlier.name
             ),
-            "check the units in the names of the displacement and force columns",
+            "check the units of displacement and force, or drop one of the two if they are of different specimens",
         ));
     }
     Ok(())
@@ -186,7 +186,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
         ),
         Some(factor) => (
             format!("its force is {factor:.4} times as large"),
-            "check the unit in the force column's name, or drop one of the two",
+            "check the unit of the force, or drop one of the two if they are of different specimens",
         ),
         None => (
             format!("its force differs by {:.0} % RMS", 100.0 * apart),

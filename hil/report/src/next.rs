@@ -30,7 +30,13 @@ pub fn steps(result: &TraceResult) -> Section {
                 }
             }
             @match conclusion {
-                Conclusion::NotDecided => {
+                Conclusion::Contradicted => {
+                    li {
+                        "Check that the held-out data is of the same specimen. If it is, fit recordings with more amplitudes and frequencies \
+                         near those held out. Do not use the law there before."
+                    }
+                }
+                Conclusion::Hidden => {
                     li { "Record again at a higher rate, or with less noise of the displacement, and trace the new recording." }
                 }
                 Conclusion::Found | Conclusion::NothingMissing => {

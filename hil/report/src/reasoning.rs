@@ -49,7 +49,7 @@ impl Evidence {
                 "The error of the fitted law is " (text::percent(error)) " of the force's RMS on data that was \
                  never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
                 @if error <= 2.0 * result.noise_floor_nrmse { "It is hardly more than noise." }
-                @else if result.conclusion() == Conclusion::NotDecided {
+                @else if result.conclusion() == Conclusion::Hidden {
                     "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise, and the uncertainty of the estimated \
                      velocity can explain all of it. "
                 }
@@ -114,7 +114,7 @@ fn whiteness(found: &Autocorrelation) -> Markup {
         "Whiteness over " (found.tested) " lags: the Ljung–Box sum is " (text::number(found.ljung_box)) "; for white noise it is "
         (found.tested) " ± " (text::number((2.0 * found.tested as f64).sqrt())) " — "
         @if found.is_white() { "white: the residual holds no further structure." }
-        @else { "not white: the residual is autocorrelated." }
+        @else { "not white: the residual is autocorrelated. This alone says nothing about the verdict: residuals of the right effects can be so too." }
     }
 }
 
@@ -123,7 +123,7 @@ pub fn tried(result: &TraceResult) -> Section {
     let steps = result.candidates.chunk_by(|a, b| a.step == b.step);
     let body = html! {
         @if result.candidates.is_empty() {
-            @if result.conclusion() == Conclusion::NotDecided {
+            @if result.conclusion() == Conclusion::Hidden {
                 p { "Nothing: the residual of the law is no more than the noise and the uncertainty of the estimated velocity." }
             } @else {
                 p { "Nothing: the residual of the law is no more than the noise." }
@@ -132,9 +132,9 @@ pub fn tried(result: &TraceResult) -> Section {
             p {
                 "Each step starts from the law with the effects of the earlier steps, and tries every family of effects. The \
                  bars are errors on the validation data, which was not fitted; the dotted line is the noise. Each \
-                 family is shown at its best. Families with a large predicted gain were fitted; the others, and all families if the law \
-                 is near the noise, are shown at their starting values. Bars longer than twice the median are cut. A step without a \
-                 clear gain adds nothing and ends the search."
+                 family is shown at its best. A family was fitted only if the gain predicted for it was large and the law was not yet near \
+                 the noise; the bars of the others show their starting values, which can be worse than the bar before the step. Bars \
+                 longer than twice the median are cut. A step without a clear gain adds nothing and ends the search."
             }
             ul.key {
                 li { i.swatch.stood {} "before the step" }
@@ -271,10 +271,13 @@ fn dropped(result: &TraceResult) -> Vec<String> {
 pub fn concluded(result: &TraceResult) -> Markup {
     html! {
         @match result.conclusion() {
-            Conclusion::NotDecided => {
+            Conclusion::Hidden => {
                 p {
                     "Nothing that these recordings can show: the uncertainty of the estimated velocity hides an effect, if there is one."
                 }
+            }
+            Conclusion::Contradicted => {
+                p { "Nothing that the fitted data shows, but the law does not explain the held-out data." }
             }
             Conclusion::NothingMissing => {
                 p {

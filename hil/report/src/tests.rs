@@ -122,6 +122,7 @@ fn data() -> ReportData {
             table_rejected_by: None,
             separating_test: None,
             separating_blocks: Vec::new(),
+            held_out_differs: false,
             depends_on: vec!["displacement".into(), "history".into()],
             correction: None,
             warnings: vec!["3 samples are missing after 4.2 s".into()],
@@ -272,6 +273,11 @@ fn nothing_found_and_nothing_recorded_still_make_a_page() {
     assert!(page.contains("Not decided: the recording can hide an effect"));
     assert!(!page.contains("Nothing is missing") && !page.contains("something is missing"));
     data.result.augmented.nrmse_fitted = found;
+    data.result.held_out_differs = true;
+    let page = render(&data);
+    assert!(page.contains("Not decided: the held-out data contradict the law"));
+    assert!(page.contains("Do not use the law there") && !page.contains("Nothing is missing"));
+    data.result.held_out_differs = false;
     data.result.verdict = Verdict::Unlisted;
     assert!(render(&data).contains("Nothing was added"));
     assert!(render(&data).contains("not kept in the end: stick-slip."));

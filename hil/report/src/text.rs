@@ -168,7 +168,17 @@ fn concluded(result: &TraceResult) -> (String, String) {
         percent(result.noise_floor_nrmse),
     );
     match result.conclusion() {
-        Conclusion::NotDecided => (
+        Conclusion::Contradicted => (
+            "Not decided: the held-out data contradict the law".into(),
+            format!(
+                "The {} explains the fitted data, but its error on data that was never fitted is {} of the force's RMS; the noise of the \
+                 recording is {}. An effect may be missing that the fitted data does not show, or the held-out data is of another specimen.",
+                law(&result.baseline),
+                percent(result.baseline.nrmse_held_out),
+                percent(result.noise_floor_nrmse)
+            ),
+        ),
+        Conclusion::Hidden => (
             "Not decided: the recording can hide an effect".into(),
             format!(
                 "The error of the {} on data that was never fitted is {} of the force's RMS, and the noise of the recording is {}. The \

@@ -33,7 +33,7 @@ pub fn outcomes(rows: &[Row]) -> Table {
     let columns = [
         (
             "id",
-            "Identity of the trace: a hash of what its recordings hold, their roles, the settings and the program's version.",
+            "Identity of the trace: a hash of the contents of its recordings, their roles, the settings and the program's version.",
             text(|row| row.id.clone()),
         ),
         (
@@ -43,12 +43,12 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
         (
             "group",
-            "The group that the table names.",
+            "The group from the table.",
             text(|row| row.group.clone()),
         ),
         (
             "specimen",
-            "The specimen that the table names.",
+            "The specimen from the table.",
             text(|row| row.specimen.clone()),
         ),
         (
@@ -63,7 +63,7 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
         (
             "copies",
-            "Paths of recordings that hold the same: they are no rows of their own.",
+            "Paths of recordings with the same content; they have no row of their own.",
             texts(|row| &row.copies),
         ),
         (
@@ -97,37 +97,37 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
         (
             "depends_on",
-            "What the force beyond the law depends on.",
+            "Variables on which the force beyond the law depends.",
             lists(|found| found.depends_on.clone()),
         ),
         (
             "adopted",
-            "Whether the model holds what was found.",
+            "Whether the model contains the effects found.",
             Values::Flag(adopted.collect()),
         ),
         (
             "nrmse_baseline_fitted",
-            "Error of the law alone on what was fitted, RMS over RMS of the force.",
+            "Error of the law alone on the fitted samples, RMS over RMS of the force.",
             real(|found| found.nrmse.baseline_fitted),
         ),
         (
             "nrmse_baseline_held_out",
-            "The same on what was held out.",
+            "The same on the held-out samples.",
             real(|found| found.nrmse.baseline_held_out),
         ),
         (
             "nrmse_augmented_fitted",
-            "Error of the model on what was fitted, in f64.",
+            "Error of the model on the fitted samples, in f64.",
             real(|found| found.nrmse.augmented_fitted),
         ),
         (
             "nrmse_augmented_held_out",
-            "The same on what was held out.",
+            "The same on the held-out samples.",
             real(|found| found.nrmse.augmented_held_out),
         ),
         (
             "nrmse_on_target_held_out",
-            "Error of the embedded model in f32 on what was held out.",
+            "Error of the embedded model in f32 on the held-out samples.",
             real(|found| found.nrmse.on_target_held_out),
         ),
         (
@@ -137,76 +137,81 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
         (
             "remainder_times_noise",
-            "What the model leaves, over the noise; none where that is noise.",
+            "Residual of the model as a multiple of the noise; empty if it is only noise.",
             real(|found| found.remainder_times_noise),
         ),
         (
             "warning_count",
-            "How many things are wrong with the data.",
+            "Number of warnings.",
             count(|found| found.warnings.len()),
         ),
         (
             "warnings",
-            "What is wrong with the data. Files are named as they were when it was traced.",
+            "Problems of the data, as sentences. Files have the names of the time of the trace.",
             lists(|found| found.warnings.clone()),
         ),
         (
             "guesses",
-            "What was taken for what in the files without being sure.",
+            "Guesses made in reading the files, as sentences.",
             lists(|found| found.guesses.clone()),
         ),
         (
             "samples",
-            "Samples of all recordings.",
+            "Number of samples in all recordings.",
             count(|found| found.samples),
         ),
         (
             "duration_s",
-            "Length of all recordings.",
+            "Duration of all recordings.",
             real(|found| Some(found.duration_s)),
         ),
         (
             "displacement_min_mm",
-            "Least displacement that was fitted.",
+            "Smallest displacement of the fitted samples.",
             real(|found| Some(found.fitted_range.displacement[0])),
         ),
         (
             "displacement_max_mm",
-            "Largest displacement that was fitted.",
+            "Largest displacement of the fitted samples.",
             real(|found| Some(found.fitted_range.displacement[1])),
         ),
         (
             "velocity_min_mm_s",
-            "Least velocity that was fitted.",
+            "Smallest velocity of the fitted samples.",
             real(|found| Some(found.fitted_range.velocity[0])),
         ),
         (
             "velocity_max_mm_s",
-            "Largest velocity that was fitted.",
+            "Largest velocity of the fitted samples.",
             real(|found| Some(found.fitted_range.velocity[1])),
         ),
         (
             "trace_s",
-            "What the trace took.",
+            "Duration of the trace.",
             real(|found| Some(found.trace_s)),
         ),
         (
             "program_version",
-            "The version of the program that made it.",
+            "Version of the program that made the trace.",
             found(|found| Some(found.program_version.clone())),
         ),
         (
             "folder",
-            "The trace's folder, below the batch's, with `trace.json` and `model.json`.",
+            "The trace's folder in the batch's folder, with `trace.json` and `model.json`.",
             found(|found| Some(found.folder.clone())),
         ),
         (
             "error",
-            "Why the trace could not be made, in one line.",
+            "The reason why the trace could not be made, in one line.",
             text(|row| match &row.outcome {
                 Outcome::Failed(failure) => Some(failure.error.clone()),
                 Outcome::Traced(_) => None,
             }),
+        ),
+        (
+            "conclusion",
+            "The verdict in the words of the page. It tells apart a `none` that is `nothing missing` and one that is `not decided`.",
+            found(|found| Some(found.conclusion().words().to_owned())),
         ),
     ];
     let columns = columns.into_iter();

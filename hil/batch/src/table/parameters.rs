@@ -39,12 +39,12 @@ pub fn parameters(rows: &[Row]) -> Table {
         ),
         (
             "specimen",
-            "The specimen that the table names.",
+            "The specimen from the table.",
             text(|one| one.row.specimen.clone()),
         ),
         (
             "part",
-            "`law`; `effect`, which was found; `unconfirmed`, which is in the model and not confirmed.",
+            "`law`; `effect` for an effect found; `unconfirmed` for one that is in the model and not confirmed.",
             text(|one| Some(one.part.to_owned())),
         ),
         (
@@ -54,7 +54,7 @@ pub fn parameters(rows: &[Row]) -> Table {
         ),
         (
             "amplitude_mm",
-            "Of a law: the amplitude of the coefficient; 0 where it holds for all. None for an effect.",
+            "Of a law: the amplitude of the coefficient; 0 if it holds for all amplitudes. Empty for an effect.",
             real(|one| one.amplitude),
         ),
         (
@@ -69,7 +69,7 @@ pub fn parameters(rows: &[Row]) -> Table {
         ),
         (
             "low",
-            "Lower end of its 90 % interval; none where the data set no bound.",
+            "Lower end of its 90 % interval; empty if the data set no bound.",
             real(|one| Some(one.estimate.low)),
         ),
         (
@@ -79,12 +79,12 @@ pub fn parameters(rows: &[Row]) -> Table {
         ),
         (
             "unit",
-            "The unit of all three.",
+            "The unit of the value and of both ends.",
             text(|one| Some(one.estimate.unit.clone())),
         ),
         (
             "nrmse_without",
-            "Of an effect: the held-out error of everything but it.",
+            "Of an effect: the held-out error without it.",
             real(|one| one.errors[0]),
         ),
         (

@@ -13,7 +13,7 @@ use super::progress::Progress;
 use super::reading::RecordingFiles;
 use super::seeking::Seeking;
 use super::separating;
-use super::{Failure, say, summary};
+use super::{Failure, say, summary, warn};
 
 /// Find the effects that the law lacks in recordings, and write the augmented law
 ///
@@ -66,6 +66,14 @@ impl TraceCommand {
         let sought = self.seeking.sought(self.files.reading.limit)?;
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
+        // A search with a wrong unit takes long, or ends in an error that does not name the unit.
+        for recording in recordings.iter().chain(&held_out) {
+            let repaired = recording.repaired();
+            let doubtful = repaired.faults().iter();
+            for fault in doubtful.filter(|fault| fault.is_doubtful_unit()) {
+                warn(&format!("{}: {fault}", recording.name));
+            }
+        }
         let progress = Progress::steps();
         let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
         let declared = declared(&recordings);

@@ -1,4 +1,4 @@
-//! Odd stiffness above the cubic.
+//! Stiffness of the fifth order.
 
 use mesh_damper::effects::Hardening;
 

@@ -274,6 +274,7 @@ impl<'a> Closing<'a> {
             table_rejected_by,
             separating_test,
             separating_blocks,
+            held_out_differs: over_noise.differs_from_explained(&model, left).is_some(),
             depends_on: depends_on(&model, &nameless),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(

@@ -11,7 +11,9 @@ pub enum Conclusion {
     /// The law explains the recordings.
     NothingMissing,
     /// The law explains the recordings only because the estimated motion is uncertain: an effect may be hidden.
-    NotDecided,
+    Hidden,
+    /// The law explains the fitted samples, but not the held-out ones: an effect may be missing that the fitted samples do not show.
+    Contradicted,
     /// Several effects explain the rest equally well.
     Ambiguous,
     /// No listed effect explains the rest.
@@ -20,18 +22,21 @@ pub enum Conclusion {
 
 impl Conclusion {
     /// Every conclusion.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Found,
         Self::NothingMissing,
-        Self::NotDecided,
+        Self::Hidden,
+        Self::Contradicted,
         Self::Ambiguous,
         Self::Unlisted,
     ];
 
-    /// From a verdict on a model with the error `fitted` on fitted samples, where the noise of the force has the error `noise`; both NRMSE.
-    pub fn of(verdict: Verdict, fitted: f64, noise: f64) -> Self {
+    /// From a verdict on a model with the error `fitted` on fitted samples, where the noise of the force has the error `noise`, both NRMSE;
+    /// and [`TraceResult::held_out_differs`].
+    pub fn of(verdict: Verdict, fitted: f64, noise: f64, held_out_differs: bool) -> Self {
         match verdict {
-            Verdict::None if fitted > policy().verdict.hidden_by_motion * noise => Self::NotDecided,
+            Verdict::None if fitted > policy().verdict.hidden_by_motion * noise => Self::Hidden,
+            Verdict::None if held_out_differs => Self::Contradicted,
             Verdict::None => Self::NothingMissing,
             Verdict::Found => Self::Found,
             Verdict::Ambiguous => Self::Ambiguous,
@@ -39,12 +44,13 @@ impl Conclusion {
         }
     }
 
-    /// In two words, for a table.
+    /// In a few words, for a table.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Found => "found",
             Self::NothingMissing => "nothing missing",
-            Self::NotDecided => "not decided",
+            Self::Hidden => "not decided: motion uncertain",
+            Self::Contradicted => "not decided: held-out data differ",
             Self::Ambiguous => "ambiguous",
             Self::Unlisted => "unlisted",
         }
@@ -58,6 +64,7 @@ impl TraceResult {
             self.verdict,
             self.augmented.nrmse_fitted,
             self.noise_floor_nrmse,
+            self.held_out_differs,
         )
     }
 }

@@ -54,6 +54,9 @@ pub struct TraceResult {
     /// help.
     #[serde(default)]
     pub separating_blocks: Vec<TestBlock>,
+    /// Whether the model explains the fitted samples, but its residual on the held-out samples is larger than their noise explains.
+    #[serde(default)]
+    pub held_out_differs: bool,
     /// The variables on which the force beyond the law depends: `displacement`, `velocity`, `history`, `time`, `cycle`,
     /// `temperature`, `frequency`, `amplitude`.
     pub depends_on: Vec<String>,

@@ -47,8 +47,20 @@ impl OverNoise {
     /// Whether the law describes the fitted samples but not the held-out ones: the error there is above that of a noise-limited
     /// law.
     pub fn says_less(&self) -> bool {
+        self.where_it_differs().is_some()
+    }
+
+    /// The errors on fitted and on held-out samples, if the law describes only the former.
+    pub fn where_it_differs(&self) -> Option<[f64; 2]> {
         let [fitted, held_out] = [self.fitted, self.held_out].map(|left| left.unwrap_or(1.0));
-        held_out > policy().verdict.noise_limited * fitted.max(1.0)
+        let differs = held_out > policy().verdict.noise_limited * fitted.max(1.0);
+        differs.then_some([fitted, held_out])
+    }
+
+    /// The same for a model that explains the fitted samples without a residual table: its error there is `left` times the noise.
+    pub fn differs_from_explained(&self, model: &Model, left: f64) -> Option<[f64; 2]> {
+        let is_explained = model.correction.is_none() && left <= policy().verdict.noise_limited;
+        self.where_it_differs().filter(|_| is_explained)
     }
 }
 
@@ -194,17 +206,10 @@ pub(super) fn warnings<'t>(
                 .to_owned(),
         );
     }
-    if let OverNoise {
-        fitted: Some(fitted),
-        held_out: Some(held_out),
-    } = over_noise
-        && model.correction.is_none()
-        && left <= policy().verdict.noise_limited
-        && over_noise.says_less()
-    {
+    if let Some([fitted, held_out]) = over_noise.differs_from_explained(model, left) {
         warnings.push(format!(
-            "the residual is {held_out:.1} times the noise on the held-out data, and {fitted:.1} times on the fitted data: fit more \
-             amplitudes and frequencies near those held out"
+            "the residual is {held_out:.1} times the noise on the held-out data, and {fitted:.1} times on the fitted data, both without the \
+             worst cycles: fit more amplitudes and frequencies near those held out, and check that the held-out data is of the same specimen"
         ));
     }
     if model.correction.is_some() {

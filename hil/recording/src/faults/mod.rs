@@ -146,6 +146,20 @@ pub struct ChannelFault {
     pub kind: ChannelFaultKind,
 }
 
+impl ChannelFault {
+    /// Whether the unit of a channel is probably wrong and was left as it is: the results are then wrong too.
+    pub fn is_doubtful_unit(&self) -> bool {
+        matches!(
+            self.kind,
+            ChannelFaultKind::Soft { .. }
+                | ChannelFaultKind::Unit {
+                    repaired: false,
+                    ..
+                }
+        )
+    }
+}
+
 impl std::fmt::Display for ChannelFault {
     /// The fault, its size, and the repair.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

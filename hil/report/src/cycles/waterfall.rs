@@ -79,7 +79,7 @@ pub fn picture(blocks: &[BlockFigures<'_>]) -> Waterfall {
             panel,
         ),
         caption: format!(
-            "force over displacement {by}; each loop is raised by {} kN above the one below, and its label stands at 0 kN of it",
+            "force over displacement {by}; each loop is raised by {} kN above the one below, and its label marks the level of 0 kN",
             text::number(step)
         ),
     }

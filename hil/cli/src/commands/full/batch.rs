@@ -175,9 +175,10 @@ const fn words(conclusion: Conclusion) -> &'static str {
     match conclusion {
         Conclusion::Found => "effects are found",
         Conclusion::NothingMissing => "no effect is missing: the law explains the recordings",
-        Conclusion::NotDecided => {
+        Conclusion::Hidden => {
             "not decided: the uncertainty of the estimated velocity can hide an effect"
         }
+        Conclusion::Contradicted => "not decided: the held-out data contradict the law",
         Conclusion::Ambiguous => "effects are found that the data cannot tell apart",
         Conclusion::Unlisted => "unmodelled: no family of effects explains the residual",
     }
@@ -244,7 +245,8 @@ fn print(summary: &Summary, out: &Path) {
         ));
     }
     say(&format!(
-        "The outcomes are {}",
-        out.join("outcomes.parquet").display()
+        "The outcomes are {}, the page is {}",
+        out.join("outcomes.parquet").display(),
+        out.join("index.html").display()
     ));
 }

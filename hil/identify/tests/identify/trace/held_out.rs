@@ -1,5 +1,6 @@
 //! Test data: which data are kept back, and that no fit sees them.
 
+use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::{Role, Trace, trace};
 use mesh_damper_recording::Recording;
@@ -24,6 +25,11 @@ fn a_law_that_errs_outside_its_range_has_a_warning() {
         let held = record("held", held, 0.004, 62, bend);
         let result = trace_of(fitted, held).result;
         assert_eq!(result.verdict, Verdict::None);
+        let conclusion = match said {
+            true => Conclusion::Contradicted,
+            false => Conclusion::NothingMissing,
+        };
+        assert_eq!(result.conclusion(), conclusion);
         let warned = result
             .warnings
             .iter()

@@ -1,5 +1,6 @@
 //! Samples too few for the velocity can hide an effect, and a trace warns of it.
 
+use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
@@ -45,6 +46,7 @@ fn an_effect_that_few_samples_hide_is_warned_of() {
         "{:?}",
         hidden.result.effects
     );
+    assert_eq!(hidden.result.conclusion(), Conclusion::Hidden);
     assert!(warned(&hidden), "{:?}", hidden.result.warnings);
     let shown = traced_at(1);
     assert_eq!(shown.result.verdict, Verdict::Found);
