@@ -95,7 +95,11 @@ fn each_force_grows_as_its_description_says() {
             Growth::Saturates => {
                 let (peaks, limit) = (alone(), friction_limit(description));
                 for peak in peaks {
-                    assert!(peak <= limit * (1.0 + 1e-9), "{}: {peak}", description.name);
+                    assert!(
+                        peak <= limit * (1.0 + 1e-9),
+                        "{}: a force of {peak} kN exceeds the limit of {limit} kN by `friction_limit`",
+                        description.name
+                    );
                 }
                 // A spring that softens approaches its limit as 1/|y|, the others reach it within the motion.
                 let reached = match description.name {
