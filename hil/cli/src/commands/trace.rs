@@ -1,11 +1,12 @@
 //! `hil trace`: from recordings to the effect that the law lacks, and to the law with it.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_identify::trace::trace_for;
 use mesh_damper_recording::output::Plan;
-use mesh_damper_recording::refuse_repeats;
+use mesh_damper_recording::{Recording, refuse_repeats};
 use mesh_damper_report::{self as report, ReportData, declared};
 
 use super::document::AddDocument as _;
@@ -66,16 +67,14 @@ impl TraceCommand {
         let sought = self.seeking.sought(self.files.reading.limit)?;
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
-        // A search with a wrong unit takes long, or ends in an error that does not name the unit.
-        for recording in recordings.iter().chain(&held_out) {
-            let repaired = recording.repaired();
-            let doubtful = repaired.faults().iter();
-            for fault in doubtful.filter(|fault| fault.is_doubtful_unit()) {
-                warn(&format!("{}: {fault}", recording.name));
-            }
-        }
         let progress = Progress::steps();
-        let found = trace_for(&sought, &recordings, &held_out, &|what| progress.step(what))?;
+        let begun = Cell::new(false);
+        let found = trace_for(&sought, &recordings, &held_out, &|what| {
+            if !begun.replace(true) {
+                warn_of_units(recordings.iter().chain(&held_out));
+            }
+            progress.step(what);
+        })?;
         let declared = declared(&recordings);
         // The report needs memory of its own.
         drop((recordings, held_out));
@@ -111,6 +110,17 @@ impl TraceCommand {
             ));
         }
         Ok(())
+    }
+}
+
+/// A search with a wrong unit takes long, or ends in an error that does not name the unit.
+fn warn_of_units<'r>(recordings: impl Iterator<Item = &'r Recording>) {
+    for recording in recordings {
+        let repaired = recording.repaired();
+        let faults = repaired.faults().iter();
+        for fault in faults.filter(|fault| fault.is_doubtful_unit()) {
+            warn(&format!("{}: {fault}", recording.name));
+        }
     }
 }
 
