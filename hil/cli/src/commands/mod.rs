@@ -121,7 +121,6 @@ fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::Pa
     files.into_iter().all(|file| file.as_deref() != Some(dash))
 }
 
-#[cfg(feature = "full")]
 /// Prints a warning to standard error; the work continues.
 fn warn(text: &str) {
     eprintln!("warning: {text}");

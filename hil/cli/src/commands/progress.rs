@@ -48,6 +48,11 @@ impl Progress {
         self.plain(|| what.to_owned());
     }
 
+    /// Prints a warning above the progress.
+    pub fn warn(&self, text: &str) {
+        self.bar.suspend(|| super::warn(text));
+    }
+
     /// Shows the number of finished parts.
     pub fn done(&self, parts: u64) {
         self.bar.set_position(parts);

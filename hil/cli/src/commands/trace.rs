@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::reading::RecordingFiles;
 use super::seeking::Seeking;
 use super::separating;
-use super::{Failure, say, summary, warn};
+use super::{Failure, say, summary};
 
 /// Find the effects that the law lacks in recordings, and write the augmented law
 ///
@@ -71,7 +71,7 @@ impl TraceCommand {
         let begun = Cell::new(false);
         let found = trace_for(&sought, &recordings, &held_out, &|what| {
             if !begun.replace(true) {
-                warn_of_units(recordings.iter().chain(&held_out));
+                warn_of_units(&progress, recordings.iter().chain(&held_out));
             }
             progress.step(what);
         })?;
@@ -114,12 +114,12 @@ impl TraceCommand {
 }
 
 /// A search with a wrong unit takes long, or ends in an error that does not name the unit.
-fn warn_of_units<'r>(recordings: impl Iterator<Item = &'r Recording>) {
+fn warn_of_units<'r>(progress: &Progress, recordings: impl Iterator<Item = &'r Recording>) {
     for recording in recordings {
         let repaired = recording.repaired();
         let faults = repaired.faults().iter();
         for fault in faults.filter(|fault| fault.is_doubtful_unit()) {
-            warn(&format!("{}: {fault}", recording.name));
+            progress.warn(&format!("{}: {fault}", recording.name));
         }
     }
 }
