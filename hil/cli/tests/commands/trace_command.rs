@@ -183,3 +183,27 @@ fn what_a_model_knows_stays_in_the_law_of_the_next_test() {
     assert_eq!(result["baseline"]["known"], serde_json::json!(["offset"]));
     assert_eq!(read("next/model.json")["effects"][0]["family"], "offset");
 }
+
+/// The force is in N although its column says kN.
+#[test]
+fn a_doubtful_unit_is_reported_before_the_search() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("newtons.csv");
+    record(&path, &[(0.1, 2.0), (0.1, 5.0), (0.2, 2.0)]);
+    let text = fs::read_to_string(&path).unwrap();
+    let in_newtons = |line: &str| match line.rsplit_once(',') {
+        Some((row, force)) if force.parse::<f64>().is_ok() => {
+            format!("{row},{}", 1e3 * force.parse::<f64>().unwrap())
+        }
+        _ => line.to_owned(),
+    };
+    let lines: Vec<String> = text.lines().map(in_newtons).collect();
+    fs::write(&path, lines.join("\n") + "\n").unwrap();
+    let output = crate::refusal::hil(root.path(), &["trace", "newtons.csv"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    let warned = error.lines().next().unwrap_or_default();
+    assert!(
+        warned.starts_with("warning: newtons.csv: unit of the force or of the displacement wrong by a factor of 1000"),
+        "{error}"
+    );
+}
