@@ -359,7 +359,7 @@ mod tests {
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,
             "separating_test": null, "separating_blocks": [{"amplitude": 0.1, "frequency": 2.0, "cycles": 6}],
-            "depends_on": ["displacement", "history"],
+            "held_out_differs": false, "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "guesses": ["a.csv: force is read from column \"Load\" in N"],
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
