@@ -1,7 +1,7 @@
 //! `hil trace`: from recordings to the effect that the law lacks, and to the law with it.
 
-use std::cell::Cell;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 use clap::Args;
 use mesh_damper_identify::trace::trace_for;
@@ -68,11 +68,9 @@ impl TraceCommand {
         let recordings = read(&self.recordings)?;
         let held_out = read(&self.held_out)?;
         let progress = Progress::steps();
-        let begun = Cell::new(false);
+        let begun = Once::new();
         let found = trace_for(&sought, &recordings, &held_out, &|what| {
-            if !begun.replace(true) {
-                warn_of_units(&progress, recordings.iter().chain(&held_out));
-            }
+            begun.call_once(|| warn_of_units(&progress, recordings.iter().chain(&held_out)));
             progress.step(what);
         })?;
         let declared = declared(&recordings);
