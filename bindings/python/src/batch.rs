@@ -85,8 +85,15 @@ enum Given {
     Paths(Vec<PathBuf>),
 }
 
-/// Traces `given`, or the rows of `table`, into the folder `out`. Returns the summary as JSON, both tables as columns, and the sentence about
-/// files of the folder that are left out.
+/// The summary of a batch as JSON, its tables of outcomes and of effects as columns, and the sentence about files that are left out.
+type Traced<'py> = (
+    String,
+    Bound<'py, PyDict>,
+    Bound<'py, PyDict>,
+    Option<String>,
+);
+
+/// Traces `given`, or the rows of `table`, into the folder `out`.
 #[pyfunction]
 #[pyo3(signature = (given, table, out, settings, jobs=None, progress=None))]
 fn trace_many<'py>(
@@ -97,12 +104,7 @@ fn trace_many<'py>(
     settings: PyRef<'_, BatchSettings>,
     jobs: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<(
-    String,
-    Bound<'py, PyDict>,
-    Bound<'py, PyDict>,
-    Option<String>,
-)> {
+) -> PyResult<Traced<'py>> {
     let settings = settings.0.clone();
     let list = match (given, table) {
         (Some(Given::Path(path)), _) => List::read(&path, settings.reading.limit),
