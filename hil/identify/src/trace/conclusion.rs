@@ -3,7 +3,7 @@
 use super::result::{TraceResult, Verdict};
 use crate::policy::policy;
 
-/// The verdict, with [`Verdict::None`] divided in two.
+/// The verdict, with [`Verdict::None`] divided in three: nothing is missing, or nothing can be decided for one of two reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conclusion {
     /// Named effects explain the part of the force that the law does not.
