@@ -72,6 +72,7 @@ mod rest;
 mod rows;
 mod smoother;
 pub mod spectrum;
+mod stated_rate;
 pub mod trajectory;
 pub mod units;
 mod write;

@@ -5,9 +5,10 @@ use std::path::Path;
 use super::channel::Channel;
 use super::control::ControlChannel;
 use super::faults::{ChannelFault, ChannelFaultKind};
+use super::stated_rate::{Times, contradiction};
 use super::units::Units;
 use super::{Recording, Source};
-use crate::columns::{Chosen, choose};
+use crate::columns::{Chosen, Used, choose};
 use crate::error::InputError;
 use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
@@ -156,9 +157,19 @@ impl Recording {
                 .map(|wanted| columns[wanted.column].name.clone())
                 .collect()
         };
+        let stated_steps = file.tables()[chosen.table].stated_steps.clone();
         let mut values = file.read(chosen.table, &wanted, kept)?;
         chosen.guesses.append(&mut values.notes);
-        let recording = Samples::of(name, chosen, names, values)?.recording()?;
+        let place = |used: &Used| used.channel == Channel::Time;
+        let time_column = (chosen.used.iter().position(place)).map(|index| names[index].clone());
+        let mut recording = Samples::of(name, chosen, names, values)?.recording()?;
+        let source = match &time_column {
+            Some(name) => Times::Column(name, recording.units.time),
+            None if reading.rate.is_some() => Times::Given,
+            None => Times::File,
+        };
+        let contradiction = contradiction(&stated_steps, &recording.time, source);
+        recording.guesses.extend(contradiction);
         for input in needs.inputs.iter().flatten() {
             if !recording.controls.iter().any(|each| each.name == *input) {
                 let problem = format!("the control input {input} holds no number");

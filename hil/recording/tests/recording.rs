@@ -309,9 +309,13 @@ fn the_step_of_a_mat_file_may_be_called_ts() {
 #[test]
 fn a_rate_that_contradicts_the_times_is_said() {
     let times: Vec<f64> = (0..60).map(|n| 0.005 * f64::from(n)).collect();
-    let said = "the times are those of column \"time_s\"; the number sample_rate = 500 Hz contradicts them and is not used";
+    let said = "the times are those of column \"time_s\" in s; the number sample_rate = 500 Hz contradicts them and is not used";
     let notes = notes_of_mat(&[("time_s", times.clone()), ("sample_rate", vec![500.0])]);
     assert!(notes.iter().any(|note| note == said), "{notes:?}");
+    // Also if a unit of time is between them.
+    let notes = notes_of_mat(&[("time_s", times.clone()), ("fs", vec![2e5])]);
+    let said = "they would agree if the times were in ms: --unit time=ms";
+    assert!(notes.iter().any(|note| note.ends_with(said)), "{notes:?}");
     let notes = notes_of_mat(&[("time_s", times), ("sample_rate", vec![200.0])]);
     assert!(
         !notes.iter().any(|note| note.contains("contradicts")),

@@ -7,11 +7,11 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-use super::beside::{Beside, differs};
+use super::beside::Beside;
 pub(super) use super::names::name_of;
 use super::names::tell_apart;
 use super::runs;
-use super::table::Clock;
+use super::table::{Clock, StatedStep};
 use super::{Column, Table};
 use crate::columns::{is_time, may_be_time};
 use crate::error::{InputError, quoted};
@@ -73,9 +73,7 @@ pub(super) fn arranged<S: Clone>(
     for (rows, arrays) in lengths {
         for members in divided(arrays, values)? {
             for (name, members) in of_runs(members) {
-                let said = contradicted(&members, beside, values)?;
-                let (mut table, of_table) = table(rows, name, members, beside);
-                table.guesses.extend(said);
+                let (table, of_table) = table(rows, name, members, beside);
                 tables.push(table);
                 sources.push(of_table);
             }
@@ -218,39 +216,6 @@ fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member
     each.collect()
 }
 
-/// A sentence about a stored rate or clock that the column of times contradicts.
-fn contradicted<S>(
-    members: &[Member<S>],
-    beside: &Beside,
-    values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
-) -> Result<Option<String>, InputError> {
-    let Some(time) = members.iter().find(|member| member.is_time) else {
-        return Ok(None);
-    };
-    let clocks = || (members.iter()).filter_map(|member| Some((member, member.array.clock?)));
-    if !beside.has_rates() && clocks().next().is_none() {
-        return Ok(None);
-    }
-    let first = &time.array.column.first;
-    let times = if first.is_empty() {
-        &values(&time.array.source)?
-    } else {
-        first
-    };
-    let paths: Vec<Vec<String>> = members.iter().map(|each| each.array.path()).collect();
-    let of_clock = || {
-        let mut other = clocks().filter(|(_, clock)| differs(times, clock.step));
-        let (member, clock) = other.next()?;
-        let (path, step) = (member.array.path().join("/"), clock.step);
-        Some(format!("the clock of {path}, with a step of {step} s,"))
-    };
-    let other = beside.contradicts(&paths, times).or_else(of_clock);
-    let name = quoted(&time.array.column.name);
-    Ok(other.map(|other| {
-        format!("the times are those of column {name}; {other} contradicts them and is not used")
-    }))
-}
-
 fn table<S>(
     rows: u64,
     name: Option<String>,
@@ -305,6 +270,13 @@ fn table<S>(
     }
     table.clock = clock;
     table.guesses.extend(said);
+    table.stated_steps = beside.steps(&paths);
+    for (member, path) in members.iter().zip(&paths) {
+        if let Some(Clock { step, .. }) = member.array.clock {
+            let taken = format!("the clock of {}, with a step of {step} s,", path.join("/"));
+            table.stated_steps.push(StatedStep { step, taken });
+        }
+    }
     let mut seen = HashMap::new();
     for member in &members {
         *seen.entry(member.array.column.name.clone()).or_insert(0) += 1;

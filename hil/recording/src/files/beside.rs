@@ -4,8 +4,7 @@
 use std::collections::HashSet;
 
 use super::Reading;
-use super::table::Clock;
-use crate::units;
+use super::table::{Clock, StatedStep};
 
 /// Statement of a number next to arrays about those below a path.
 #[derive(Clone, Debug)]
@@ -14,14 +13,6 @@ struct Said<T> {
     what: T,
     /// Whether it lies in a group without arrays, whose name does not say that it describes those around it.
     is_apart: bool,
-}
-
-/// Samples per second or the time between two, as stated in a file.
-#[derive(Clone, Debug)]
-struct Rate {
-    step: f64,
-    /// Its interpretation, in words.
-    taken: String,
 }
 
 impl<T> Said<T> {
@@ -45,7 +36,7 @@ impl<T> Said<T> {
 /// The statements next to the arrays of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
-    rates: Vec<Said<Rate>>,
+    rates: Vec<Said<StatedStep>>,
     notes: Vec<Said<String>>,
     /// Whether the user states the source of the times.
     is_said: bool,
@@ -91,8 +82,6 @@ const ABOUT: &[&str] = &[
     "attrs",
     "properties",
 ];
-/// Relative difference of two steps of the same clock. Convention: a nominal rate is met to a percent.
-const SAME: f64 = 0.01;
 /// Units after them, the first if none is stated.
 const OF_RATES: &[(&str, &str, f64)] = &[("", "Hz", 1.0), ("hz", "Hz", 1.0), ("khz", "kHz", 1e3)];
 const OF_STEPS: &[(&str, &str, f64)] = &[
@@ -145,7 +134,7 @@ impl Beside {
         };
         let found = rate.or_else(step).or_else(short);
         if let Some((unit, step)) = found.filter(|_| is_usable) {
-            let what = Rate {
+            let what = StatedStep {
                 step,
                 taken: format!("{of} = {value} {unit}"),
             };
@@ -182,19 +171,32 @@ impl Beside {
         all
     }
 
-    /// A statement about some arrays that contradicts the steps of their `times`, in words.
-    pub fn contradicts(&self, arrays: &[Vec<String>], times: &[f64]) -> Option<String> {
-        let of_arrays = self.of(arrays).filter(|said| !said.is_apart);
-        let mut other = of_arrays.filter(|said| differs(times, said.what.step));
-        Some(other.next()?.what.taken.clone())
+    /// The statements nearest to an array.
+    fn nearest(&self, array: &[String]) -> impl Iterator<Item = &StatedStep> {
+        let is_of = |said: &&Said<StatedStep>| !said.is_apart && array.starts_with(&said.path);
+        let most = self
+            .rates
+            .iter()
+            .filter(is_of)
+            .map(|said| said.path.len())
+            .max();
+        let near = self.rates.iter().filter(is_of);
+        near.filter(move |said| Some(said.path.len()) == most)
+            .map(|said| &said.what)
     }
 
-    /// Whether any rate is stated.
-    pub fn has_rates(&self) -> bool {
-        !self.rates.is_empty()
+    /// The steps stated for some arrays, by the rates nearest to each of them.
+    pub fn steps(&self, arrays: &[Vec<String>]) -> Vec<StatedStep> {
+        let mut steps: Vec<StatedStep> = Vec::new();
+        for step in arrays.iter().flat_map(|array| self.nearest(array)) {
+            if !steps.contains(step) {
+                steps.push(step.clone());
+            }
+        }
+        steps
     }
 
-    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Said<Rate>> {
+    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Said<StatedStep>> {
         let is_of = |said: &&Said<Rate>| arrays.iter().any(|array| array.starts_with(&said.path));
         self.rates.iter().filter(is_of)
     }
@@ -221,23 +223,19 @@ impl Beside {
         if self.is_said {
             return (None, None);
         }
-        let mut found: Vec<&Rate> = Vec::new();
+        let mut found: Vec<&StatedStep> = Vec::new();
         for array in arrays {
-            let of_array = || {
-                let all = self.rates.iter();
-                all.filter(|said| !said.is_apart && array.starts_with(&said.path))
-            };
-            let Some(most) = of_array().map(|said| said.path.len()).max() else {
+            let before = found.len();
+            found.extend(self.nearest(array));
+            if found.len() == before {
                 return (None, None);
-            };
-            let near = of_array().filter(|said| said.path.len() == most);
-            found.extend(near.map(|said| &said.what));
+            }
         }
         let Some(first) = found.first() else {
             return (None, None);
         };
         // A rate and a step of the same clock differ in the last digits.
-        let is_other = |rate: &&&Rate| (rate.step / first.step - 1.0).abs() > 1e-9;
+        let is_other = |rate: &&&StatedStep| (rate.step / first.step - 1.0).abs() > 1e-9;
         if let Some(other) = found.iter().find(is_other) {
             let said = format!(
                 "{} and {} give different rates, so neither is used; give one with --rate",
@@ -255,19 +253,6 @@ impl Beside {
         );
         (Some(clock), Some(said))
     }
-}
-
-/// Whether times have another step than this one, in s, whatever their unit of time is.
-pub(super) fn differs(times: &[f64], step: f64) -> bool {
-    let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() {
-        return false;
-    }
-    let (_, usual, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    let is_same = |unit: &units::Unit| (*usual * unit.scale / step - 1.0).abs() <= SAME;
-    !units::TIME.iter().any(is_same)
 }
 
 /// The words of a name, in lower case: `forceScale`, `force_scale`.
@@ -380,20 +365,21 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_that_the_times_contradict_is_said_whatever_their_unit() {
-        let arrays = [path("time"), path("force")];
+    fn the_steps_of_some_arrays_are_those_of_the_nearest_rates() {
         let mut beside = Beside::default();
-        beside.number(&[], "fs", "fs", 200.0);
-        let times = |step: f64| -> Vec<f64> { (0..50).map(|n| step * f64::from(n)).collect() };
-        for step in [0.005, 5.0, 5000.0, 0.00501] {
-            assert_eq!(beside.contradicts(&arrays, &times(step)), None, "{step}");
-        }
-        for step in [0.002, 2.0, 0.0051] {
-            let said = beside.contradicts(&arrays, &times(step));
-            assert_eq!(said.as_deref(), Some("fs = 200 Hz"), "{step}");
-        }
-        assert_eq!(beside.contradicts(&arrays, &[f64::NAN, 1.0]), None);
-        assert_eq!(beside.contradicts(&arrays, &[]), None);
+        beside.number(&[], "fs", "fs", 100.0);
+        beside.number(&path("run"), "fs", "run/fs", 50.0);
+        let taken = |arrays: &[&str]| -> Vec<String> {
+            let arrays: Vec<Vec<String>> = arrays.iter().map(|array| path(array)).collect();
+            let steps = beside.steps(&arrays).into_iter();
+            steps.map(|step| step.taken).collect()
+        };
+        assert_eq!(taken(&["run/time", "run/force"]), ["run/fs = 50 Hz"]);
+        assert_eq!(taken(&["time", "force"]), ["fs = 100 Hz"]);
+        assert_eq!(
+            taken(&["run/force", "time"]),
+            ["run/fs = 50 Hz", "fs = 100 Hz"]
+        );
     }
 
     #[test]

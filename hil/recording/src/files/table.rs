@@ -13,6 +13,8 @@ pub struct Table {
     pub rows: Option<u64>,
     /// Times of the samples, if the file gives them without a column of times.
     pub clock: Option<Clock>,
+    /// Times from one sample to the next that the file states beside the columns: the times may contradict them.
+    pub stated_steps: Vec<StatedStep>,
     /// Uncertain findings about the file, in words: `the separator is a semicolon`.
     pub guesses: Vec<String>,
     /// Contents of the file that are not read, in words: `the structure "setup"`.
@@ -30,6 +32,15 @@ pub struct Clock {
     pub start: f64,
     /// Time from one sample to the next, s.
     pub step: f64,
+}
+
+/// The time from one sample to the next that a file states beside the samples, as a step or as a rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedStep {
+    /// The step, s.
+    pub step: f64,
+    /// What states it, in words: `the number fs = 200 Hz`.
+    pub taken: String,
 }
 
 /// A column before it is read.

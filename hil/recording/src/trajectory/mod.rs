@@ -1,9 +1,12 @@
 //! A recording prepared for identification: uniform time base, estimated motion, cycles and blocks.
 
+mod centre;
+mod uncertainty;
+
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{SMatrix, SVector};
+use centre::{is_off, middle};
 
 use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
@@ -329,72 +332,6 @@ impl Trajectory {
         self.force_noise = self.noise_beside * noise;
     }
 
-    /// Carries the error of the motion into the tolerance for a law's force. `force` is roughly the law's force, kN, at a
-    /// displacement in mm, a velocity in mm/s and an acceleration in mm/s².
-    pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {
-        let deviations = |error: &[f64]| -> Vec<f64> {
-            let variances = self.variance_of(error).into_iter();
-            variances.map(f64::sqrt).collect()
-        };
-        let of_displacement = deviations(&self.motion_error.displacement);
-        let of_velocity = deviations(&self.motion_error.velocity);
-        let of_acceleration = deviations(&self.motion_error.acceleration);
-        let carried = |index: usize| {
-            let motion = &self.motion;
-            let (y, v) = (motion.displacement[index], motion.velocity[index]);
-            let a = motion.acceleration[index];
-            let (dy, dv) = (of_displacement[index], of_velocity[index]);
-            let here = force(y, v, a);
-            let off = |y: f64, v: f64, a: f64| (force(y, v, a) - here).powi(2);
-            off(y + dy, v, a)
-                + 0.5 * (off(y, v + dv, a) + off(y, v - dv, a))
-                + off(y, v, a + of_acceleration[index])
-        };
-        self.carried = (0..self.len()).map(carried).collect();
-    }
-
-    /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.
-    #[must_use]
-    pub fn as_it_may_be(&self) -> Self {
-        // Without the error, which takes a quarter of the memory.
-        let mut other = self.motion_alone();
-        other
-            .motion
-            .velocity_deviation
-            .clone_from(&self.motion.velocity_deviation);
-        other.motion.rests.clone_from(&self.motion.rests);
-        other.motion.kinks.clone_from(&self.motion.kinks);
-        other.force.clone_from(&self.force);
-        other.carried.clone_from(&self.carried);
-        other.measured.clone_from(&self.measured);
-        other.blocks.clone_from(&self.blocks);
-        let error = &self.motion_error;
-        for (channel, error) in [
-            (&mut other.motion.displacement, &error.displacement),
-            (&mut other.motion.velocity, &error.velocity),
-            (&mut other.motion.acceleration, &error.acceleration),
-        ] {
-            channel
-                .iter_mut()
-                .zip(error)
-                .for_each(|(value, error)| *value += error);
-        }
-        other
-    }
-
-    /// Variance at every sample of a quantity that changes by `off` when the motion is [off by one draw](Self::as_it_may_be) of its
-    /// error.
-    pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
-        MotionError::variance(off, |index| self.is_telling(index))
-    }
-
-    /// Variance of the residual of a perfect law at a sample, kN²: the noise of the force, and the error of the motion if it was
-    /// [carried](Trajectory::carry_motion_error) into the force.
-    pub fn tolerance(&self, index: usize) -> f64 {
-        let carried = self.carried.get(index).copied().unwrap_or_default();
-        self.force_noise.powi(2) + carried
-    }
-
     /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.
     fn undo(&mut self, shift: Shift) {
         self.late = shift.late * self.tick;
@@ -534,53 +471,6 @@ pub struct Known {
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
     (sum / f64::max(count, 1.0)).sqrt()
-}
-
-fn middle(displacement: &[f64]) -> f64 {
-    let (low, high) = least_and_largest(displacement);
-    0.5 * (low + high)
-}
-
-/// Whether the middle of the motion is a zero that was left in. It is if it lies more than half an amplitude from 0, or if the
-/// specimen does not feel it.
-fn is_off(displacement: &[f64], force: &[f64]) -> bool {
-    let (low, high) = least_and_largest(displacement);
-    let middle = middle(displacement);
-    let largest = 0.5 * (high - low);
-    // A motion that is not about its middle says nothing about a zero, nor does a motion without similar cycles.
-    let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
-    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
-        && has_like_cycles(displacement);
-    middle.abs() > policy().trajectory.far * largest
-        || middle.abs() > policy().trajectory.off * largest
-            && is_about
-            && !feels_it(displacement, force, middle, largest)
-}
-
-/// Whether most samples belong to cycles that resemble a neighbour.
-fn has_like_cycles(displacement: &[f64]) -> bool {
-    let cycles = Cycles::of(displacement, 1.0);
-    let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
-    2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
-}
-
-/// Whether the force at displacement `middle` exceeds [`TrajectoryPolicy::felt`] of the force of a spring with the stiffness that
-/// the channels show there, by a cubic through the force. A specimen that is stiffer on one side has no such middle.
-fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
-    let mut gram = SMatrix::<f64, 4, 4>::zeros();
-    let mut right = SVector::<f64, 4>::zeros();
-    for (y, force) in displacement.iter().zip(force) {
-        let u = (y - middle) / largest;
-        let row = SVector::from([1.0, u, u * u, u.powi(3)]);
-        gram += row * row.transpose();
-        right += row * *force;
-    }
-    let Some(factor) = gram.cholesky() else {
-        return true;
-    };
-    let cubic = factor.solve(&right);
-    let (at_middle, slope) = (cubic[0], cubic[1]);
-    (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
 }
 
 impl Cycles {

@@ -1,0 +1,215 @@
+//! A model file comes back as written, and a wrong one is refused by the name of its field.
+
+use super::*;
+use crate::Family;
+use crate::correction::{MemoryAxis, Remembered};
+use mesh_damper::effects::residual_table::CELLS;
+
+fn correction() -> CorrectionTable {
+    let cells = |count| {
+        (0..count)
+            .map(|cell| 100 * (cell as i16 % 300) - 15_000)
+            .collect()
+    };
+    CorrectionTable {
+        reach: 0.2,
+        speed: 6.3,
+        unit: 1e-6,
+        cells: cells(CELLS),
+        memory: Some(MemoryAxis {
+            of: Remembered::Lag { time: 0.05 },
+            range: [-0.1, 0.1],
+        }),
+    }
+}
+
+fn example() -> ModelFile {
+    let node = |amplitude| LawNode {
+        amplitude,
+        k1: 1.2,
+        k3: 30.0,
+        c: 0.1,
+        alpha: 0.3,
+    };
+    let effect = |family, parameters: &[(&str, f64)]| AddedEffect {
+        family: Family::named(family).unwrap(),
+        parameters: parameters
+            .iter()
+            .map(|&(name, value)| (name.to_owned(), value))
+            .collect(),
+    };
+    ModelFile::new(
+        Model {
+            law: vec![node(0.05), node(0.1 + 0.2)],
+            effects: vec![
+                effect("offset", &[("force", -0.1)]),
+                effect("asymmetry", &[("k2", 3.0)]),
+                effect("hardening", &[("k5", 100.0)]),
+                effect("viscous", &[("c1", 0.01)]),
+                effect("inertia", &[("mass", 2.0)]),
+                effect(
+                    "stick_slip",
+                    &[
+                        ("stiffness", 1.2),
+                        ("slip_limit", 0.03),
+                        ("stiffness_2", 0.5),
+                        ("slip_limit_2", 0.1),
+                    ],
+                ),
+                effect(
+                    "relaxation",
+                    &[
+                        ("stiffness", 0.4),
+                        ("time", 0.05),
+                        ("stiffness_2", 0.3),
+                        ("time_2", 0.7),
+                    ],
+                ),
+                effect("temperature", &[("beta", 0.004), ("reference", 20.0)]),
+            ],
+            correction: Some(correction()),
+            controls: vec![Control {
+                name: "current_A".into(),
+                range: [0.0, 1.5],
+            }],
+        },
+        FittedRange {
+            displacement: [-0.2, 0.2],
+            velocity: [-6.3, 6.3],
+        },
+    )
+}
+
+fn read_changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
+    let mut value = serde_json::to_value(example()).unwrap();
+    change(&mut value);
+    ModelFile::from_bytes("m.json", value.to_string().as_bytes())
+        .unwrap_err()
+        .to_string()
+}
+
+#[test]
+fn comes_back_as_it_was() {
+    let file = example();
+    let bytes = serde_json::to_vec_pretty(&file).unwrap();
+    assert_eq!(ModelFile::from_bytes("m.json", &bytes).unwrap(), file);
+}
+
+#[test]
+fn a_zero_is_kept_and_changes_neither_older_files_nor_the_identity() {
+    let file = example();
+    assert!(!serde_json::to_string(&file).unwrap().contains("zero"));
+    let moved = file.clone().with_displacement_zero([0.13, 0.14]);
+    assert_eq!(moved.identity(), file.identity());
+    let bytes = serde_json::to_vec(&moved).unwrap();
+    let read = ModelFile::from_bytes("m.json", &bytes).unwrap();
+    assert_eq!(read.displacement_zero(), [0.13, 0.14]);
+    assert!(
+        read_changed(|v| v["displacement_zero"] = serde_json::json!([1.0, 0.0]))
+            .starts_with("m.json: field displacement_zero: 1 to 0 is not a finite range")
+    );
+}
+
+#[test]
+fn refuses_naming_the_field() {
+    for (said, error) in [
+        (
+            "m.json: field version: 2 is unknown",
+            read_changed(|v| v["version"] = 2.into()),
+        ),
+        (
+            "m.json: field version: none is unknown",
+            read_changed(|v| drop(v.as_object_mut().unwrap().remove("version"))),
+        ),
+        (
+            "m.json: field format: missing",
+            read_changed(|v| drop(v.as_object_mut().unwrap().remove("format"))),
+        ),
+        (
+            "m.json: field effects[1].family: unknown variant `magic`",
+            read_changed(|v| v["effects"][1]["family"] = "magic".into()),
+        ),
+        (
+            "m.json: field law[1].alpha: alpha = 1.5 is outside 0…1",
+            read_changed(|v| v["law"][1]["alpha"] = 1.5.into()),
+        ),
+        (
+            "m.json: field law[0].c: c = -1 is outside",
+            read_changed(|v| v["law"][0]["c"] = (-1.0).into()),
+        ),
+        (
+            "m.json: field law: amplitudes must increase",
+            read_changed(|v| v["law"][1]["amplitude"] = 0.0.into()),
+        ),
+        (
+            "m.json: field law: there is no node",
+            read_changed(|v| v["law"] = serde_json::json!([])),
+        ),
+        (
+            "m.json: field effects[5] (stick_slip): slip_limit = 0 is outside",
+            read_changed(|v| v["effects"][5]["parameters"]["slip_limit_2"] = 0.0.into()),
+        ),
+        (
+            "m.json: field effects[0] (offset): parameter force is missing",
+            read_changed(|v| v["effects"][0]["parameters"] = serde_json::json!({})),
+        ),
+        (
+            "m.json: field fitted_range.velocity:",
+            read_changed(|v| v["fitted_range"]["velocity"] = serde_json::json!([1.0, -1.0])),
+        ),
+        (
+            "m.json: field fitted_range.displacement: 0 to 10000000000",
+            read_changed(|v| v["fitted_range"]["displacement"] = serde_json::json!([0, 1e300])),
+        ),
+        (
+            "m.json: field units.force: unknown variant `N`",
+            read_changed(|v| v["units"]["force"] = "N".into()),
+        ),
+        (
+            "m.json: field correction: cells = 305 is outside 306",
+            read_changed(|v| drop(v["correction"]["cells"].as_array_mut().unwrap().pop())),
+        ),
+        (
+            "m.json: field correction.memory.of: unknown variant `dreams`",
+            read_changed(|v| v["correction"]["memory"]["of"] = "dreams".into()),
+        ),
+        (
+            "m.json: field law[0].k1: invalid type: string",
+            read_changed(|v| v["law"][0]["k1"] = "1".into()),
+        ),
+    ] {
+        assert!(error.starts_with(said), "{error}");
+        assert!(!error.contains('\n'));
+    }
+}
+
+#[test]
+fn what_was_removed_is_refused_by_name() {
+    for (of, name) in [
+        (
+            serde_json::json!({ "cycles": { "cycles": 10.0 } }),
+            "cycles",
+        ),
+        (serde_json::json!({ "level": { "time": 0.2 } }), "level"),
+        (serde_json::json!("acceleration"), "acceleration"),
+    ] {
+        assert_eq!(
+            read_changed(|v| v["correction"]["memory"]["of"] = of),
+            format!(
+                "m.json: field correction.memory.of: there is no residual table over {name} any more; \
+                 trace the recordings again with this program"
+            )
+        );
+    }
+}
+
+#[test]
+fn says_how_far_a_motion_goes_beyond() {
+    let fitted = example().fitted_range();
+    let motion = FittedRange::of(&[-0.1, 0.25], &[-6.0, 6.0]).unwrap();
+    // (0.25 − 0.2)/0.2
+    let [displacement, velocity] = fitted.exceeded_in(&motion);
+    assert!((displacement - 0.25).abs() < 1e-12);
+    assert_eq!(velocity, 0.0);
+    assert_eq!(motion.exceeded_in(&motion), [0.0; 2]);
+}

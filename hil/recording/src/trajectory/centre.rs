@@ -1,0 +1,55 @@
+//! Whether a recorded displacement has its zero where the law needs it.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::cycles::Cycles;
+use crate::extremes::least_and_largest;
+use crate::policy::policy;
+
+/// The displacement midway between the smallest and the largest, mm.
+pub(super) fn middle(displacement: &[f64]) -> f64 {
+    let (low, high) = least_and_largest(displacement);
+    0.5 * (low + high)
+}
+
+/// Whether the middle of the motion is a zero that was left in. It is if it lies more than half an amplitude from 0, or if the
+/// specimen does not feel it.
+pub(super) fn is_off(displacement: &[f64], force: &[f64]) -> bool {
+    let (low, high) = least_and_largest(displacement);
+    let middle = middle(displacement);
+    let largest = 0.5 * (high - low);
+    // A motion that is not about its middle says nothing about a zero, nor does a motion without similar cycles.
+    let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
+    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
+        && has_like_cycles(displacement);
+    middle.abs() > policy().trajectory.far * largest
+        || middle.abs() > policy().trajectory.off * largest
+            && is_about
+            && !feels_it(displacement, force, middle, largest)
+}
+
+/// Whether most samples belong to cycles that resemble a neighbour.
+fn has_like_cycles(displacement: &[f64]) -> bool {
+    let cycles = Cycles::of(displacement, 1.0);
+    let alike = cycles.blocks.iter().filter(|block| block.cycles.len() > 1);
+    2 * alike.map(|block| block.samples.len()).sum::<usize>() > displacement.len()
+}
+
+/// Whether the force at displacement `middle` exceeds [`TrajectoryPolicy::felt`](super::TrajectoryPolicy::felt) of the force of a spring with the stiffness that
+/// the channels show there, by a cubic through the force. A specimen that is stiffer on one side has no such middle.
+fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> bool {
+    let mut gram = SMatrix::<f64, 4, 4>::zeros();
+    let mut right = SVector::<f64, 4>::zeros();
+    for (y, force) in displacement.iter().zip(force) {
+        let u = (y - middle) / largest;
+        let row = SVector::from([1.0, u, u * u, u.powi(3)]);
+        gram += row * row.transpose();
+        right += row * *force;
+    }
+    let Some(factor) = gram.cholesky() else {
+        return true;
+    };
+    let cubic = factor.solve(&right);
+    let (at_middle, slope) = (cubic[0], cubic[1]);
+    (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
+}

@@ -1,0 +1,72 @@
+//! The error of a trajectory's motion, and what it means for the force.
+
+use super::Trajectory;
+use crate::motion_error::MotionError;
+
+impl Trajectory {
+    /// Carries the error of the motion into the tolerance for a law's force. `force` is roughly the law's force, kN, at a
+    /// displacement in mm, a velocity in mm/s and an acceleration in mm/s².
+    pub fn carry_motion_error(&mut self, force: impl Fn(f64, f64, f64) -> f64) {
+        let deviations = |error: &[f64]| -> Vec<f64> {
+            let variances = self.variance_of(error).into_iter();
+            variances.map(f64::sqrt).collect()
+        };
+        let of_displacement = deviations(&self.motion_error.displacement);
+        let of_velocity = deviations(&self.motion_error.velocity);
+        let of_acceleration = deviations(&self.motion_error.acceleration);
+        let carried = |index: usize| {
+            let motion = &self.motion;
+            let (y, v) = (motion.displacement[index], motion.velocity[index]);
+            let a = motion.acceleration[index];
+            let (dy, dv) = (of_displacement[index], of_velocity[index]);
+            let here = force(y, v, a);
+            let off = |y: f64, v: f64, a: f64| (force(y, v, a) - here).powi(2);
+            off(y + dy, v, a)
+                + 0.5 * (off(y, v + dv, a) + off(y, v - dv, a))
+                + off(y, v, a + of_acceleration[index])
+        };
+        self.carried = (0..self.len()).map(carried).collect();
+    }
+
+    /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.
+    #[must_use]
+    pub fn as_it_may_be(&self) -> Self {
+        // Without the error, which takes a quarter of the memory.
+        let mut other = self.motion_alone();
+        other
+            .motion
+            .velocity_deviation
+            .clone_from(&self.motion.velocity_deviation);
+        other.motion.rests.clone_from(&self.motion.rests);
+        other.motion.kinks.clone_from(&self.motion.kinks);
+        other.force.clone_from(&self.force);
+        other.carried.clone_from(&self.carried);
+        other.measured.clone_from(&self.measured);
+        other.blocks.clone_from(&self.blocks);
+        let error = &self.motion_error;
+        for (channel, error) in [
+            (&mut other.motion.displacement, &error.displacement),
+            (&mut other.motion.velocity, &error.velocity),
+            (&mut other.motion.acceleration, &error.acceleration),
+        ] {
+            channel
+                .iter_mut()
+                .zip(error)
+                .for_each(|(value, error)| *value += error);
+        }
+        other
+    }
+
+    /// Variance at every sample of a quantity that changes by `off` when the motion is [off by one draw](Self::as_it_may_be) of its
+    /// error.
+    pub fn variance_of(&self, off: &[f64]) -> Vec<f64> {
+        MotionError::variance(off, |index| self.is_telling(index))
+    }
+
+    /// Variance of the residual of a perfect law at a sample, kN²: the noise of the force, and the error of the motion if it was
+    /// [carried](Trajectory::carry_motion_error) into the force.
+    pub fn tolerance(&self, index: usize) -> f64 {
+        let carried = self.carried.get(index).copied().unwrap_or_default();
+        self.force_noise.powi(2) + carried
+    }
+}
