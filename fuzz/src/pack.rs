@@ -107,7 +107,7 @@ fn version_of(pack: &[u8]) -> u16 {
     u16::from_le_bytes([pack[4], pack[5]])
 }
 
-/// An upload in slices, while a law is in force, has the same result as an upload at once. No law is pending before the last slice.
+/// An upload in slices, while a law runs, has the same result as an upload at once. No law is pending before the last slice.
 fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: &FastLaw<EFFECTS>) {
     let passive = Expectation::default();
     let mut running = RunningLaw::<EFFECTS>::empty();

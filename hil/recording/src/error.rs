@@ -102,6 +102,13 @@ impl InputError {
         self
     }
 
+    /// The same error, which concerns the table with this name, a sheet or a group of the file.
+    #[must_use]
+    pub(crate) fn in_table(mut self, name: &str) -> Self {
+        self.problem = format!("table {}: {}", quoted(name), self.problem);
+        self
+    }
+
     /// An operation of the file system that failed.
     pub fn io(path: &Path, doing: &str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
@@ -116,8 +123,8 @@ impl InputError {
             ErrorKind::StorageFull => ("no space left on the device", "make room"),
             ErrorKind::QuotaExceeded => ("the quota is used up", "make room"),
             ErrorKind::FileTooLarge => (
-                "it would be larger than a file may be",
-                "raise the limit, or name another directory",
+                "the file would exceed the largest size that the system allows",
+                "raise the limit (ulimit -f), or name another directory",
             ),
             ErrorKind::ReadOnlyFilesystem => {
                 ("the file system is read-only", "name another directory")

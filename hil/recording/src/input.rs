@@ -88,7 +88,7 @@ impl InputSignal {
             Channel::Velocity | Channel::Temperature | Channel::Time => {
                 return Err(InputError::new(
                     recording.name,
-                    format!("{} drives nothing", channel.name()),
+                    format!("the channel {} cannot drive the mass", channel.name()),
                     "read force or displacement",
                 )
                 .at(Place::Column(channel.name().into())));

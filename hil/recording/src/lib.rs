@@ -121,6 +121,8 @@ pub struct Recording {
     pub units: Units,
     source: Option<Source>,
     lines: RowLines,
+    /// The name of its table in a file with several, for errors.
+    table: Option<String>,
     guesses: Vec<String>,
     assumed: Option<String>,
     faults: Vec<ChannelFault>,
@@ -157,6 +159,7 @@ impl Recording {
             units: Units::default(),
             source: None,
             lines: RowLines::default(),
+            table: None,
             guesses: Vec::new(),
             assumed: None,
             faults: Vec::new(),

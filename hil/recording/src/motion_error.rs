@@ -111,13 +111,13 @@ impl MotionError {
         let telling: Vec<bool> = (0..count).map(is_telling).collect();
         // For the informative samples before each.
         let mut sums = vec![(0.0, 0.0)];
-        let (mut sum, mut told) = (0.0, 0.0);
+        let (mut sum, mut counted) = (0.0, 0.0);
         for (off, telling) in off.iter().zip(&telling) {
             if *telling {
                 sum += off * off;
-                told += 1.0;
+                counted += 1.0;
             }
-            sums.push((sum, told));
+            sums.push((sum, counted));
         }
         let about = policy().motion_error.about;
         let variance = |index: usize| {

@@ -5,10 +5,10 @@ use std::path::Path;
 use super::channel::Channel;
 use super::control::ControlChannel;
 use super::faults::{ChannelFault, ChannelFaultKind};
-use super::stated_rate::{Times, contradiction};
+use super::stated_rate::{Certain, Times, contradiction};
 use super::units::Units;
 use super::{Recording, Source};
-use crate::columns::{Chosen, Used, choose};
+use crate::columns::{Chosen, Used, choose, is_own};
 use crate::error::InputError;
 use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
@@ -89,7 +89,8 @@ impl Recording {
         if self.force.is_empty() {
             self.force = vec![0.0; self.time.len()];
         }
-        self.check()?;
+        self.check()
+            .map_err(|error| in_table(self.table.as_deref(), error))?;
         Ok(self)
     }
 
@@ -157,14 +158,26 @@ impl Recording {
                 .map(|wanted| columns[wanted.column].name.clone())
                 .collect()
         };
+        let is_time = |used: &&Used| used.channel == Channel::Time;
+        let time_column = (chosen.used.iter().find(is_time)).map(|used| {
+            let column = &file.tables()[chosen.table].columns[used.column];
+            let certain = match () {
+                () if column.is_stamp => Certain::Dates,
+                () if is_own(&column.name) => Certain::Name,
+                () => Certain::No,
+            };
+            (column.name.clone(), certain)
+        });
         let stated_steps = file.tables()[chosen.table].stated_steps.clone();
-        let mut values = file.read(chosen.table, &wanted, kept)?;
+        let table = (file.tables().len() > 1).then(|| file.tables()[chosen.table].name.clone());
+        let placed = |error| in_table(table.as_deref(), error);
+        let mut values = file.read(chosen.table, &wanted, kept).map_err(placed)?;
         chosen.guesses.append(&mut values.notes);
-        let place = |used: &Used| used.channel == Channel::Time;
-        let time_column = (chosen.used.iter().position(place)).map(|index| names[index].clone());
-        let mut recording = Samples::of(name, chosen, names, values)?.recording()?;
+        let samples = Samples::of(name, chosen, names, values)?;
+        let mut recording = samples.recording().map_err(placed)?;
+        recording.table.clone_from(&table);
         let source = match &time_column {
-            Some(name) => Times::Column(name, recording.units.time),
+            Some((name, certain)) => Times::Column(name, recording.units.time, *certain),
             None if reading.rate.is_some() => Times::Given,
             None => Times::File,
         };
@@ -178,6 +191,14 @@ impl Recording {
             }
         }
         Ok(recording)
+    }
+}
+
+/// An error with the name of the table, if the file has several.
+fn in_table(table: Option<&str>, error: InputError) -> InputError {
+    match table {
+        Some(name) => error.in_table(name),
+        None => error,
     }
 }
 
@@ -360,6 +381,7 @@ impl Samples {
                 rows,
             }),
             lines: self.values.lines,
+            table: None,
             guesses: self.chosen.guesses,
             assumed: self.chosen.assumed,
             faults,

@@ -11,11 +11,22 @@ const SAME: f64 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Times<'a> {
     /// A column with this name, in this unit.
-    Column(&'a str, Unit),
+    Column(&'a str, Unit, Certain),
     /// A rate that the user gives.
     Given,
     /// A clock of the file.
     File,
+}
+
+/// What makes the unit of a column of times certain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Certain {
+    /// Nothing: `--unit` may give another.
+    No,
+    /// A name of our own form, which `--unit` may not contradict: `time_s`.
+    Name,
+    /// It holds dates or times of day.
+    Dates,
 }
 
 /// A sentence about a stated step that differs from that of the times in `time`, s. Both are stated about the same samples, so one of
@@ -33,17 +44,17 @@ pub(super) fn contradiction(
     let other = stated.iter().find(|other| !is_same(usual, other.step))?;
     let (taken, stated) = (&other.taken, other.step);
     match source {
-        Times::Column(name, unit) => {
+        Times::Column(name, unit, certain) => {
             let agrees = |other: &&Unit| is_same(usual / unit.scale * other.scale, stated);
-            let remedy = units::TIME
-                .iter()
-                .find(agrees)
-                .map_or_else(String::new, |unit| {
-                    let symbol = unit.symbol;
-                    format!(
-                        "; they would agree if the times were in {symbol}: --unit time={symbol}"
-                    )
-                });
+            let other = units::TIME.iter().find(agrees).map(|unit| unit.symbol);
+            let how = other.and_then(|symbol| match certain {
+                Certain::No => Some(format!("{symbol}: --unit time={symbol}")),
+                Certain::Name => Some(format!("{symbol}: rename the column to time_{symbol}")),
+                Certain::Dates => None,
+            });
+            let remedy = how.map_or_else(String::new, |how| {
+                format!("; they would agree if the times were in {how}")
+            });
             let (name, unit) = (quoted(name), unit.symbol);
             Some(format!(
                 "the times are those of column {name} in {unit}; {taken} contradicts them and is not used{remedy}"
@@ -81,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_stated_rate_is_compared_with_times_in_their_unit() {
-        let seconds = Times::Column("t", units::TIME[0]);
+        let seconds = Times::Column("t", units::TIME[0], Certain::No);
         for step in [0.005, 0.00501] {
             assert_eq!(said(&times(step), seconds), None, "{step}");
         }
@@ -98,8 +109,13 @@ mod tests {
     fn a_ratio_of_two_units_of_time_names_the_other_unit() {
         let symbol = |unit: &str| *units::TIME.iter().find(|each| each.symbol == unit).unwrap();
         for (taken, step, other) in [("s", 5.0, "ms"), ("ms", 5e-6, "s"), ("s", 5000.0, "us")] {
-            let said = said(&times(step), Times::Column("t", symbol(taken))).unwrap();
-            assert!(said.ends_with(&format!(": --unit time={other}")), "{said}");
+            let of =
+                |certain| said(&times(step), Times::Column("t", symbol(taken), certain)).unwrap();
+            let (free, named, dates) = (of(Certain::No), of(Certain::Name), of(Certain::Dates));
+            assert!(free.ends_with(&format!(": --unit time={other}")), "{free}");
+            let rename = format!(": rename the column to time_{other}");
+            assert!(named.ends_with(&rename), "{named}");
+            assert!(dates.ends_with("is not used"), "{dates}");
         }
     }
 

@@ -185,7 +185,7 @@ fn a_unit_that_nothing_says_is_as_the_caller_has_it() {
     };
     let refused = made(Unmarked::Refused).unwrap_err().to_string();
     assert!(refused.contains("the name carries no unit"), "{refused}");
-    let said = made(Unmarked::Said(Units::SI)).unwrap();
+    let said = made(Unmarked::Stated(Units::SI)).unwrap();
     assert_eq!(said.assumed(), None);
     assert_eq!(said.units.force, Units::SI.force);
     assert_eq!(said.displacement[3], 1e3 * columns[1].1[3]);

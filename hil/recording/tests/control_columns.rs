@@ -61,7 +61,7 @@ fn what_is_no_number_is_no_control() {
 fn it_is_written_and_read_again_and_goes_by_lines() {
     let step = |row: usize| if row < 100 { 0.0 } else { 1.0 };
     let recording = read("current_A", |row| step(row).to_string());
-    let bytes = recording.to_file(Path::new("again.csv"));
+    let bytes = recording.to_file(Path::new("again.csv")).unwrap();
     let again = Recording::from_bytes(Path::new("again.csv"), bytes).unwrap();
     assert_eq!(again.controls, recording.controls);
     let uniform = recording.uniform().unwrap();

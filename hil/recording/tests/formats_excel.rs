@@ -6,16 +6,15 @@
 //! or write the strict form of the standard.
 #![cfg(feature = "xlsx")]
 
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::files::Reading;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
-use std::path::Path;
-
-use mesh_damper_recording::Recording;
 
 const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
 const RELATIONS: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
 
-/// The parts of a workbook with one sheet.
+/// The parts of a workbook with one sheet, or with a second.
 struct Book {
     /// Between the tags of the workbook: `<workbookPr date1904="1"/>`.
     settings: &'static str,
@@ -24,6 +23,8 @@ struct Book {
     /// Of `<xf>` elements.
     styles: &'static str,
     rows: String,
+    /// Of a sheet `Tabelle2`.
+    second: Option<String>,
     main: &'static str,
     relations: &'static str,
 }
@@ -36,6 +37,7 @@ impl Book {
             styles: "<xf numFmtId=\"0\"/><xf numFmtId=\"47\" applyNumberFormat=\"1\"/><xf numFmtId=\"22\" applyNumberFormat=\"1\"/>\
                      <xf numFmtId=\"164\" applyNumberFormat=\"1\"/>",
             rows,
+            second: None,
             main: MAIN,
             relations: RELATIONS,
         }
@@ -46,7 +48,24 @@ impl Book {
         let packages = "http://schemas.openxmlformats.org/package/2006";
         let head = "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"yes\"?>\r\n";
         let kind = "application/vnd.openxmlformats-officedocument.spreadsheetml";
-        let parts = [
+        let (entry, relation) = match self.second {
+            Some(_) => (
+                "<sheet name=\"Tabelle2\" sheetId=\"2\" r:id=\"rId2\"/>",
+                format!(
+                    "<Relationship Id=\"rId2\" Type=\"{relations}/worksheet\" Target=\"worksheets/sheet2.xml\"/>"
+                ),
+            ),
+            None => ("", String::new()),
+        };
+        let sheet = |rows: &str| {
+            format!(
+                "<worksheet xmlns=\"{main}\" xmlns:r=\"{relations}\" xmlns:x14ac=\"http://schemas.microsoft.com/office/spreadsheetml/2009/9/ac\">\
+                 <dimension ref=\"A1:D400\"/><sheetViews><sheetView workbookViewId=\"0\"><selection activeCell=\"A1\" sqref=\"A1\"/></sheetView></sheetViews>\
+                 <sheetFormatPr baseColWidth=\"10\" defaultRowHeight=\"15\" x14ac:dyDescent=\"0.25\"/><sheetData>{rows}</sheetData>\
+                 <mergeCells count=\"1\"><mergeCell ref=\"A1:C1\"/></mergeCells><pageMargins left=\"0.7\" right=\"0.7\" top=\"0.7\" bottom=\"0.7\" header=\"0.3\" footer=\"0.3\"/></worksheet>"
+            )
+        };
+        let mut parts = vec![
             (
                 "[Content_Types].xml",
                 format!(
@@ -64,7 +83,7 @@ impl Book {
                 "xl/_rels/workbook.xml.rels",
                 format!(
                     "<Relationships xmlns=\"{packages}/relationships\"><Relationship Id=\"rId3\" Type=\"{relations}/styles\" Target=\"styles.xml\"/>\
-                     <Relationship Id=\"rId1\" Type=\"{relations}/worksheet\" Target=\"worksheets/sheet1.xml\"/>\
+                     <Relationship Id=\"rId1\" Type=\"{relations}/worksheet\" Target=\"worksheets/sheet1.xml\"/>{relation}\
                      <Relationship Id=\"rId4\" Type=\"{relations}/sharedStrings\" Target=\"sharedStrings.xml\"/></Relationships>"
                 ),
             ),
@@ -74,7 +93,7 @@ impl Book {
                     "<workbook xmlns=\"{main}\" xmlns:r=\"{relations}\" xmlns:mc=\"http://schemas.openxmlformats.org/markup-compatibility/2006\" mc:Ignorable=\"x15\" \
                      xmlns:x15=\"http://schemas.microsoft.com/office/spreadsheetml/2010/11/main\"><fileVersion appName=\"xl\" lastEdited=\"7\" lowestEdited=\"7\" rupBuild=\"22228\"/>{}\
                      <bookViews><workbookView xWindow=\"0\" yWindow=\"0\" windowWidth=\"28800\" windowHeight=\"12225\"/></bookViews>\
-                     <sheets><sheet name=\"Tabelle1\" sheetId=\"1\" r:id=\"rId1\"/></sheets><calcPr calcId=\"191029\"/></workbook>",
+                     <sheets><sheet name=\"Tabelle1\" sheetId=\"1\" r:id=\"rId1\"/>{entry}</sheets><calcPr calcId=\"191029\"/></workbook>",
                     self.settings
                 ),
             ),
@@ -93,17 +112,11 @@ impl Book {
                     self.texts
                 ),
             ),
-            (
-                "xl/worksheets/sheet1.xml",
-                format!(
-                    "<worksheet xmlns=\"{main}\" xmlns:r=\"{relations}\" xmlns:x14ac=\"http://schemas.microsoft.com/office/spreadsheetml/2009/9/ac\">\
-                     <dimension ref=\"A1:D400\"/><sheetViews><sheetView workbookViewId=\"0\"><selection activeCell=\"A1\" sqref=\"A1\"/></sheetView></sheetViews>\
-                     <sheetFormatPr baseColWidth=\"10\" defaultRowHeight=\"15\" x14ac:dyDescent=\"0.25\"/><sheetData>{}</sheetData>\
-                     <mergeCells count=\"1\"><mergeCell ref=\"A1:C1\"/></mergeCells><pageMargins left=\"0.7\" right=\"0.7\" top=\"0.7\" bottom=\"0.7\" header=\"0.3\" footer=\"0.3\"/></worksheet>",
-                    self.rows
-                ),
-            ),
+            ("xl/worksheets/sheet1.xml", sheet(&self.rows)),
         ];
+        if let Some(rows) = &self.second {
+            parts.push(("xl/worksheets/sheet2.xml", sheet(rows)));
+        }
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
         let options = zip::write::SimpleFileOptions::default()
             .compression_method(zip::CompressionMethod::Stored);
@@ -116,8 +129,14 @@ impl Book {
     }
 
     fn read(&self) -> Result<Recording, String> {
-        let read = Recording::from_bytes(Path::new("book.xlsx"), self.bytes());
-        read.map_err(|error| error.to_string())
+        self.read_as(&Reading::default())
+    }
+
+    fn read_as(&self, reading: &Reading) -> Result<Recording, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("book.xlsx");
+        std::fs::write(&path, self.bytes()).unwrap();
+        Recording::read_as(&path, reading).map_err(|error| error.to_string())
     }
 }
 
@@ -256,4 +275,36 @@ fn cells_in_no_order_are_refused() {
         let message = Book::of(TEXTS, spoilt).read().unwrap_err();
         assert!(message.contains("cells are in no order"), "{message}");
     }
+}
+
+#[test]
+fn a_sheet_whose_decimal_sign_is_open_is_asked_for() {
+    let thousandths = |row: usize, place: String| {
+        format!(
+            "<c r=\"{place}\" t=\"inlineStr\"><is><t>{},{:03}</t></is></c>",
+            row + 1,
+            125
+        )
+    };
+    let second = Some(rows(HEAD, 4, &plain));
+    let book = Book {
+        second,
+        ..Book::of(TEXTS, rows(HEAD, 4, &thousandths))
+    };
+    let question = book.read().unwrap_err();
+    for words in ["table \"Tabelle1\"", "--decimal", "--table"] {
+        assert!(question.contains(words), "{question}");
+    }
+    let reading = Reading {
+        table: Some("Tabelle2".into()),
+        ..Reading::default()
+    };
+    holds(&book.read_as(&reading).unwrap(), 0.0);
+    // With the sign, both are recordings.
+    let reading = Reading {
+        decimal: Some(','),
+        ..Reading::default()
+    };
+    let question = book.read_as(&reading).unwrap_err();
+    assert!(question.contains("2 tables hold a recording"), "{question}");
 }

@@ -82,6 +82,7 @@ fn own(name: &str, rows: usize) -> Vec<u8> {
         &[],
         &NAMES.map(|name| (name, vec![0.0; rows])),
     )
+    .unwrap()
 }
 
 fn xlsx(rows: usize) -> Vec<u8> {

@@ -38,7 +38,7 @@ proptest! {
 
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join(if gz { "a.csv.gz" } else { "a.csv" });
-        let bytes = recording.to_file(&path);
+        let bytes = recording.to_file(&path).unwrap();
         fs::write(&path, &bytes).unwrap();
         let read = Recording::read(&path).unwrap();
         prop_assert_eq!(&read.comments, &recording.comments);
@@ -54,7 +54,7 @@ proptest! {
             prop_assert!(close(recording.temperature.as_ref().unwrap(), read.temperature.as_ref().unwrap()));
         }
         // A recording that was read is written back unchanged.
-        prop_assert_eq!(read.to_file(&path), bytes);
+        prop_assert_eq!(read.to_file(&path).unwrap(), bytes);
     }
 
     /// Bytes of any kind are read or refused, without a panic and without a message of two lines.
@@ -110,7 +110,7 @@ fn other_columns_are_kept_and_ignored() {
     let read = Recording::read(&path).unwrap();
     assert_eq!(read.force[7], 0.007);
     assert_eq!(read.velocity.as_ref().unwrap()[7], 7.0);
-    assert_eq!(read.to_file(&path), text.as_bytes());
+    assert_eq!(read.to_file(&path).unwrap(), text.as_bytes());
 }
 
 fn read(text: &str) -> Recording {
@@ -138,7 +138,7 @@ fn what_looks_like_a_comment_stays_what_it_is() {
     ));
     assert_eq!(lone_return.comments, ["speci men"]);
     for recording in [quoted_header, in_a_cell, lone_return] {
-        let bytes = recording.to_file("a.csv".as_ref());
+        let bytes = recording.to_file("a.csv".as_ref()).unwrap();
         assert_eq!(
             Recording::from_bytes("a.csv".as_ref(), bytes).unwrap(),
             recording
@@ -164,7 +164,7 @@ fn a_row_that_is_written_twice_is_read_once() {
         kind: ChannelFaultKind::Repeated { samples: 3 },
     };
     assert_eq!(spoilt.faults(), [fault]);
-    let written = spoilt.to_file(Path::new("test.csv"));
+    let written = spoilt.to_file(Path::new("test.csv")).unwrap();
     let text = String::from_utf8(written).unwrap();
     assert_eq!(read(&text).time, clean.time);
 }
@@ -275,7 +275,7 @@ fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
             .iter()
             .any(|guess| guess.contains("semicolon"))
     );
-    let written = recording.to_file(Path::new("again.csv"));
+    let written = recording.to_file(Path::new("again.csv")).unwrap();
     let again = Recording::from_bytes(Path::new("again.csv"), written).unwrap();
     assert_eq!(again.time, recording.time);
     assert!(again.guesses().is_empty());
@@ -289,7 +289,7 @@ fn notes_of_mat(more: &[(&str, Vec<f64>)]) -> Vec<String> {
         ("force_kN", (0..60).map(|n| 2.0 * wave(n)).collect()),
     ];
     columns.extend_from_slice(more);
-    let bytes = mesh_damper_recording::table("a.mat".as_ref(), &[], &columns);
+    let bytes = mesh_damper_recording::table("a.mat".as_ref(), &[], &columns).unwrap();
     let read = Recording::from_bytes("a.mat".as_ref(), bytes).unwrap();
     assert!((read.sample_period() - 0.005).abs() < 1e-12);
     read.guesses().to_vec()
@@ -314,7 +314,7 @@ fn a_rate_that_contradicts_the_times_is_said() {
     assert!(notes.iter().any(|note| note == said), "{notes:?}");
     // Also if a unit of time is between them.
     let notes = notes_of_mat(&[("time_s", times.clone()), ("fs", vec![2e5])]);
-    let said = "they would agree if the times were in ms: --unit time=ms";
+    let said = "they would agree if the times were in ms: rename the column to time_ms";
     assert!(notes.iter().any(|note| note.ends_with(said)), "{notes:?}");
     let notes = notes_of_mat(&[("time_s", times), ("sample_rate", vec![200.0])]);
     assert!(
@@ -335,7 +335,7 @@ fn a_repeated_header_needs_a_column_of_times() {
     let read = read(&twice);
     assert_eq!((&read.time, &read.force), (&once.time, &once.force));
     // Written again, it has one header.
-    let written = String::from_utf8(read.to_file("a.csv".as_ref())).unwrap();
+    let written = String::from_utf8(read.to_file("a.csv".as_ref()).unwrap()).unwrap();
     assert_eq!(written.matches(header).count(), 1);
     let file = tempfile::NamedTempFile::new().unwrap();
     fs::write(file.path(), &twice).unwrap();
@@ -377,6 +377,6 @@ fn a_column_without_a_name_has_one_to_type() {
     };
     let read = Recording::read_as(file.path(), &said).unwrap();
     assert_eq!(read.force[6], 1.0);
-    let written = read.to_file("a.csv".as_ref());
+    let written = read.to_file("a.csv".as_ref()).unwrap();
     assert!(written.starts_with(b"time_s,displacement_mm,force_kN\n"));
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::{Recording, WriteAs, units};
+use mesh_damper_recording::{Recording, WriteAs, table, units};
 
 fn recording() -> Recording {
     let time: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();
@@ -22,7 +22,7 @@ fn recording() -> Recording {
 
 fn again(recording: &Recording, name: &str) -> Recording {
     let path = Path::new(name);
-    Recording::from_bytes(path, recording.to_file(path)).unwrap()
+    Recording::from_bytes(path, recording.to_file(path).unwrap()).unwrap()
 }
 
 /// The formats that this build writes and reads.
@@ -54,7 +54,7 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
     let rows: String = (0..20).map(row).collect();
     let text = format!("# specimen: D1\ntime_ms,displacement_mm,force_N,cycle,state\n{rows}");
     let read = Recording::from_bytes(Path::new("a.csv"), text.clone().into_bytes()).unwrap();
-    assert_eq!(read.to_file(Path::new("b.csv")), text.as_bytes());
+    assert_eq!(read.to_file(Path::new("b.csv")).unwrap(), text.as_bytes());
     for name in names() {
         let again = again(&read, name);
         assert_eq!(again.time, read.time, "{name}");
@@ -62,7 +62,7 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
         assert_eq!(again.units, read.units, "{name}");
         let reading = Default::default();
         let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
-        std::fs::write(&file, read.to_file(Path::new(name))).unwrap();
+        std::fs::write(&file, read.to_file(Path::new(name)).unwrap()).unwrap();
         let (_, opened) = mesh_damper_recording::files::open(file.path(), &reading).unwrap();
         let columns = &opened.tables()[0].columns;
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
@@ -113,7 +113,7 @@ fn what_was_found_out_of_a_foreign_text_need_not_be_found_out_again() {
             assert_eq!(again.units, read.units, "{name}");
             assert_eq!(again.controls, read.controls, "{name}");
             assert!(again.guesses().is_empty(), "{name}: {:?}", again.guesses());
-            let said = columns(name, read.to_file(Path::new(name)));
+            let said = columns(name, read.to_file(Path::new(name)).unwrap());
             let ours = [
                 ("time_ms", "ms"),
                 ("displacement_mm", "mm"),
@@ -138,7 +138,7 @@ fn no_column_is_lost_by_its_name() {
         .collect();
     let text = format!("time_s,displacement_mm,force_kN,A 1,A-1,units\n{rows}");
     let read = Recording::from_bytes(Path::new("a.csv"), text.into_bytes()).unwrap();
-    let said = columns("a.mat", read.to_file(Path::new("a.mat")));
+    let said = columns("a.mat", read.to_file(Path::new("a.mat")).unwrap());
     let names: Vec<&str> = said.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[3..], ["A_1", "A_1_2", "units_2"]);
     // A column that the user assigned to no channel.
@@ -167,7 +167,9 @@ fn a_prediction_has_the_units_of_the_recording() {
     let band = vec![0.002; force.len()];
     for name in names() {
         let path = Path::new(name);
-        let bytes = recording.to_file_with_prediction(path, &force, &band);
+        let bytes = recording
+            .to_file_with_prediction(path, &force, &band)
+            .unwrap();
         let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
         std::fs::write(&file, bytes).unwrap();
         let reading = mesh_damper_recording::files::Reading {
@@ -183,6 +185,23 @@ fn a_prediction_has_the_units_of_the_recording() {
             );
         }
     }
+}
+
+/// An error of the library that writes a format is no empty file.
+#[test]
+fn a_table_that_a_format_does_not_hold_is_refused() {
+    let path = Path::new("a.parquet");
+    if WriteAs::of(path).is_err() {
+        return;
+    }
+    let columns = |second: &[f64]| [("time_s", vec![0.0, 1.0]), ("force_kN", second.to_vec())];
+    let written = table(path, &[], &columns(&[1.0, 2.0])).unwrap();
+    assert!(written.starts_with(b"PAR1"));
+    let refused = table(path, &[], &columns(&[1.0])).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("a.parquet: not to be written in its format: "),
+        "{refused}"
+    );
 }
 
 #[test]

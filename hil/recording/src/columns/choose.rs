@@ -84,15 +84,16 @@ pub fn choose(
         .iter()
         .map(|&(index, table)| (index, of_table(file, index, table, reading, needs)))
         .collect();
-    let whole: Vec<usize> = (tried.iter().filter(|(_, chosen)| chosen.is_ok()))
-        .map(|&(index, _)| index)
+    // A table with all channels of which only an option's answer is missing is as likely the one.
+    let is_candidate = |(index, chosen): &&(usize, Result<Chosen, InputError>)| match chosen {
+        Ok(_) => true,
+        Err(error) => error.answer().is_some() && has_channels(&tables[*index], reading, needs),
+    };
+    let candidates: Vec<&str> = (tried.iter().filter(is_candidate))
+        .map(|&(index, _)| tables[index].name.as_str())
         .collect();
-    if whole.len() > 1 {
-        let names: Vec<&str> = whole
-            .iter()
-            .map(|&index| tables[index].name.as_str())
-            .collect();
-        return Err(which_table(file, &names));
+    if candidates.len() > 1 && tried.iter().any(|(_, chosen)| chosen.is_ok()) {
+        return Err(which_table(file, &candidates));
     }
     let several = tables.len() > 1;
     let mut failed = Vec::new();
@@ -121,9 +122,21 @@ pub fn choose(
         ),
     };
     if several {
-        error.problem = format!("table {}: {}", quoted(&tables[index].name), error.problem);
+        error = error.in_table(&tables[index].name);
     }
     Err(error)
+}
+
+/// Whether some column could be each measured channel that is needed.
+fn has_channels(table: &Table, reading: &Reading, needs: &Needs) -> bool {
+    let measured = (Channel::ALL.into_iter())
+        .filter(|&channel| channel != Channel::Time && needs.has(channel));
+    let could_be = |channel: Channel| {
+        said(&reading.channels, channel.name()).is_some()
+            || (table.columns.iter().flat_map(taken::candidates))
+                .any(|candidate| candidate.channel == channel)
+    };
+    measured.into_iter().all(could_be)
 }
 
 /// Question for the table, of those with these names.
@@ -227,10 +240,10 @@ fn of_table(
             Ok(Some(unit)) => unit,
             Err(error) => return Err(error),
         };
-        let told = &table.columns[column];
+        let source = &table.columns[column];
         // Dates that the table marks as its times are no guess.
-        if rank < Rank::Own && !(told.is_time && told.is_stamp) {
-            let name = quoted(&told.name);
+        if rank < Rank::Own && !(source.is_time && source.is_stamp) {
+            let name = quoted(&source.name);
             let how = if rank == Rank::Unit {
                 ", by its unit alone"
             } else {
@@ -293,7 +306,7 @@ impl Choice<'_> {
         guesses: &mut Vec<String>,
     ) -> Result<Option<(usize, Rank)>, InputError> {
         if let Some(name) = said(&self.reading.channels, channel.name()) {
-            return Ok(Some((self.named(name, channel.name())?, Rank::Said)));
+            return Ok(Some((self.named(name, channel.name())?, Rank::Stated)));
         }
         let all = candidates
             .iter()

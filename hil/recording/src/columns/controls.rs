@@ -81,8 +81,8 @@ impl Choice<'_> {
                 continue;
             };
             if !is_own {
-                let told = quoted(&self.table.columns[column].name);
-                guesses.push(format!("control input {name} is read from column {told}"));
+                let source = quoted(&self.table.columns[column].name);
+                guesses.push(format!("control input {name} is read from column {source}"));
             }
             controls.push(ChosenControl { column, name });
         }

@@ -20,7 +20,7 @@ pub enum Rank {
     /// By a name of our own files: `force_kN`.
     Own,
     /// By the user's setting.
-    Said,
+    Stated,
 }
 
 /// A channel that a column may be.

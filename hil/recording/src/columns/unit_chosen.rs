@@ -16,8 +16,8 @@ impl Choice<'_> {
         column: usize,
         guesses: &mut Vec<String>,
     ) -> Result<Option<Unit>, InputError> {
-        let told = &self.table.columns[column];
-        let found = unit_found::unit_for(told, channel);
+        let source = &self.table.columns[column];
+        let found = unit_found::unit_for(source, channel);
         if let Some(written) = said(&self.reading.units, channel.name()) {
             let unit = spelling::unit_of(channel, written)
                 .ok_or_else(|| no_such_unit(channel, written))?;
@@ -30,37 +30,37 @@ impl Choice<'_> {
                 ));
             }
             match found {
-                UnitFound::Known(other) if told.is_stamp && !other.is_same(unit) => {
+                UnitFound::Known(other) if source.is_stamp && !other.is_same(unit) => {
                     let problem = format!(
                         "its dates or times of day are read as seconds, and --unit time={unit} says {unit}",
                         unit = unit.symbol
                     );
-                    let place = Place::Column(told.name.clone());
+                    let place = Place::Column(source.name.clone());
                     return Err(InputError::new(self.file, problem, "leave the unit out").at(place));
                 }
                 UnitFound::Known(other) if !other.is_same(unit) => {
                     let (unit, other) = (unit.symbol, other.symbol);
-                    if is_own(&told.name) {
+                    if is_own(&source.name) {
                         let quantity = channel.name();
                         let problem = format!(
                             "its name says {other}, and --unit {quantity}={unit} says {unit}"
                         );
                         let remedy = "leave out --unit, or rename the column";
-                        let place = Place::Column(told.name.clone());
+                        let place = Place::Column(source.name.clone());
                         return Err(InputError::new(self.file, problem, remedy).at(place));
                     }
                     guesses.push(format!(
                         "column {} is read in {unit}, as --unit says, not in {other}, as the column says",
-                        quoted(&told.name)
+                        quoted(&source.name)
                     ));
                 }
                 UnitFound::Known(_) => {}
                 UnitFound::Unknown(other) | UnitFound::Unclear(other, _) => {
-                    guesses.push(not_understood(&told.name, unit, &other));
+                    guesses.push(not_understood(&source.name, unit, &other));
                 }
                 UnitFound::None => guesses.extend(
-                    unit_found::unknown_unit(told)
-                        .map(|other| not_understood(&told.name, unit, &other)),
+                    unit_found::unknown_unit(source)
+                        .map(|other| not_understood(&source.name, unit, &other)),
                 ),
             }
             return Ok(Some(unit));
@@ -104,7 +104,7 @@ impl Choice<'_> {
                     Err(self.no_unit(channel, column, problem, &[]))
                 }
             },
-            Unmarked::Said(units) => Ok(channel.unit_in(units)),
+            Unmarked::Stated(units) => Ok(channel.unit_in(units)),
             Unmarked::Assumed(units) => {
                 let unit = channel.unit_in(units);
                 let name = quoted(&self.table.columns[column].name);

@@ -285,8 +285,8 @@ impl std::fmt::Display for ChannelFault {
             ),
             ChannelFaultKind::Pink { times } => write!(
                 f,
-                "its noise grows towards low frequencies as 1/f, to {times:.1} times the noise of its fast changes; the trace takes this \
-                 into account"
+                "the noise of the {channel} grows towards low frequencies as 1/f, to {times:.1} times its noise at high frequencies; \
+                 the trace takes this into account"
             ),
             ChannelFaultKind::Averaged { time } => write!(
                 f,

@@ -184,14 +184,14 @@ fn mark(values: &[f64]) -> u64 {
 
 /// The members of each run in its order, with one column of times, and the run's name if there are several.
 fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member<S>>)> {
-    let told: Vec<runs::Member<'_>> = (members.iter())
+    let described: Vec<runs::Member<'_>> = (members.iter())
         .map(|member| runs::Member {
             group: &member.array.group,
             name: &member.array.column.name,
             is_time: member.is_time,
         })
         .collect();
-    let found = runs::runs(&told);
+    let found = runs::runs(&described);
     let is_one = found.len() == 1;
     let time = (0..members.len()).find(|&index| members[index].is_time);
     let each = found.into_iter().map(|(path, mut run)| {

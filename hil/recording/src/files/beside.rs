@@ -8,14 +8,14 @@ use super::table::{Clock, StatedStep};
 
 /// Statement of a number next to arrays about those below a path.
 #[derive(Clone, Debug)]
-struct Said<T> {
+struct Stated<T> {
     path: Vec<String>,
     what: T,
     /// Whether it lies in a group without arrays, whose name does not say that it describes those around it.
     is_apart: bool,
 }
 
-impl<T> Said<T> {
+impl<T> Stated<T> {
     fn of(path: &[String], what: T) -> Self {
         Self {
             path: path.to_vec(),
@@ -36,8 +36,8 @@ impl<T> Said<T> {
 /// The statements next to the arrays of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
-    rates: Vec<Said<StatedStep>>,
-    notes: Vec<Said<String>>,
+    rates: Vec<Stated<StatedStep>>,
+    notes: Vec<Stated<String>>,
     /// Whether the user states the source of the times.
     is_said: bool,
 }
@@ -138,7 +138,7 @@ impl Beside {
                 step,
                 taken: format!("{of} = {value} {unit}"),
             };
-            self.rates.push(Said::of(path, what));
+            self.rates.push(Stated::of(path, what));
             return true;
         }
         let words = words(name);
@@ -153,7 +153,7 @@ impl Beside {
 
     /// Stores a sentence about all below `path`.
     pub fn note(&mut self, path: &[String], what: String) {
-        self.notes.push(Said::of(path, what));
+        self.notes.push(Stated::of(path, what));
     }
 
     /// The same statements, where those in a group without arrays are about the arrays around it.
@@ -166,23 +166,28 @@ impl Beside {
             around.extend((0..=array.len()).map(|length| &array[..length]));
         }
         let mut all = self.clone();
-        all.rates.iter_mut().for_each(|said| said.spread(&around));
-        all.notes.iter_mut().for_each(|said| said.spread(&around));
+        all.rates
+            .iter_mut()
+            .for_each(|stated| stated.spread(&around));
+        all.notes
+            .iter_mut()
+            .for_each(|stated| stated.spread(&around));
         all
     }
 
     /// The statements nearest to an array.
     fn nearest(&self, array: &[String]) -> impl Iterator<Item = &StatedStep> {
-        let is_of = |said: &&Said<StatedStep>| !said.is_apart && array.starts_with(&said.path);
+        let is_of =
+            |stated: &&Stated<StatedStep>| !stated.is_apart && array.starts_with(&stated.path);
         let most = self
             .rates
             .iter()
             .filter(is_of)
-            .map(|said| said.path.len())
+            .map(|stated| stated.path.len())
             .max();
         let near = self.rates.iter().filter(is_of);
-        near.filter(move |said| Some(said.path.len()) == most)
-            .map(|said| &said.what)
+        near.filter(move |stated| Some(stated.path.len()) == most)
+            .map(|stated| &stated.what)
     }
 
     /// The steps stated for some arrays, by the rates nearest to each of them.
@@ -196,18 +201,21 @@ impl Beside {
         steps
     }
 
-    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Said<StatedStep>> {
-        let is_of = |said: &&Said<Rate>| arrays.iter().any(|array| array.starts_with(&said.path));
+    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Stated<StatedStep>> {
+        let is_of = |stated: &&Stated<StatedStep>| {
+            arrays.iter().any(|array| array.starts_with(&stated.path))
+        };
         self.rates.iter().filter(is_of)
     }
 
     /// The sentences about some arrays, each given by its path.
     pub fn notes(&self, arrays: &[Vec<String>]) -> Vec<String> {
-        let is_of = |said: &&Said<String>| arrays.iter().any(|array| array.starts_with(&said.path));
+        let is_of =
+            |stated: &&Stated<String>| arrays.iter().any(|array| array.starts_with(&stated.path));
         let mut notes: Vec<String> = Vec::new();
-        for said in self.notes.iter().filter(is_of) {
-            if !notes.contains(&said.what) {
-                notes.push(said.what.clone());
+        for stated in self.notes.iter().filter(is_of) {
+            if !notes.contains(&stated.what) {
+                notes.push(stated.what.clone());
             }
         }
         notes
@@ -215,7 +223,7 @@ impl Beside {
 
     /// The rates stated for some arrays, in words, for recordings with other times.
     pub fn rates(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = String> {
-        self.of(arrays).map(|said| said.what.taken.clone())
+        self.of(arrays).map(|stated| stated.what.taken.clone())
     }
 
     /// The clock of arrays without times, by the rate nearest to each of them, and a sentence about it.
@@ -237,21 +245,21 @@ impl Beside {
         // A rate and a step of the same clock differ in the last digits.
         let is_other = |rate: &&&StatedStep| (rate.step / first.step - 1.0).abs() > 1e-9;
         if let Some(other) = found.iter().find(is_other) {
-            let said = format!(
+            let note = format!(
                 "{} and {} give different rates, so neither is used; give one with --rate",
                 first.taken, other.taken
             );
-            return (None, Some(said));
+            return (None, Some(note));
         }
         let clock = Clock {
             start: 0.0,
             step: first.step,
         };
-        let said = format!(
+        let note = format!(
             "there is no time column; the times are computed from {}",
             first.taken
         );
-        (Some(clock), Some(said))
+        (Some(clock), Some(note))
     }
 }
 

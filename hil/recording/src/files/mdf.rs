@@ -8,7 +8,7 @@ use super::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, arranged, name_of};
 use super::beside::Beside;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
-use super::{Column, Format, Reading, Source, Tables};
+use super::{Column, Format, Reading, Source, Table, Tables};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
 
@@ -97,11 +97,10 @@ fn open<'a>(
     }
     if let Some(table) = tables.first_mut() {
         table.skipped.extend(skipped);
-        if mdf.file.unfinalized().is_some() {
-            table.guesses.push(
-                "the file was never finalized; what had been written to it is read".to_owned(),
-            );
-        }
+    }
+    if mdf.file.unfinalized().is_some() {
+        let note = "the file was never finalized; what had been written to it is read";
+        Table::note_in_all(&mut tables, &[note.to_owned()]);
     }
     let comments = comments(&mdf.file);
     let read = move |table: usize, column: usize| {
@@ -179,9 +178,11 @@ impl Mdf4 {
         let group = &data.channel_groups[place.group.1];
         let channel = &group.channels[place.channel];
         // Compressed data states its size, and a channel without its own data may state any number.
-        let elements = channel
-            .array_shape()
-            .map_or(1, |shape| shape.iter().product());
+        let elements = channel.array_shape().map_or(1, |shape| {
+            shape
+                .iter()
+                .fold(1_u64, |all, &size| all.saturating_mul(size))
+        });
         let bytes = (group.sample_count.saturating_mul(elements)).saturating_mul(8);
         if bytes.max(data.block_index().total_size()) > self.limit.file() {
             return Err(self.limit.exceeded(&self.name));

@@ -22,7 +22,7 @@ pub enum Unmarked {
     #[default]
     Refused,
     /// One of these, which the user named for such columns.
-    Said(Units),
+    Stated(Units),
     /// One of these, by assumption. [`Recording::assumed`](crate::Recording::assumed) reports it.
     Assumed(Units),
 }

@@ -25,6 +25,15 @@ pub struct Table {
     pub is_nameless: bool,
 }
 
+impl Table {
+    /// Adds notes about the whole file to each of its `tables`: any of them may be the one that is read.
+    pub(super) fn note_in_all(tables: &mut [Self], notes: &[String]) {
+        for table in tables {
+            table.guesses.extend_from_slice(notes);
+        }
+    }
+}
+
 /// Equal steps of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {

@@ -69,6 +69,7 @@ fn open<'a>(
     let mut sheets = Sheets::default();
     let mut refused: Option<InputError> = None;
     let mut skipped = Vec::new();
+    let mut unread = Vec::new();
     let mut left = limit.file();
     for sheet in book.sheet_names() {
         let mut cells = match book.worksheet_cells_reader(&sheet) {
@@ -99,17 +100,28 @@ fn open<'a>(
                 sheets.opened.push(opened);
             }
             Err(error) => {
-                skipped.push(format!(
-                    "sheet {sheet} ({}; {})",
-                    error.problem, error.remedy
-                ));
+                let what = format!("({}; {})", error.problem, error.remedy);
+                skipped.push(format!("sheet {sheet} {what}"));
+                unread.push(format!("sheet {sheet} is not read {what}"));
                 let is_named = |table: &String| table.eq_ignore_ascii_case(&sheet);
-                if reading.table.as_ref().is_some_and(is_named) {
-                    return Err(error);
+                let error = error.in_table(&sheet);
+                match &reading.table {
+                    Some(table) if is_named(table) => return Err(error),
+                    // With an answer it may be the sheet that is meant.
+                    None if error.answer().is_some() => {
+                        let mut error = error;
+                        error
+                            .remedy
+                            .push_str(", or name another sheet with --table");
+                        return Err(error);
+                    }
+                    _ => refused = refused.or(Some(error)),
                 }
-                refused.get_or_insert(error);
             }
         }
+    }
+    if reading.table.is_none() {
+        Table::note_in_all(&mut sheets.tables, &unread);
     }
     match (sheets.tables.first_mut(), refused) {
         (Some(table), _) => table.skipped.extend(skipped),

@@ -29,6 +29,8 @@ pub struct Outputs {
     folders: Folders,
     /// The recording of a running test, which the files will replace.
     unfinished: Option<PathBuf>,
+    /// Whether standard output or a device may have received a part of the files, which no other file can replace.
+    is_sent: bool,
 }
 
 impl Outputs {
@@ -38,6 +40,7 @@ impl Outputs {
             files: Vec::new(),
             folders,
             unfinished,
+            is_sent: false,
         }
     }
 
@@ -78,11 +81,7 @@ impl Outputs {
         let mut direct: Vec<(&Target, &[u8])> = Vec::new();
         for (name, bytes) in &self.files {
             let Some(target) = self.planned.iter().find(|target| target.name == *name) else {
-                return Err(InputError::new(
-                    name.display().to_string(),
-                    "is an output that was not planned",
-                    "report this",
-                ));
+                return Err(not_planned(name));
             };
             match &target.place {
                 Place::File(path) => {
@@ -102,10 +101,37 @@ impl Outputs {
             let _ = fs::remove_file(unfinished);
         }
         for (target, bytes) in direct {
+            self.is_sent = true;
             write_directly(target, bytes)?;
         }
         Ok(())
     }
+
+    /// Writes a planned file alone, in place of all files: the work broke off. An unfinished recording stays. Standard output and a
+    /// device get nothing after [`Outputs::write`] has sent something.
+    ///
+    /// # Errors
+    /// As for [`Outputs::write`].
+    pub fn write_alone(&mut self, name: &Path, bytes: &[u8]) -> Result<(), InputError> {
+        let Some(target) = self.planned.iter().find(|target| target.name == name) else {
+            return Err(not_planned(name));
+        };
+        match &target.place {
+            Place::File(path) => stage(name, path, bytes, &mut self.folders)?
+                .persist(path)
+                .map_err(|failed| InputError::io(name, "write", &failed.error)),
+            Place::StandardOutput | Place::Device(_) if self.is_sent => Ok(()),
+            Place::StandardOutput | Place::Device(_) => write_directly(target, bytes),
+        }
+    }
+}
+
+fn not_planned(name: &Path) -> InputError {
+    InputError::new(
+        name.display().to_string(),
+        "is an output that was not planned",
+        "report this",
+    )
 }
 
 /// `bytes` in a temporary file next to `path`, which disappears unless it is renamed; `name` is the user's name for it.
@@ -208,6 +234,33 @@ mod tests {
         drop(outputs);
         assert_eq!(names(root.path()), ["file", "later"]);
         assert_eq!(fs::read(path("file")).unwrap(), b"old");
+    }
+
+    /// The work broke off: the other files stay as they are, and so does the recording of the test.
+    #[test]
+    fn one_file_is_written_alone() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        fs::write(path("checks.xml"), "of yesterday").unwrap();
+        let mut outputs = Plan::new()
+            .fills(path("new").as_path(), ["result"])
+            .writes([path("checks.xml"), path("sub/other.xml")])
+            .keeps(path("left.csv"))
+            .begin()
+            .unwrap();
+        fs::write(path("left.csv"), "all there is").unwrap();
+        outputs.add(path("new/result"), *b"half of it");
+        for name in ["checks.xml", "sub/other.xml"] {
+            outputs.write_alone(&path(name), b"broke off").unwrap();
+        }
+        let refused = outputs.write_alone(&path("no.xml"), b"").unwrap_err();
+        assert!(refused.to_string().contains("not planned"), "{refused}");
+        drop(outputs);
+        // The folder of the command is empty.
+        assert_eq!(names(root.path()), ["checks.xml", "left.csv", "sub"]);
+        for name in ["checks.xml", "sub/other.xml"] {
+            assert_eq!(fs::read(path(name)).unwrap(), b"broke off");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 
-use super::Column;
+use super::{Column, Unwritten};
 
 /// Bytes before the first variable.
 const HEADER: usize = 128;
@@ -19,12 +19,14 @@ const COMPRESSED: u32 = 15;
 const STRUCTURE: u8 = 2;
 const TEXT: u8 = 4;
 const NUMBERS: u8 = 6;
+/// The format has 32 bits for a length, of which MATLAB reads 31.
+const MOST: usize = i32::MAX as usize;
 /// The longest name that MATLAB takes, and the length of the field for it.
 const LONGEST: usize = 63;
 
 /// A file that MATLAB, Octave and SciPy load. Each column is a variable, `comments` is a text with one row per comment, and `units`
 /// is a structure with the units of the variables that have one.
-pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
+pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Result<Vec<u8>, Unwritten> {
     let mut file = b"MATLAB 5.0 MAT-file, written by mesh-damper".to_vec();
     file.resize(HEADER - 12, b' ');
     // No subsystem data, then the version and the byte order.
@@ -37,52 +39,69 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
             .iter()
             .flat_map(|value| value.to_le_bytes())
             .collect();
-        let numbers = element(DOUBLE, &bytes);
-        let matrix = matrix(NUMBERS, [column.values.len(), 1], name, &numbers);
-        variable(&mut file, &matrix);
+        let numbers = element(DOUBLE, &bytes)?;
+        let matrix = matrix(NUMBERS, [column.values.len(), 1], name, &numbers)?;
+        variable(&mut file, &matrix)?;
     }
     if !comments.is_empty() {
-        variable(&mut file, &text("comments", comments));
+        variable(&mut file, &text("comments", comments)?)?;
     }
     let units: Vec<(String, &str)> = (columns.iter().zip(names))
         .filter_map(|(column, name)| Some((name, column.unit?)))
         .collect();
     if !units.is_empty() {
-        variable(&mut file, &structure("units", &units));
+        variable(&mut file, &structure("units", &units)?)?;
     }
-    file
+    Ok(file)
 }
 
 /// Appends a variable, compressed.
-fn variable(file: &mut Vec<u8>, matrix: &[u8]) {
+fn variable(file: &mut Vec<u8>, matrix: &[u8]) -> Result<(), Unwritten> {
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-    // Writing to memory does not fail.
-    let _ = encoder.write_all(matrix);
-    let packed = encoder.finish().unwrap_or_default();
+    let packed = encoder.write_all(matrix).and_then(|()| encoder.finish());
+    let packed = packed.map_err(Unwritten::by)?;
     file.extend(COMPRESSED.to_le_bytes());
-    file.extend((packed.len() as u32).to_le_bytes());
+    file.extend(length(packed.len())?);
     file.extend(packed);
+    Ok(())
 }
 
-fn element(kind: u32, bytes: &[u8]) -> Vec<u8> {
+/// A number of bytes or values, as the format stores it.
+fn length(count: usize) -> Result<[u8; 4], Unwritten> {
+    match u32::try_from(count) {
+        Ok(stored) if count <= MOST => Ok(stored.to_le_bytes()),
+        _ => Err(Unwritten {
+            problem: "a MAT file holds no column of 2 GiB or more".into(),
+            remedy: "name a file that ends in .csv.gz or .parquet, or record fewer samples",
+        }),
+    }
+}
+
+fn element(kind: u32, bytes: &[u8]) -> Result<Vec<u8>, Unwritten> {
     let mut element = kind.to_le_bytes().to_vec();
-    element.extend((bytes.len() as u32).to_le_bytes());
+    element.extend(length(bytes.len())?);
     element.extend(bytes);
     element.resize(element.len().next_multiple_of(8), 0);
-    element
+    Ok(element)
 }
 
-fn matrix(class: u8, dimensions: [usize; 2], name: &str, body: &[u8]) -> Vec<u8> {
-    let mut inner = element(UINT32, &[class, 0, 0, 0, 0, 0, 0, 0]);
-    let sizes = dimensions.map(|size| (size as i32).to_le_bytes());
-    inner.extend(element(INT32, sizes.as_flattened()));
-    inner.extend(element(INT8, name.as_bytes()));
+fn matrix(
+    class: u8,
+    dimensions: [usize; 2],
+    name: &str,
+    body: &[u8],
+) -> Result<Vec<u8>, Unwritten> {
+    let mut inner = element(UINT32, &[class, 0, 0, 0, 0, 0, 0, 0])?;
+    let [rows, columns] = dimensions;
+    let sizes = [length(rows)?, length(columns)?];
+    inner.extend(element(INT32, sizes.as_flattened())?);
+    inner.extend(element(INT8, name.as_bytes())?);
     inner.extend(body);
     element(MATRIX, &inner)
 }
 
 /// Lines as the rows of a text, padded with blanks.
-fn text<L: AsRef<str>>(name: &str, lines: &[L]) -> Vec<u8> {
+fn text<L: AsRef<str>>(name: &str, lines: &[L]) -> Result<Vec<u8>, Unwritten> {
     let lines: Vec<Vec<u16>> = lines
         .iter()
         .map(|line| line.as_ref().encode_utf16().collect())
@@ -97,20 +116,21 @@ fn text<L: AsRef<str>>(name: &str, lines: &[L]) -> Vec<u8> {
         .flat_map(at)
         .flat_map(u16::to_le_bytes)
         .collect();
-    matrix(TEXT, [lines.len(), longest], name, &element(UINT16, &bytes))
+    let letters = element(UINT16, &bytes)?;
+    matrix(TEXT, [lines.len(), longest], name, &letters)
 }
 
-fn structure(name: &str, fields: &[(String, &str)]) -> Vec<u8> {
+fn structure(name: &str, fields: &[(String, &str)]) -> Result<Vec<u8>, Unwritten> {
     const FIELD: usize = LONGEST + 1;
     let mut names = Vec::new();
     for (field, _) in fields {
         names.extend(field.as_bytes());
         names.resize(names.len().next_multiple_of(FIELD), 0);
     }
-    let mut body = element(INT32, &(FIELD as i32).to_le_bytes());
-    body.extend(element(INT8, &names));
+    let mut body = element(INT32, &length(FIELD)?)?;
+    body.extend(element(INT8, &names)?);
     for (_, value) in fields {
-        body.extend(text("", &[value]));
+        body.extend(text("", &[value])?);
     }
     matrix(STRUCTURE, [1, 1], name, &body)
 }
@@ -145,4 +165,19 @@ fn identifier(name: &str) -> String {
         name.truncate(LONGEST);
     }
     name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_that_would_wrap_is_refused() {
+        assert_eq!(length(MOST).unwrap(), i32::MAX.to_le_bytes());
+        for count in [MOST + 1, u32::MAX as usize, usize::MAX] {
+            let refused = length(count).unwrap_err();
+            assert!(refused.problem.contains("2 GiB"), "{}", refused.problem);
+            assert!(refused.remedy.contains(".parquet"), "{}", refused.remedy);
+        }
+    }
 }

@@ -9,7 +9,7 @@ use mcap::records::Metadata;
 use mcap::{Channel, McapResult, Message, Schema, WriteOptions};
 use serde_json::{Map, Value, json};
 
-use super::Column;
+use super::{Column, Unwritten};
 use crate::channel::Channel as Quantity;
 
 const TOPIC: &str = "/recording";
@@ -17,9 +17,8 @@ const TOPIC: &str = "/recording";
 /// A file with one message per sample on the topic `/recording`: a JSON object with one field per column, as its schema says. A
 /// plot takes `/recording.force_kN`. The times of the messages are those of the samples, counted from the first sample if that is
 /// below 0.
-pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
-    // Writing to memory does not fail.
-    written(comments, columns).unwrap_or_default()
+pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Result<Vec<u8>, Unwritten> {
+    written(comments, columns).map_err(Unwritten::by)
 }
 
 fn written(comments: &[String], columns: &[Column<'_>]) -> McapResult<Vec<u8>> {
@@ -113,7 +112,7 @@ mod tests {
             column("time_s", Some("s"), &time),
             column("force_kN", Some("kN"), &force),
         ];
-        let file = write(&["specimen: D1".into()], &columns);
+        let file = write(&["specimen: D1".into()], &columns).unwrap();
         let messages: Vec<_> = mcap::MessageStream::new(&file)
             .unwrap()
             .collect::<Result<_, _>>()

@@ -92,16 +92,17 @@ impl WriteAs {
         }
     }
 
-    /// Columns as a file; `text` makes the text formats.
+    /// Columns as the file `path`; `text` makes the text formats.
     fn bytes(
         self,
+        path: &Path,
         comments: &[String],
         columns: impl FnOnce() -> Columns,
-        text: impl FnOnce() -> Vec<u8>,
-    ) -> Vec<u8> {
-        match self {
+        text: impl FnOnce() -> Result<Vec<u8>, Unwritten>,
+    ) -> Result<Vec<u8>, InputError> {
+        let written = match self {
             Self::Csv => text(),
-            Self::CsvGz => text::gzipped(&text()),
+            Self::CsvGz => text().and_then(|text| text::gzipped(&text)),
             Self::Mat => mat::write(comments, &named(&columns())),
             #[cfg(feature = "parquet")]
             Self::Parquet => parquet::write(comments, &named(&columns())),
@@ -109,6 +110,26 @@ impl WriteAs {
             Self::Mcap => mcap::write(comments, &named(&columns())),
             #[allow(unreachable_patterns, reason = "where all formats are built")]
             _ => text(),
+        };
+        written.map_err(|Unwritten { problem, remedy }| {
+            InputError::new(path.display().to_string(), problem, remedy)
+        })
+    }
+}
+
+/// Why columns are not written in a format.
+#[derive(Debug)]
+struct Unwritten {
+    problem: String,
+    remedy: &'static str,
+}
+
+impl Unwritten {
+    /// An error of the library that writes the format.
+    fn by(error: impl fmt::Display) -> Self {
+        Self {
+            problem: format!("not to be written in its format: {error}"),
+            remedy: "name a file with another ending, and report this",
         }
     }
 }
@@ -188,20 +209,32 @@ impl Recording {
     ///
     /// A recording that was read from a text keeps its text: cell by cell in a text format, as columns of numbers in the other
     /// formats.
-    pub fn to_file(&self, path: &Path) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// A recording that the format cannot hold.
+    pub fn to_file(&self, path: &Path) -> Result<Vec<u8>, InputError> {
         self.written(path, None)
     }
 
     /// As [`Recording::to_file`], with two more columns, `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own
     /// unit. They replace columns of these names that the recording already has. `predicted` and its half width `band` are in kN,
     /// one value per sample.
-    pub fn to_file_with_prediction(&self, path: &Path, predicted: &[f64], band: &[f64]) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// As for [`Recording::to_file`].
+    pub fn to_file_with_prediction(
+        &self,
+        path: &Path,
+        predicted: &[f64],
+        band: &[f64],
+    ) -> Result<Vec<u8>, InputError> {
         self.written(path, Some([band, predicted]))
     }
 
-    fn written(&self, path: &Path, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
+    fn written(&self, path: &Path, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, InputError> {
         let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
         format.bytes(
+            path,
             &self.comments,
             || self.columns(predicted),
             || self.to_csv(predicted),
@@ -293,7 +326,14 @@ pub fn decimal(value: f64) -> String {
 
 /// A table as a file of the given name, in the format of the name's ending. `columns` are names and values; every column has as
 /// many values as the first.
-pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
+///
+/// # Errors
+/// A table that the format cannot hold.
+pub fn table(
+    path: &Path,
+    comments: &[String],
+    columns: &[(&str, Vec<f64>)],
+) -> Result<Vec<u8>, InputError> {
     let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
     let owned = || {
         columns
@@ -301,5 +341,5 @@ pub fn table(path: &Path, comments: &[String], columns: &[(&str, Vec<f64>)]) -> 
             .map(|(name, values)| ((*name).to_owned(), values.clone()))
             .collect()
     };
-    format.bytes(comments, owned, || text::table(comments, columns))
+    format.bytes(path, comments, owned, || text::table(comments, columns))
 }

@@ -10,11 +10,11 @@ use parquet::basic::{Compression, Encoding, ZstdLevel};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
-use super::Column;
+use super::{Column, Unwritten};
 
 /// A file that pandas, polars and DuckDB read. Each column holds floats with the unit in the field's metadata. The comments are
 /// under the file's key `comments`, one line each.
-pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
+pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Result<Vec<u8>, Unwritten> {
     let fields = columns.iter().map(|column| {
         let unit = column.unit.map(|unit| ("unit".to_owned(), unit.to_owned()));
         let metadata: HashMap<String, String> = unit.into_iter().collect();
@@ -38,11 +38,10 @@ pub(super) fn write(comments: &[String], columns: &[Column<'_>]) -> Vec<u8> {
         .set_key_value_metadata(comments)
         .build();
     let batch = RecordBatch::try_new(schema.clone(), arrays.collect());
-    // Writing to memory does not fail, and all columns have the same length.
     let written = batch.map_err(Into::into).and_then(|batch| {
         let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
         writer.write(&batch)?;
         writer.into_inner()
     });
-    written.unwrap_or_default()
+    written.map_err(Unwritten::by)
 }

@@ -2,13 +2,13 @@
 
 use std::io::Write as _;
 
-use super::{DIGITS, decimal};
+use super::{DIGITS, Unwritten, decimal};
 use crate::Recording;
 use crate::units::Unit;
 
 impl Recording {
     /// The recording as text. A recording that was read from a text is written with the same cells.
-    pub(super) fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Vec<u8> {
+    pub(super) fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, Unwritten> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
             bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
@@ -34,10 +34,11 @@ impl Recording {
                 .zip(&is_replaced)
                 .filter(|(_, is_replaced)| !**is_replaced)
                 .map(|(cell, _)| cell.to_owned());
-            // Writing to memory does not fail, and every row has as many cells as the header.
-            let _ = writer.write_record(kept.chain(last.into_iter().flatten()));
+            writer
+                .write_record(kept.chain(last.into_iter().flatten()))
+                .map_err(Unwritten::by)
         };
-        line(&header, predicted.is_some().then(|| columns.clone()));
+        line(&header, predicted.is_some().then(|| columns.clone()))?;
         let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
         let needs_all = channels.iter().map(|(name, unit, values)| {
             unit.is_some_and(|unit| needs_all_digits(name, unit, values))
@@ -66,9 +67,9 @@ impl Recording {
                     },
                 )),
             }
-            line(&row, force);
+            line(&row, force)?;
         }
-        writer.into_inner().unwrap_or_default()
+        writer.into_inner().map_err(Unwritten::by)
     }
 }
 
@@ -93,7 +94,10 @@ fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
 
 /// A table as text: comment lines, a header, and one row per value of the first column. Each of `columns` is a name with its
 /// values, all of the same length.
-pub(super) fn table(comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8> {
+pub(super) fn table(
+    comments: &[String],
+    columns: &[(&str, Vec<f64>)],
+) -> Result<Vec<u8>, Unwritten> {
     let mut bytes = Vec::new();
     for comment in comments {
         bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
@@ -101,19 +105,22 @@ pub(super) fn table(comments: &[String], columns: &[(&str, Vec<f64>)]) -> Vec<u8
     let mut writer = csv::WriterBuilder::new()
         .comment(Some(b'#'))
         .from_writer(bytes);
-    // Writing to memory does not fail, and every row has as many cells as the header.
-    let _ = writer.write_record(columns.iter().map(|(name, _)| name));
+    let mut write = |record: Vec<String>| writer.write_record(record).map_err(Unwritten::by);
+    write(columns.iter().map(|(name, _)| (*name).to_owned()).collect())?;
     for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
         let cells = columns.iter().map(|(_, values)| values.get(row).copied());
-        let _ = writer.write_record(cells.map(|cell| decimal(cell.unwrap_or_default())));
+        write(
+            cells
+                .map(|cell| decimal(cell.unwrap_or_default()))
+                .collect(),
+        )?;
     }
-    writer.into_inner().unwrap_or_default()
+    writer.into_inner().map_err(Unwritten::by)
 }
 
 /// Bytes, gzipped.
-pub(super) fn gzipped(text: &[u8]) -> Vec<u8> {
+pub(super) fn gzipped(text: &[u8]) -> Result<Vec<u8>, Unwritten> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-    // Writing to memory does not fail.
-    let _ = encoder.write_all(text);
-    encoder.finish().unwrap_or_default()
+    let written = encoder.write_all(text).and_then(|()| encoder.finish());
+    written.map_err(Unwritten::by)
 }

@@ -137,6 +137,11 @@ def mat():
                           "force_N": np.round(FORCE * 1000).astype(np.int64)}, error=1.1e-3)
     save("structure.mat", {"test": {"note": "D1 at 20 °C", "time_s": TIME, "displacement_mm": DISPLACEMENT, "force_kN": FORCE, "fs": 1000.0}},
          skipped=["the number test.fs = 1000"], comments=["test.note: D1 at 20 °C"])
+    run = {"Signals": {"Time": TIME, "Actuator_Pos": DISPLACEMENT, "Axial_Load": FORCE},
+           "Units": {"Time": "s", "Actuator_Pos": "mm", "Axial_Load": "kN"}}
+    save("units_beside.mat", {"Run": run}, options={"do_compression": True}, guesses=["\"Axial_Load\" in kN"])
+    save("units_twice.mat", {"time_s": TIME, "displacement_mm": DISPLACEMENT, "Load": FORCE, "units": {"Load": "N"}, "Units": {"Load": "kN"}},
+         refused=["--unit force="])
     save("matrix.mat", {"data": np.column_stack([TIME, DISPLACEMENT, FORCE])},
          channels={"time": "data #1", "displacement": "data #2", "force": "data #3"}, units=ASKED["units"])
     channel = [("Name", "O"), ("Data", "O"), ("Unit", "O"), ("XIndex", "O")]

@@ -77,7 +77,7 @@ impl Walk {
     /// Adds a data set; `names` are those of its columns, if the file has them.
     fn dataset(&mut self, dataset: Dataset, path: &[String], names: Vec<String>) {
         let name = short(dataset.name()).to_owned();
-        let attributes = Said::of(&dataset);
+        let attributes = Stated::of(&dataset);
         let shape = dataset.shape().to_vec();
         let mut fields: Vec<(String, Cell, u64)> = Vec::new();
         match dataset.dtype() {
@@ -198,7 +198,7 @@ impl Walk {
 
 /// Statements in a data set's attributes about its values.
 #[derive(Default)]
-struct Said {
+struct Stated {
     unit: Option<String>,
     /// For the fields of its elements.
     units: Vec<(String, String)>,
@@ -211,25 +211,26 @@ struct Said {
     numbers: Vec<(String, f64)>,
 }
 
-impl Said {
+impl Stated {
     fn of(dataset: &Dataset) -> Self {
-        let mut said = Self::default();
+        let mut stated = Self::default();
         let text = |attribute: &Attribute| attribute.read_string().ok();
         let (mut factor, mut offset) = (None, None);
         for attribute in dataset.attributes() {
             let number = || number(&attribute).filter(|value| value.is_finite());
             match attribute.name.to_lowercase().as_str() {
                 "unit" | "units" | "unit_string" | "ni_unitdescription" => {
-                    said.unit = text(&attribute).filter(|unit| !unit.trim().is_empty());
+                    stated.unit = text(&attribute).filter(|unit| !unit.trim().is_empty());
                 }
                 "scale_factor" => factor = number(),
                 "add_offset" => offset = number(),
-                "_fillvalue" | "missing_value" => said.fill = attribute.read_as_f64().ok(),
+                "_fillvalue" | "missing_value" => stated.fill = attribute.read_as_f64().ok(),
                 "columns" | "column_names" | "names" | "channels" | "channel_names" | "labels" => {
-                    said.names = attribute.read_strings().ok();
+                    stated.names = attribute.read_strings().ok();
                 }
                 _ if number().is_some() => {
-                    said.numbers
+                    stated
+                        .numbers
                         .extend(number().map(|value| (attribute.name.clone(), value)));
                 }
                 name => {
@@ -237,15 +238,15 @@ impl Said {
                         .strip_prefix("unit_")
                         .or_else(|| name.strip_suffix("_unit"));
                     if let (Some(field), Some(unit)) = (field, text(&attribute)) {
-                        said.units.push((field.to_owned(), unit));
+                        stated.units.push((field.to_owned(), unit));
                     }
                 }
             }
         }
         if factor.is_some() || offset.is_some() {
-            said.scale = Some((factor.unwrap_or(1.0), offset.unwrap_or(0.0)));
+            stated.scale = Some((factor.unwrap_or(1.0), offset.unwrap_or(0.0)));
         }
-        said
+        stated
     }
 }
 

@@ -239,7 +239,11 @@ impl Found {
             fields.retain(|(name, _)| name != "schema");
         }
         let units = fields.iter().position(|(name, node)| {
-            matches!(name.as_str(), "units" | "unit") && matches!(node, Node::Object(_))
+            let is_named = ["units", "unit"]
+                .iter()
+                .any(|word| name.eq_ignore_ascii_case(word));
+            let is_text = |(_, node): &(String, Node)| matches!(node, Node::Text(_));
+            is_named && matches!(node, Node::Object(units) if units.iter().all(is_text))
         });
         let units = match units.map(|place| fields.remove(place).1) {
             Some(Node::Object(units)) => units,

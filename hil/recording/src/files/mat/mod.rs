@@ -101,7 +101,7 @@ pub(super) fn opened<'a>(
     let (mut tables, sources) = arranged(arrays, &beside, &mut |values| Ok(values.all()))?;
     if let Some(table) = tables.first_mut() {
         table.skipped.extend(skipped);
-        table.guesses.extend(guesses);
+        super::Table::note_in_all(&mut tables, &guesses);
     } else {
         let skipped = super::Table {
             skipped,

@@ -19,6 +19,8 @@ const MOST_VALUES: usize = 1 << 20;
 const DATA: [&str; 4] = ["data", "values", "value", "signal"];
 const LABEL: [&str; 3] = ["name", "label", "channelname"];
 const UNIT: [&str; 4] = ["unit", "units", "unity", "yunit"];
+/// Names of a structure whose fields are the units of the variables beside it, or in structures beside it.
+const UNITS: [&str; 3] = ["units", "unit", "einheiten"];
 
 /// Values of a column: every `step`th of some numbers.
 #[derive(Clone, Debug)]
@@ -50,8 +52,8 @@ pub(in crate::files) struct Tree {
     pub skipped: Vec<String>,
     pub guesses: Vec<String>,
     pub beside: Beside,
-    /// Units of variables by their names, from a structure `units`.
-    units: Vec<(String, String)>,
+    /// Texts of structures that hold units, `units.force`: the groups around the structure, the name of the variable, and the text.
+    units: Vec<(Vec<String>, String, String)>,
     text: usize,
     left: usize,
 }
@@ -89,19 +91,27 @@ impl Tree {
         }
     }
 
-    /// At the end of the file, gives the arrays the units that it states for them.
+    /// At the end of the file, gives the arrays the units that it states for them: of several, the nearest.
     pub fn finish(&mut self) {
-        for array in self
-            .arrays
-            .iter_mut()
-            .filter(|array| array.group.is_empty())
-        {
-            let unit = self
-                .units
-                .iter()
-                .find(|(name, _)| *name == array.column.name);
-            if let Some((_, unit)) = unit {
-                array.column.unit = Some(unit.clone());
+        for Array { group, column, .. } in &mut self.arrays {
+            let of_array = || {
+                self.units.iter().filter(|(around, name, _)| {
+                    column.unit.is_none() && *name == column.name && group.starts_with(around)
+                })
+            };
+            let Some(most) = of_array().map(|(around, ..)| around.len()).max() else {
+                continue;
+            };
+            let mut nearest = of_array()
+                .filter(|(around, ..)| around.len() == most)
+                .map(|(.., unit)| unit);
+            let Some(unit) = nearest.next() else { continue };
+            match nearest.find(|other| *other != unit) {
+                None => column.unit = Some(unit.clone()),
+                Some(other) => self.guesses.push(format!(
+                    "two structures give {} the units {unit} and {other}, so neither is used",
+                    column.name
+                )),
             }
         }
     }
@@ -300,10 +310,11 @@ impl Tree {
         if self.text > MOST_TEXT || text.trim().is_empty() {
             return;
         }
-        if let [of] = group
-            && of == "units"
+        if let Some((of, around)) = group.split_last()
+            && UNITS.iter().any(|word| of.eq_ignore_ascii_case(word))
         {
-            self.units.push((name.to_owned(), text.trim().to_owned()));
+            let unit = text.trim().to_owned();
+            self.units.push((around.to_vec(), name.to_owned(), unit));
             return;
         }
         let is_ours = group.is_empty() && name == "comments";
@@ -358,7 +369,7 @@ fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Va
     }
     let head = head(&mut bytes)?;
     let count = (head.dimensions.iter()).try_fold(1_usize, |all, &size| all.checked_mul(size));
-    let count = count.ok_or(Broken("a variable's dimensions are no dimensions"))?;
+    let count = count.ok_or(Broken("the dimensions of a variable are invalid"))?;
     let value = match head.class {
         1 => {
             let mut cells = Vec::new();

@@ -49,7 +49,7 @@ impl Format for Tdms {
         let (name, limit) = (source.name(), source.limit());
         let bytes = Arc::new(source.bytes()?);
         let file = File::of(&bytes).map_err(|why| damaged(NAME, &name, why.0))?;
-        let channels = Channels::of(&file);
+        let mut channels = Channels::of(&file);
         let values = move |values: &Scaled| {
             // The file does not limit the number of values that take no bytes.
             if (values.rows as u64).saturating_mul(8) > limit.file() {
@@ -81,11 +81,11 @@ impl Format for Tdms {
             tables.push(Table::default());
         }
         tables[0].skipped.extend(channels.skipped);
-        tables[0].guesses.extend(channels.guesses);
         if file.is_cut {
-            let said = "its end was cut; the samples that it has in whole are read";
-            tables[0].guesses.push(said.into());
+            let note = "its end was cut; the samples that it has in whole are read";
+            channels.guesses.push(note.into());
         }
+        Table::note_in_all(&mut tables, &channels.guesses);
         let owned = name.clone();
         let read = move |table: usize, column: usize| match values(&scaled[table][column]) {
             Some(values) => Ok(Some(values)),

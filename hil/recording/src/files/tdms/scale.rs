@@ -42,12 +42,12 @@ pub(super) enum Scale {
 type Properties = HashMap<String, Property>;
 
 /// The properties of one scale.
-struct Said<'p> {
+struct ScaleProperties<'p> {
     properties: &'p Properties,
     index: usize,
 }
 
-impl Said<'_> {
+impl ScaleProperties<'_> {
     fn number(&self, name: &str) -> Result<f64, String> {
         let key = format!("NI_Scale[{}]_{name}", self.index);
         match self.properties.get(&key) {
@@ -95,7 +95,7 @@ impl Scales {
             }
             let mut all = Vec::new();
             for index in 0..count {
-                let (scale, input) = Scale::of(&Said { properties, index })?;
+                let (scale, input) = Scale::of(&ScaleProperties { properties, index })?;
                 // Scales are computed in their order.
                 let inputs = [Some(input), scale.other_input()].into_iter().flatten();
                 for input in inputs {
@@ -158,7 +158,7 @@ impl Scales {
 }
 
 impl Scale {
-    fn of(said: &Said<'_>) -> Result<(Self, u32), String> {
+    fn of(said: &ScaleProperties<'_>) -> Result<(Self, u32), String> {
         let key = format!("NI_Scale[{}]_Scale_Type", said.index);
         let kind = match said.properties.get(&key) {
             Some(Property::Text(kind)) => kind.as_str(),
@@ -257,7 +257,7 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    fn of(said: &Said<'_>) -> Result<Self, String> {
+    fn of(said: &ScaleProperties<'_>) -> Result<Self, String> {
         let number = |name: &str| said.number(&format!("Strain_{name}"));
         let configuration = number("Configuration")? as u32;
         if ![10183, 10184, 10185, 10188, 10189, 10271, 10272].contains(&configuration) {
@@ -308,7 +308,7 @@ pub(super) struct Rtd {
 }
 
 impl Rtd {
-    fn of(said: &Said<'_>) -> Result<Self, String> {
+    fn of(said: &ScaleProperties<'_>) -> Result<Self, String> {
         let number = |name: &str| said.number(&format!("RTD_{name}"));
         let lead = number("Lead_Wire_Resistance")?;
         Ok(Self {
@@ -354,7 +354,7 @@ pub(super) struct Thermistor {
 }
 
 impl Thermistor {
-    fn of(said: &Said<'_>) -> Result<Self, String> {
+    fn of(said: &ScaleProperties<'_>) -> Result<Self, String> {
         let number = |name: &str| said.number(&format!("Thermistor_{name}"));
         let is_current = match number("Excitation_Type")? as u32 {
             10134 => true,
@@ -410,7 +410,7 @@ mod tests {
             })
             .collect();
         properties.insert("NI_Scale[0]_Scale_Type".into(), Property::Text(kind.into()));
-        let said = Said {
+        let said = ScaleProperties {
             properties: &properties,
             index: 0,
         };

@@ -346,7 +346,7 @@ impl File {
                 for (_, _, card, _) in scalers {
                     let card = cards
                         .get_mut(*card)
-                        .ok_or(Broken("a channel has no card"))?;
+                        .ok_or(Broken("the raw data width of a DAQmx buffer is missing"))?;
                     card.0 = card.0.max(*count);
                 }
             }
@@ -505,7 +505,7 @@ impl Cursor<'_> {
     }
 
     fn count(&mut self) -> Result<usize, Broken> {
-        usize::try_from(self.u64()?).map_err(|_| Broken("a count is no count"))
+        usize::try_from(self.u64()?).map_err(|_| Broken("a count is too large"))
     }
 
     fn text(&mut self) -> Result<String, Broken> {
@@ -544,7 +544,7 @@ impl Cursor<'_> {
             (None, None) if code == 0x20 => Some(self.count()?),
             (None, None) => return Err(Broken("a channel is of an unknown type")),
         };
-        let bytes = bytes.ok_or(Broken("a count is no count"))?;
+        let bytes = bytes.ok_or(Broken("a count is too large"))?;
         Ok(Layout::Plain { read, count, bytes })
     }
 

@@ -64,7 +64,7 @@ pub(super) fn of(rows: &[(u64, Vec<&str>)], separator: Separator) -> Result<Numb
 
 /// The number format of these rows with the decimal sign given by the user: the other one separates thousands where this is its
 /// only possible meaning.
-pub(super) fn said(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
+pub(super) fn with_sign(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
     let mut evidence = Evidence::default();
     for (line, cells) in rows {
         cells.iter().for_each(|cell| evidence.take(*line, cell));

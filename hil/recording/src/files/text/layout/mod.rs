@@ -1,9 +1,9 @@
 //! The layout of a text: where its numbers begin, what each column holds, and what the rows above say of it.
 
 mod block;
+mod findings;
 mod kinds;
 mod refused;
-mod said;
 
 pub(super) use block::FEW_ROWS;
 pub(super) use kinds::Kind;
@@ -186,7 +186,7 @@ impl Found<'_> {
             && !kinds.contains(&Kind::Stamps)
             && lvm.is_none();
         if !is_plain {
-            guesses.extend(self.said(numbers, &header));
+            guesses.extend(self.findings(numbers, &header));
         }
         guesses.extend(self.first_is_whole(&samples, &kinds));
         table.guesses = guesses;
@@ -226,7 +226,7 @@ impl Found<'_> {
 
     fn numbers(&self, samples: &[(u64, Vec<&str>)]) -> Result<Numbers, InputError> {
         if let Some(decimal) = self.reading.decimal {
-            return Ok(decimals::said(samples, decimal));
+            return Ok(decimals::with_sign(samples, decimal));
         }
         if let Some(decimal) = self.declared.decimal {
             return Ok(Numbers {

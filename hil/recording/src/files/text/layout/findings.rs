@@ -1,4 +1,4 @@
-//! The findings about a text are said in words, so that a person can contradict them.
+//! The findings about a text in words, so that a person can contradict them.
 
 use super::super::header::Header;
 use super::super::numbers::{self, Numbers};
@@ -7,13 +7,13 @@ use super::{Found, Kind};
 
 impl Found<'_> {
     /// The findings, in words.
-    pub(super) fn said(&self, numbers: Numbers, header: &Header) -> Vec<String> {
+    pub(super) fn findings(&self, numbers: Numbers, header: &Header) -> Vec<String> {
         let sign = if numbers.decimal == ',' {
             "comma"
         } else {
             "point"
         };
-        let mut said = Vec::new();
+        let mut findings = Vec::new();
         let is_shown = self.reading.decimal.is_some() || !numbers.is_open;
         let thousands = if numbers.has_thousands && self.reading.decimal.is_none() {
             let other = if numbers.decimal == ',' {
@@ -27,7 +27,7 @@ impl Found<'_> {
         };
         let by = self.separator.name();
         if !self.declared.is_sheet {
-            said.push(if is_shown {
+            findings.push(if is_shown {
                 format!("cells are separated by {by}, the decimal sign is a {sign}{thousands}")
             } else {
                 format!("cells are separated by {by}")
@@ -44,24 +44,24 @@ impl Found<'_> {
                 ""
             };
             if line > 1 || header.units_line.is_some() || header.is_comment {
-                said.push(format!("the names are in line {line}{how}{below}"));
+                findings.push(format!("the names are in line {line}{how}{below}"));
             }
         }
         if !header.passed.is_empty() {
             let lines: Vec<String> = header.passed.iter().map(u64::to_string).collect();
-            said.push(format!(
+            findings.push(format!(
                 "words below the names are not read: line {}",
                 lines.join(", ")
             ));
         }
         if self.block.passed > 0 {
-            said.push(format!(
+            findings.push(format!(
                 "{} rows of numbers above line {} are not read",
                 self.block.passed,
                 self.data_line()
             ));
         }
-        said
+        findings
     }
 
     /// Note that the first row of numbers may not be a sample, if it alone has only whole numbers: offsets or factors of the
