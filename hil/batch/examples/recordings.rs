@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;
     for seed in 0..count.parse()? {
         let path = folder.join(format!("specimen-{seed:04}.csv"));
-        std::fs::write(&path, simulated::drawn(seed).to_file(&path))?;
+        std::fs::write(&path, simulated::drawn(seed).to_file(&path)?)?;
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! Measures recordings per second and memory of `hil batch` over its number of workers, as a table and a picture; and a batch that
-//! is killed half way.
+//! is killed half way. Fails if that batch, started again, computes a recording twice or leaves one out.
 //!
 //! `cargo run --release -p mesh-damper-batch --example throughput -- target/release/hil recordings batch-throughput.svg`
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -58,8 +59,8 @@ fn main() -> Result<(), Failed> {
     let [hil, folder, svg] = &arguments[..] else {
         return Err("give the command, a folder of recordings, and where the picture goes".into());
     };
-    let root = std::env::temp_dir().join(format!("throughput-{}", std::process::id()));
-    fs::create_dir_all(&root)?;
+    let folder_of_batches = tempfile::tempdir()?;
+    let root = folder_of_batches.path();
     let mut measured = Vec::new();
     println!(
         "| workers | recordings | s | a second | peak of memory, MiB |\n|---|---|---|---|---|"
@@ -91,13 +92,33 @@ fn main() -> Result<(), Failed> {
     }
     child.kill()?;
     child.wait()?;
-    let kept = lines() - 1;
+    // Below the head; a cut last line is made again.
+    let kept = lines().saturating_sub(1);
     wait(start(hil, folder, &out, 2)?)?;
     let made = summary(&out)?["computed"].as_u64().ok_or("no count")? as usize;
     println!(
         "\nKilled with {kept} of {total} rows kept; then {made} were made, {} of them again.",
         (kept + made).saturating_sub(total)
     );
+    if kept == 0 || kept >= total {
+        return Err("the batch was not killed half way: give more recordings".into());
+    }
+    // A line for each finished trace, in the order in which they were made.
+    let text = fs::read_to_string(&journal)?;
+    let rows: Vec<serde_json::Value> = text
+        .lines()
+        .skip(1)
+        .map(serde_json::from_str)
+        .collect::<Result<_, _>>()?;
+    let distinct: BTreeSet<&str> = rows.iter().filter_map(|row| row["id"].as_str()).collect();
+    if kept + made != total || rows.len() != total || distinct.len() != total {
+        return Err(format!(
+            "of {total} recordings, {kept} were kept and {made} made after the kill; the journal has {} rows of {} recordings",
+            rows.len(),
+            distinct.len()
+        )
+        .into());
+    }
 
     let panel = |title: &str, unit: &str, of: fn(&(f64, f64, f64)) -> f64| Panel {
         title: title.into(),
@@ -122,6 +143,5 @@ fn main() -> Result<(), Failed> {
         svg,
         picture("Throughput of a batch over its workers", "workers", &panels),
     )?;
-    fs::remove_dir_all(root)?;
     Ok(())
 }

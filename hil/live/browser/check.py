@@ -1,4 +1,4 @@
-"""The live page in a browser, as `hil run --live` feeds it."""
+"""The live page in a browser, as `hil run --live` feeds it. With --small, only whether it and a report are drawn."""
 
 import argparse
 import csv
@@ -9,6 +9,7 @@ from pathlib import Path
 from harness import browser, hil, until
 from selenium.webdriver import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 AMPLITUDE = 0.1  # mm
 FREQUENCY = 5  # Hz
@@ -234,11 +235,55 @@ def pictures(arguments, out):
     print(f"pictures are in {out}")
 
 
+def check_a_report(driver, report):
+    """Every picture of a report has its curves, and the script shows the values of one. What the script complains of, `browser` says."""
+    driver.get(report.resolve().as_uri())
+    sizes = driver.execute_script(
+        """
+        return [...document.querySelectorAll("figure svg.picture")].map((svg) =>
+          Math.max(0, ...[...svg.querySelectorAll("svg.curves g[data-curve]")].map((curve) => {
+            const { width, height } = curve.getBoundingClientRect();
+            return Math.max(width, height);
+          })));
+        """
+    )
+    assert sizes and min(sizes) > 20, sizes
+    picture = driver.execute_script(
+        """
+        const isOfLoops = (section) => section.querySelector(":scope > h2")?.textContent.trim() === "Force–displacement loops";
+        return [...document.querySelectorAll("section")].find(isOfLoops).querySelector("figure svg.picture");
+        """
+    )
+    driver.execute_script("arguments[0].focus()", picture)
+    ActionChains(driver).send_keys(Keys.ARROW_RIGHT).perform()
+    values = "return arguments[0].closest('figure').querySelector('.readout')?.textContent || ''"
+    said = until(lambda: driver.execute_script(values, picture), "the values of a sample are shown")
+    assert any(letter.isdigit() for letter in said) and "NaN" not in said and "undefined" not in said, said
+    print(f"the report has {len(sizes)} pictures")
+
+
+def small(arguments):
+    """A report, and the live page of a short test: no script fails, and something is drawn."""
+    test = ["--live-wait", "60", "--speed", "4", "--blocks", f"{AMPLITUDE}:{FREQUENCY}:40"]
+    with browser(1400, 1000) as driver:
+        check_a_report(driver, arguments.small)
+    with hil(arguments.hil, *test) as (process, address, _), browser(1400, 1000) as driver:
+        driver.get(address)
+        until(lambda: driver.find_element(By.ID, "state").text == "Finished", "the test has finished")
+        assert process.wait(timeout=60) == 0
+        for figure in ["loop", "force", "stiffness", "loss-factor"]:
+            until(lambda: min(colours_drawn(driver, figure)) > 20, f"{figure} is drawn")
+        print(f"the live page has drawn {time_of(driver):.1f} s")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hil", required=True)
-    parser.add_argument("--out", required=True, type=Path)
+    parser.add_argument("--out", type=Path, default=Path("target/live"))
+    parser.add_argument("--small", metavar="REPORT", type=Path)
     arguments = parser.parse_args()
+    if arguments.small:
+        return small(arguments)
     out = arguments.out.resolve()
     with tempfile.TemporaryDirectory() as folder:
         downloads = Path(folder)

@@ -96,7 +96,7 @@ pub(crate) struct Place {
 
 /// Samples that a viewer received and missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seen {
+pub struct Delivered {
     /// Samples, after decimation, that were sent.
     pub samples: u64,
     /// Samples, after decimation, that were dropped because the viewer was too slow.

@@ -31,7 +31,7 @@ mod mqtt;
 mod server;
 mod values;
 
-pub use history::{Limits, Seen};
+pub use history::{Delivered, Limits};
 pub use mqtt::{Broker, Delivery, MqttPublisher};
 pub use server::LivePage;
 pub use values::{About, CycleResult, Event, Listener, Sample, State};

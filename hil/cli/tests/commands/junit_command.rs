@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -237,6 +237,91 @@ fn blind_trials_have_a_case_for_each_floor_and_seed() {
         assert_eq!(of("hil.blind.seed"), 1);
         assert!(suite.cases.iter().any(|case| case.name == floor));
     }
+}
+
+/// The work broke off: the file of an earlier run is replaced by one with the text of the command's error.
+#[track_caller]
+fn says_why_it_broke_off(output: &Output, path: &Path) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let error = said.lines().find_map(|line| line.strip_prefix("error: "));
+    let suite = suite(path);
+    assert_eq!(suite.cases.len(), 1);
+    let name = "the command runs to its end";
+    assert_eq!(Some(suite.failure(name)), error, "{said}");
+}
+
+#[test]
+fn a_run_without_its_board_replaces_the_file_of_the_run_before() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("run.xml");
+    let before = "run --blocks 0.1:5:3 --out before --junit run.xml";
+    assert_eq!(run(root.path(), before).status.code(), Some(0));
+    assert_eq!(suite(&path).count(Some("failure")), 0);
+    let output = run(root.path(), "run --on serial:/dev/nowhere --junit run.xml");
+    says_why_it_broke_off(&output, &path);
+    assert_eq!(suite(&path).name, "hil run");
+    // Nothing else is written.
+    assert!(!root.path().join("run-out").exists());
+
+    // A command that is refused has not begun: it leaves every file.
+    let left = fs::read(&path).unwrap();
+    let output = run(root.path(), "run --blocks 0.1 --junit run.xml");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(fs::read(&path).unwrap() == left);
+}
+
+/// The recording of the test may not grow to its whole size.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_breaks_off_replaces_the_file_of_the_run_before_and_keeps_its_recording() {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("run.xml");
+    let before = "run --blocks 0.1:5:3 --out before --junit run.xml";
+    assert_eq!(run(root.path(), before).status.code(), Some(0));
+    // In blocks of 512 bytes. The signal for the limit is ignored, which children of the shell inherit.
+    let output = Command::new("sh")
+        .arg("-c")
+        .arg("trap '' XFSZ; ulimit -f 8; exec \"$0\" run --blocks 0.1:5:40 --junit run.xml")
+        .arg(env!("CARGO_BIN_EXE_hil"))
+        .current_dir(root.path())
+        .output()
+        .unwrap();
+    says_why_it_broke_off(&output, &path);
+    let recorded = "run-out/recording.partial.csv";
+    let suite = suite(&path);
+    let why = suite.failure("the command runs to its end");
+    assert!(why.ends_with(recorded), "{why}");
+    assert!(root.path().join(recorded).exists());
+    assert!(!root.path().join("run-out/recording.csv.gz").exists());
+}
+
+/// Everything was counted, and then an output takes nothing.
+#[cfg(target_os = "linux")]
+#[test]
+fn faults_and_blind_trials_that_break_off_say_so() {
+    let root = tempfile::tempdir().unwrap();
+    for line in [
+        "faults --adversary 1",
+        "blind --seeds 1",
+        "blind --motions --seeds 1",
+    ] {
+        let line = format!("{line} --json /dev/full --junit broken.xml");
+        says_why_it_broke_off(&run(root.path(), &line), &root.path().join("broken.xml"));
+    }
+}
+
+#[test]
+fn a_bench_without_its_tools_says_so() {
+    let root = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
+        .args(["bench", "--junit", "bench.xml"])
+        .current_dir(root.path())
+        .env("PATH", root.path())
+        .env_remove("RUSTC")
+        .output()
+        .unwrap();
+    says_why_it_broke_off(&output, &root.path().join("bench.xml"));
 }
 
 #[test]

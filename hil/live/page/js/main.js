@@ -61,14 +61,14 @@ function begin(message) {
   element("title").textContent = about.title;
   element("about").textContent = [about.specimen, about.law && `law: ${about.law}`].filter(Boolean).join("; ");
   element("no-cycles").hidden = about.has_cycles;
-  element("values").setAttribute("aria-label", about.has_cycles ? "Last steady cycle" : "What is shown");
+  element("values").setAttribute("aria-label", about.has_cycles ? "Last steady cycle" : "Values over the time shown");
   for (const name of OF_CYCLES) {
     element(`figure-${name}`).hidden = !about.has_cycles;
   }
   const every = message.bucket_samples;
   const rate = `${number(about.sample_rate_Hz)} samples a second`;
   element("decimation").textContent =
-    every > 1 ? `${rate}; of every ${every} those are kept at which a channel is smallest or largest` : `${rate}, all kept`;
+    every > 1 ? `${rate}; shown: from every ${every} samples, the smallest and the largest of each channel` : `${rate}, all kept`;
 }
 
 function showEvent(event) {
@@ -138,7 +138,7 @@ function comments() {
   const { about, bucket_samples: every } = store.about;
   return [
     `${about?.title ?? ""}; specimen: ${about?.specimen ?? ""}`,
-    `from the live page; of every ${every ?? 1} samples those at which a channel is smallest or largest`,
+    `from the live page; from every ${every ?? 1} samples, the smallest and the largest of each channel`,
   ];
 }
 
@@ -216,8 +216,8 @@ const STATES = {
   waiting: "Waiting to begin",
   running: "Running",
   finished: "Finished",
-  stopped: "Stopped",
-  broken_off: "Broken off",
+  stopped: "Tripped",
+  broken_off: "Interrupted",
 };
 
 function showState() {
@@ -227,7 +227,7 @@ function showState() {
   set("state", cause && !isLost ? `${text}: ${cause}` : text);
   element("state").dataset.state = isLost ? "lost" : state;
   element("pause").setAttribute("aria-pressed", view.isPaused);
-  set("pause-label", view.isPaused ? "Go on" : "Pause");
+  set("pause-label", view.isPaused ? "Resume" : "Pause");
   element("paused").hidden = !view.isPaused;
   element("reset").disabled = !view.isZoomed;
   set("missed", store.missed ? `${store.missed} samples dropped: this page is too slow for all of them` : "");

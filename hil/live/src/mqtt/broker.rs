@@ -38,7 +38,7 @@ impl FromStr for Broker {
             Some(("mqtt", rest)) => rest,
             Some(("mqtts", _)) => {
                 return Err(
-                    "TLS is not built in: give mqtt:// of a broker on this machine or network, which may pass on over TLS"
+                    "TLS is not supported: give mqtt:// and a broker on this machine or network; that broker can forward over TLS"
                         .into(),
                 );
             }
@@ -66,10 +66,13 @@ impl FromStr for Broker {
             .chars()
             .find(|letter| matches!(letter, '/' | '+' | '#' | '$') || letter.is_control())
         {
-            return Err(format!("the rig's name may not have {bad:?} in it"));
+            return Err(format!("the rig's name contains {bad:?}: leave it out"));
         }
         if rig.len() > 64 {
-            return Err("the rig's name may have 64 bytes".into());
+            return Err(format!(
+                "the rig's name has {} bytes: give at most 64",
+                rig.len()
+            ));
         }
         Ok(Self {
             host,
@@ -112,7 +115,7 @@ fn decoded(text: &str) -> Result<String, String> {
     let decoded = percent_decode_str(text).decode_utf8();
     decoded
         .map(|text| text.into_owned())
-        .map_err(|_| "what stands in percent signs is not UTF-8".into())
+        .map_err(|_| "the percent-encoded part is not UTF-8".into())
 }
 
 impl Broker {

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::decimate::Decimator;
 use crate::frame;
-use crate::history::{History, Limits, Seen};
+use crate::history::{Delivered, History, Limits};
 use crate::values::{About, CycleResult, Event, Listener, Sample, State};
 
 /// Fewest buckets per second: with two samples or more from each, 50 points show the loop of a cycle of 20 Hz.
@@ -62,7 +62,7 @@ struct Viewers {
     /// All viewers so far.
     ever: u64,
     /// Totals of the viewers that have gone.
-    gone: Seen,
+    gone: Delivered,
 }
 
 /// A thread that panics leaves no half-done change in the locked data.
@@ -142,7 +142,7 @@ impl LivePage {
     }
 
     /// Waits up to `most` until the pages have everything, ends the server, and returns the totals of the pages.
-    pub fn close(mut self, most: Duration) -> Seen {
+    pub fn close(mut self, most: Duration) -> Delivered {
         self.flush();
         self.shared.closing.store(true, SeqCst);
         self.wait(most, |viewers| viewers.now == 0);

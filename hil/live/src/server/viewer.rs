@@ -14,7 +14,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::{GOODBYE, Shared, lock};
 use crate::frame;
-use crate::history::{Part, Place, Seen};
+use crate::history::{Delivered, Part, Place};
 
 /// Time between parts.
 const BETWEEN_PARTS: Duration = Duration::from_millis(33);
@@ -31,7 +31,7 @@ pub(super) fn show(stream: TcpStream, answer: &str, shared: &Shared) -> io::Resu
     let mut viewer = Viewer {
         socket: WebSocket::from_raw_socket(stream, Role::Server, Some(config)),
         place: lock(&shared.history).join(),
-        seen: Seen::default(),
+        delivered: Delivered::default(),
         is_stalled: false,
     };
     shared.change(|viewers| {
@@ -43,8 +43,8 @@ pub(super) fn show(stream: TcpStream, answer: &str, shared: &Shared) -> io::Resu
     let _ = viewer.run(answer, shared);
     shared.change(|viewers| {
         viewers.now -= 1;
-        viewers.gone.samples += viewer.seen.samples;
-        viewers.gone.missed += viewer.seen.missed;
+        viewers.gone.samples += viewer.delivered.samples;
+        viewers.gone.missed += viewer.delivered.missed;
     });
     Ok(())
 }
@@ -59,7 +59,7 @@ impl Shared {
 struct Viewer {
     socket: WebSocket<TcpStream>,
     place: Place,
-    seen: Seen,
+    delivered: Delivered,
     /// A part of the data is not yet sent; nothing more is sent before it is.
     is_stalled: bool,
 }
@@ -94,15 +94,21 @@ impl Viewer {
     }
 
     fn send_part(&mut self, part: Part) -> Result<(), Error> {
-        self.seen.missed += part.missed;
-        self.seen.samples += part.samples.len() as u64;
+        self.delivered.missed += part.missed;
+        self.delivered.samples += part.samples.len() as u64;
         let mut messages = Vec::new();
         // Missed samples are reported, even if nothing follows them.
         if !part.samples.is_empty() || part.missed > 0 {
-            messages.push(binary(frame::of_samples(&part.samples, self.seen.missed)));
+            messages.push(binary(frame::of_samples(
+                &part.samples,
+                self.delivered.missed,
+            )));
         }
         if !part.cycles.is_empty() {
-            messages.push(binary(frame::of_cycles(&part.cycles, self.seen.missed)));
+            messages.push(binary(frame::of_cycles(
+                &part.cycles,
+                self.delivered.missed,
+            )));
         }
         for event in &part.events {
             messages.push(text(&json!({"type": "event", "event": event})));

@@ -48,6 +48,9 @@ impl Mosquitto {
         }
         // The user who starts the broker owns its files, including root.
         text += "user root\n";
+        // What a stopped broker keeps for a named subscriber.
+        let kept = configuration.path().display();
+        text += &format!("persistence true\npersistence_location {kept}/\n");
         let port = free_port();
         text += &format!("listener {port} 127.0.0.1\n");
         std::fs::write(configuration.path().join("mosquitto.conf"), text).unwrap();
@@ -63,10 +66,14 @@ impl Mosquitto {
         self.port
     }
 
-    /// Stops, and starts again at the same port without its data.
+    /// Stops, and starts again at the same port, with the subscriptions of named subscribers.
     #[allow(dead_code, reason = "not every test that shares this file restarts it")]
     pub fn restart(&mut self, between: impl FnOnce()) {
-        self.process.kill().unwrap();
+        // It writes what it keeps when it is asked to end, not when it is killed.
+        let asked = Command::new("kill")
+            .arg(self.process.id().to_string())
+            .status();
+        assert!(asked.unwrap().success());
         self.process.wait().unwrap();
         between();
         self.process = serve(self.configuration.path(), self.port);
@@ -74,13 +81,24 @@ impl Mosquitto {
 
     /// Receives everything under `mesh-damper`, retained messages first.
     pub fn subscribe(&self, login: Option<(&str, &str)>) -> Heard {
+        match login {
+            Some((user, password)) => self.subscribe_with(&["-u", user, "-P", password]),
+            None => self.subscribe_with(&[]),
+        }
+    }
+
+    /// The same as the subscriber `name`: while it is away, the broker keeps its messages, and sends them when it is back.
+    #[allow(dead_code, reason = "not every test that shares this file restarts it")]
+    pub fn subscribe_as(&self, name: &str) -> Heard {
+        self.subscribe_with(&["-c", "-i", name])
+    }
+
+    fn subscribe_with(&self, options: &[&str]) -> Heard {
         let mut command = Command::new("mosquitto_sub");
         command
             .args(["-h", "127.0.0.1", "-p", &self.port.to_string(), "-q", "1"])
-            .args(["-t", "mesh-damper/#", "-F", "%r %t %p"]);
-        if let Some((user, password)) = login {
-            command.args(["-u", user, "-P", password]);
-        }
+            .args(["-t", "mesh-damper/#", "-F", "%r %t %p"])
+            .args(options);
         let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
         let lines = BufReader::new(process.stdout.take().unwrap());
         Heard { process, lines }

@@ -115,7 +115,7 @@ fn the_last_will_says_offline() {
     assert!(broker.subscribe(None).next().retained);
 }
 
-/// The broker stops and returns in the middle of a test. Messages from that time arrive later, in order, and nobody had to wait.
+/// The broker stops and returns in the middle of a test. Messages from that time arrive later, all and in order, and nobody had to wait.
 #[test]
 fn what_happens_without_a_broker_is_sent_once_there_is_one() {
     let Some(mut broker) = Mosquitto::start(None) else {
@@ -130,24 +130,23 @@ fn what_happens_without_a_broker_is_sent_once_there_is_one() {
         });
     };
     publisher.state(&State::Running);
-    {
-        let mut heard = broker.subscribe(None);
-        heard.until("running");
-    }
+    // The broker may return to the publisher before it returns to the subscriber: it keeps what comes in between.
+    const SUBSCRIBER: &str = "log";
+    broker.subscribe_as(SUBSCRIBER).until("running");
     broker.restart(|| (0..100).for_each(|number| cycle(&mut publisher, number)));
-    let mut heard = broker.subscribe(None);
+    let mut heard = broker.subscribe_as(SUBSCRIBER);
     publisher.state(&State::Finished { time: 1.0 });
     let delivery = publisher.close(PATIENCE);
     assert_eq!(delivery.dropped, 0);
     let messages = heard.until("finished");
-    let cycles: Vec<u64> = messages
+    let mut cycles: Vec<u64> = messages
         .iter()
         .filter(|message| message.topic.ends_with("/cycle"))
         .map(|message| message.payload["cycle"].as_u64().unwrap())
         .collect();
-    // At least once: messages that the first broker accepted without confirming may arrive again.
-    assert!(cycles.is_sorted(), "{cycles:?}");
-    assert_eq!(cycles.last(), Some(&99));
+    // At least once, as the quality of service promises: a message whose confirmation is lost arrives again.
+    cycles.dedup();
+    assert!(cycles.iter().copied().eq(0..100), "{cycles:?}");
 }
 
 #[test]

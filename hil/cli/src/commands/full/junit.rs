@@ -8,6 +8,8 @@ use mesh_damper_recording::output::Outputs;
 use mesh_damper_rig::check::Check;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
+use crate::commands::{Failure, warn};
+
 /// The result of one check.
 pub enum Case {
     /// The check passed.
@@ -18,6 +20,31 @@ pub enum Case {
     Skipped(String),
 }
 
+/// Does the `work` of the command `name`, which starts now; it adds its checks to `outputs`, and writes them. If it breaks off, one
+/// failed check replaces them in the planned file at `path`: a build server would take an older file for the result of this run.
+///
+/// # Errors
+/// Those of `work`.
+pub fn judged(
+    name: &str,
+    path: Option<&Path>,
+    outputs: &mut Outputs,
+    work: impl FnOnce(Junit, &mut Outputs) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut broken_off = Junit::of(name);
+    let done = work(Junit::of(name), outputs);
+    // Where a check failed, the file has been written.
+    if let (Some(path), Err(failure @ (Failure::Input(_) | Failure::Trace(_)))) = (path, &done) {
+        let reason = Case::Failed(failure.to_string());
+        broken_off.case("command", "the command runs to its end", reason, None);
+        let written = broken_off.text(path);
+        if let Err(error) = written.and_then(|text| outputs.write_alone(path, text.as_bytes())) {
+            warn(&error.to_string());
+        }
+    }
+    done
+}
+
 /// One suite: the checks of one command.
 pub struct Junit {
     suite: TestSuite,
@@ -26,7 +53,7 @@ pub struct Junit {
 
 impl Junit {
     /// The suite of the command `name`, which starts now.
-    pub fn of(name: &str) -> Self {
+    fn of(name: &str) -> Self {
         Self {
             suite: TestSuite::new(format!("hil {name}")),
             started: Instant::now(),
@@ -77,7 +104,7 @@ impl Junit {
             let case = match failure {
                 Some(failure) => Case::Failed(failure),
                 None if is_judged => Case::Passed,
-                None => Case::Skipped("nothing was there to judge".into()),
+                None => Case::Skipped("no data for this check".into()),
             };
             self.case(class, &name, case, None);
         }
@@ -87,22 +114,27 @@ impl Junit {
     ///
     /// # Errors
     /// Text that XML cannot contain.
-    pub fn add(mut self, outputs: &mut Outputs, path: Option<&Path>) -> Result<(), InputError> {
+    pub fn add(self, outputs: &mut Outputs, path: Option<&Path>) -> Result<(), InputError> {
         let Some(path) = path else { return Ok(()) };
+        let text = self.text(path)?;
+        outputs.add(path, text);
+        Ok(())
+    }
+
+    /// The file at `path`.
+    fn text(mut self, path: &Path) -> Result<String, InputError> {
         let took = self.started.elapsed();
         self.suite.set_time(took);
         let mut report = Report::new("hil");
         report.set_time(took);
         report.add_test_suite(self.suite);
-        let text = report.to_string().map_err(|error| {
+        report.to_string().map_err(|error| {
             let name = path.display().to_string();
             InputError::new(
                 name,
                 format!("not to be written as XML: {error}"),
                 "report this",
             )
-        })?;
-        outputs.add(path, text);
-        Ok(())
+        })
     }
 }

@@ -15,8 +15,9 @@ use mesh_damper_model::extrapolation::{Extrapolation, RANGE_MARGIN, percent};
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Outputs, Plan};
 use mesh_damper_recording::{Recording, WriteAs};
+use mesh_damper_rig::drive::limits::Demands;
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
 use mesh_damper_rig::{Journal, RigRun, RigSetup, Samples, SetupError, TICK_RATE, Watch, run_rig};
 use schemars::JsonSchema;
@@ -26,7 +27,7 @@ use super::cycles::{CycleRow, csv_of, print_blocks};
 use super::drive::{DriveOptions, Driven, Followed};
 use super::events::EventRow;
 use super::image::{Linked, LogLevel, Place};
-use super::junit::Junit;
+use super::junit::{Junit, judged};
 use super::law::PublishedLaw;
 use super::live::{Live, LiveOptions, LiveRow, MqttRow};
 use super::meant_for::{self, FirstError};
@@ -111,7 +112,7 @@ pub struct RunCommand {
     /// Speed of the test relative to real time, 0.001 to 1000, or `max`; the default is 1 with --live and `max` without
     #[arg(long, value_name = "FACTOR", help_heading = "While it runs")]
     speed: Option<Speed>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Recording of --drive")]
     files: RecordingFiles,
 }
 
@@ -186,6 +187,20 @@ impl Stop {
     }
 }
 
+/// A test that was checked, and can begin.
+struct Test {
+    /// The specimen, in words.
+    described: String,
+    is_controlled: bool,
+    programme: Option<Programme<MOST_BLOCKS>>,
+    driven: Option<Driven>,
+    asked: Option<Demands>,
+    setup: RigSetup<Specimen, MOST_BLOCKS, MAX_EFFECTS>,
+    /// The part outside the operating range of the model.
+    beyond: Option<Extrapolation>,
+    warnings: Vec<String>,
+}
+
 impl RunCommand {
     pub fn run(self) -> Result<(), Failure> {
         let table = (!self.drive.is_given()).then_some("cycles.csv");
@@ -234,7 +249,42 @@ impl RunCommand {
         // The warnings come before work that may take long.
         warnings.iter().for_each(|warning| warn(warning));
 
-        let junit = Junit::of("run");
+        let test = Test {
+            described,
+            is_controlled,
+            programme,
+            driven,
+            asked,
+            setup,
+            beyond,
+            warnings,
+        };
+        judged(
+            "run",
+            self.junit.as_deref(),
+            &mut outputs,
+            |junit, outputs| self.test(test, (name.as_str(), table), junit, outputs),
+        )
+    }
+
+    /// Runs the test, and writes the recording as `name` and the cycles as `table` into the folder of results.
+    fn test(
+        &self,
+        test: Test,
+        (name, table): (&str, Option<&str>),
+        junit: Junit,
+        outputs: &mut Outputs,
+    ) -> Result<(), Failure> {
+        let Test {
+            described,
+            is_controlled,
+            programme,
+            driven,
+            asked,
+            setup,
+            beyond,
+            mut warnings,
+        } = test;
         let linked = Linked::at(&self.on, self.log, self.tick_rate)?;
         let live = self.live.start(
             About {
@@ -329,8 +379,8 @@ impl RunCommand {
             ));
         }
         let junit = summary.checked(junit, programme.as_ref());
-        junit.add(&mut outputs, self.junit.as_deref())?;
-        let recording = self.out.join(&name);
+        junit.add(outputs, self.junit.as_deref())?;
+        let recording = self.out.join(name);
         let recorded = match (
             run.recording(recording.display().to_string()),
             &summary.stopped,
@@ -346,7 +396,11 @@ impl RunCommand {
             (recorded, _) => recorded?,
         };
         let recorded = comments.into_iter().fold(recorded, Recording::with_comment);
-        outputs.add(&recording, recorded.to_file(&recording));
+        let bytes = recorded.to_file(&recording);
+        outputs.add(
+            &recording,
+            bytes.map_err(|error| with_journal(error, &journal))?,
+        );
         if let Some(table) = table {
             outputs.add(self.out.join(table), csv_of(&summary.cycles)?);
         }

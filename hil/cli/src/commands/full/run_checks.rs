@@ -4,7 +4,7 @@ use mesh_damper::sine::{Block, Programme};
 
 use super::junit::{Case, Junit};
 use super::programme::MOST_BLOCKS;
-use super::run::Summary;
+use super::run::{Stop, Summary};
 
 impl Summary {
     /// Adds to `junit` a case for each block of `programme` (or one for a motion), and one for a trip.
@@ -18,27 +18,16 @@ impl Summary {
         junit.property("seed", self.seed);
         junit.property("tick rate, Hz", self.tick_rate);
         junit.property("ticks", self.ticks);
-        let mut trip = self.stopped.as_ref();
+        let trip = self.stopped.as_ref();
+        let mut is_short = false;
         for (index, block) in programme
             .into_iter()
             .flat_map(Programme::blocks)
             .enumerate()
         {
             let steady = self.cycles.iter().filter(|cycle| cycle.is_steady_in(index));
-            let done = steady.count();
-            let case = match trip {
-                _ if done >= block.cycles() as usize => Case::Passed,
-                Some(stop) => {
-                    trip = None;
-                    Case::Failed(format!(
-                        "{} after {done} of {} cycles, {:.3} s after the start",
-                        stop.fault,
-                        block.cycles(),
-                        stop.time
-                    ))
-                }
-                None => Case::Skipped("the rig tripped before it".into()),
-            };
+            let case = case_of([steady.count(), block.cycles() as usize], trip, is_short);
+            is_short |= matches!(case, Case::Failed(_));
             junit.case("block", &name_of(index, block), case, None);
         }
         if let Some(motion) = &self.drive {
@@ -59,6 +48,21 @@ impl Summary {
     }
 }
 
+/// A block with the cycles `done` of `wanted`. A trip ends the first block that is short; `is_after` says that there was one before.
+fn case_of([done, wanted]: [usize; 2], trip: Option<&Stop>, is_after: bool) -> Case {
+    match trip {
+        _ if done >= wanted => Case::Passed,
+        Some(_) if is_after => Case::Skipped("the rig tripped before it".into()),
+        Some(stop) => Case::Failed(format!(
+            "{} after {done} of {wanted} cycles, {:.3} s after the start",
+            stop.fault, stop.time
+        )),
+        None => Case::Failed(format!(
+            "{done} of {wanted} cycles, although the rig did not trip"
+        )),
+    }
+}
+
 fn name_of(index: usize, block: &Block) -> String {
     let [from, to] = [block.from(), block.to()];
     let frequency = if from == to {
@@ -72,4 +76,37 @@ fn name_of(index: usize, block: &Block) -> String {
         block.amplitude(),
         block.cycles()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_that_is_short_without_a_trip_fails() {
+        let said = |case| match case {
+            Case::Passed => "passed".to_owned(),
+            Case::Failed(reason) => format!("failed: {reason}"),
+            Case::Skipped(reason) => format!("skipped: {reason}"),
+        };
+        let stop = Stop {
+            time: 1.25,
+            fault: "the force exceeded its limit".into(),
+        };
+        assert_eq!(said(case_of([3, 3], None, false)), "passed");
+        for is_after in [false, true] {
+            assert_eq!(
+                said(case_of([2, 3], None, is_after)),
+                "failed: 2 of 3 cycles, although the rig did not trip"
+            );
+        }
+        assert_eq!(
+            said(case_of([2, 3], Some(&stop), false)),
+            "failed: the force exceeded its limit after 2 of 3 cycles, 1.250 s after the start"
+        );
+        assert_eq!(
+            said(case_of([0, 3], Some(&stop), true)),
+            "skipped: the rig tripped before it"
+        );
+    }
 }
