@@ -14,9 +14,9 @@ from distributed import Client, LocalCluster, as_completed
 from rows import Rows, recordings, row_of
 
 
-def trace_all(client: Client, paths: list[str], rows: Rows) -> int:
+def trace_all(client: Client, rows: Rows) -> int:
     """Makes the missing rows and returns their number."""
-    missing = rows.missing(paths)
+    missing = rows.missing()
     # `pure=False`: a file may have changed since another run of the same scheduler.
     futures = client.map(row_of, missing, pure=False)
     for future, row in as_completed(futures, with_results=True):
@@ -33,13 +33,12 @@ def main() -> None:
     parser.add_argument("outcomes", help="the table, as Parquet")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
-    rows = Rows(options.rows)
+    rows = Rows(options.rows, recordings(options.folder, [options.rows, options.outcomes]))
     with LocalCluster(n_workers=options.workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         # The workers need `rows.py` next to this file.
         client.upload_file(__file__.replace("dask_local.py", "rows.py"))
-        made = trace_all(client, recordings(options.folder, [options.rows, options.outcomes]), rows)
-    rows.to_parquet(options.outcomes)
-    print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
+        made = trace_all(client, rows)
+    print(f"{made} rows made, {rows.to_parquet(options.outcomes)} in {options.outcomes}")
 
 
 if __name__ == "__main__":

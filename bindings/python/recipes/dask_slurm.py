@@ -47,12 +47,11 @@ def main() -> None:
         return
     if options.outcomes is None:
         parser.error("give the folder, the file of rows and the table")
+    rows = Rows(options.rows, recordings(options.folder, [options.rows, options.outcomes]))
     cluster.scale(jobs=options.jobs)
-    rows = Rows(options.rows)
     with cluster, Client(cluster) as client:
-        made = trace_all(client, recordings(options.folder, [options.rows, options.outcomes]), rows)
-    rows.to_parquet(options.outcomes)
-    print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
+        made = trace_all(client, rows)
+    print(f"{made} rows made, {rows.to_parquet(options.outcomes)} in {options.outcomes}")
 
 
 if __name__ == "__main__":

@@ -14,10 +14,10 @@ import ray
 from rows import Rows, recordings, row_of
 
 
-def trace_all(paths: list[str], rows: Rows, under_way: int) -> int:
+def trace_all(rows: Rows, under_way: int) -> int:
     """Makes the missing rows, `under_way` at the same time, and returns their number."""
     remote = ray.remote(num_cpus=1)(row_of)
-    missing = rows.missing(paths)
+    missing = rows.missing()
     waiting = list(reversed(missing))
     running: list[ray.ObjectRef] = []
     while waiting or running:
@@ -36,13 +36,12 @@ def main() -> None:
     parser.add_argument("outcomes", help="the table, as Parquet")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
-    rows = Rows(options.rows)
+    rows = Rows(options.rows, recordings(options.folder, [options.rows, options.outcomes]))
     ray.init(num_cpus=options.workers, include_dashboard=False, log_to_driver=False)
     # With twice as many tasks as workers, no worker waits for its next task.
-    made = trace_all(recordings(options.folder, [options.rows, options.outcomes]), rows, 2 * options.workers)
+    made = trace_all(rows, 2 * options.workers)
     ray.shutdown()
-    rows.to_parquet(options.outcomes)
-    print(f"{made} rows made, {len(rows.rows)} in {options.outcomes}")
+    print(f"{made} rows made, {rows.to_parquet(options.outcomes)} in {options.outcomes}")
 
 
 if __name__ == "__main__":

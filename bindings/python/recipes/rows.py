@@ -1,8 +1,8 @@
 """Rows of many traces, stored as they arrive, for all recipes.
 
 A row is a line of JSON that is on the disk before the next one starts. A killed run loses only the traces that were running. The next run
-with the same file makes only the missing rows: those of recordings without a row, and of recordings that have changed since. The table has
-one row for a recording that is in the folder twice.
+with the same file makes only the missing rows. As in `hil batch`, a row belongs to the contents of its recording, whatever the name of the
+file, and to the version of the package. The table has one row for each recording that is in the folder now.
 """
 
 from __future__ import annotations
@@ -17,9 +17,13 @@ from typing import Any
 import mesh_damper
 
 
+#: Settings of every trace, as `mesh_damper.trace` takes them: `{"units": {"force": "kN"}}`.
+SETTINGS: dict[str, Any] = {}
+
+
 def row_of(path: str) -> dict[str, Any]:
     """The work of a worker: one trace. It does not raise: a recording that cannot be traced gives a row with its error."""
-    return mesh_damper.outcome(path)
+    return mesh_damper.outcome(path, **SETTINGS)
 
 
 def recordings(folder: str, written: Iterable[str] = ()) -> list[str]:
@@ -35,50 +39,68 @@ def recordings(folder: str, written: Iterable[str] = ()) -> list[str]:
     return [path for path in found if os.path.realpath(path) not in own]
 
 
-def _state(path: str) -> list[int] | None:
-    """The state of a file by which a change is detected: its size and the time of its last change."""
+def _identity(path: str) -> str:
+    """The identity of a recording's row. One that cannot be read has none: its path identifies its row, which has the error."""
     try:
-        found = os.stat(path)
-    except OSError:
-        return None
-    return [found.st_size, found.st_mtime_ns]
+        return mesh_damper.identity(path, **SETTINGS)
+    except mesh_damper.InputError:
+        return path
 
 
 class Rows:
-    """The finished rows, by the paths of their recordings."""
+    """The finished rows of the recordings `paths`, by their identities."""
 
-    def __init__(self, file: str) -> None:
-        self.rows: dict[str, dict[str, Any]] = {}
-        self._states: dict[str, list[int] | None] = {}
+    def __init__(self, file: str, paths: Iterable[str]) -> None:
+        # The contents of every recording are read for that.
+        self._identities = {path: _identity(path) for path in paths}
+        self._rows: dict[str, dict[str, Any]] = {}
         path = Path(file)
         text = path.read_bytes() if path.exists() else b""
         whole = text[: text.rfind(b"\n") + 1]
         for line in whole.splitlines():
-            kept = json.loads(line)
-            path_of_it = kept["row"]["trace"]
-            self.rows[path_of_it], self._states[path_of_it] = kept["row"], kept["state"]
+            row = json.loads(line)
+            # A line of an older version held its row.
+            row = row.get("row", row)
+            self._rows[row["id"] or row["trace"]] = row
         # An incomplete last line is removed.
         if len(whole) < len(text):
             os.truncate(path, len(whole))
         self._path = path
 
-    def missing(self, paths: Iterable[str]) -> list[str]:
-        """The paths whose rows are still missing."""
-        return [path for path in paths if path not in self.rows or self._states[path] != _state(path)]
+    def missing(self) -> list[str]:
+        """The recordings whose rows are still missing. Of several files with the same contents, it is the first."""
+        first: dict[str, str] = {}
+        for path, identity in self._identities.items():
+            first.setdefault(identity, path)
+        return [path for identity, path in first.items() if not self._has(identity, path)]
+
+    def _has(self, identity: str, path: str) -> bool:
+        row = self._rows.get(identity)
+        # An error contains the name that the file had.
+        return row is not None and (row["outcome"] == "traced" or row["trace"] == path)
 
     def keep(self, row: dict[str, Any]) -> None:
-        """Stores a row."""
-        state = _state(row["trace"])
+        """Stores a row. Its identity is that of the contents before its trace: the next run traces a file again that changed meanwhile."""
         with self._path.open("ab") as file:
-            file.write(json.dumps({"state": state, "row": row}).encode() + b"\n")
+            file.write(json.dumps(row).encode() + b"\n")
             file.flush()
             os.fsync(file.fileno())
-        self.rows[row["trace"]], self._states[row["trace"]] = row, state
+        identity = row["id"] or row["trace"]
+        self._rows[identity], self._identities[row["trace"]] = row, identity
 
-    def to_parquet(self, file: str) -> None:
-        """Writes the table of all rows, completely or not at all."""
-        part = f"{file}.part"
-        # A recording that could not be read has no identity, so its path identifies it.
-        by_identity = {self.rows[path].get("id") or path: self.rows[path] for path in sorted(self.rows, reverse=True)}
-        mesh_damper.outcomes(sorted(by_identity.values(), key=lambda row: row["trace"])).to_parquet(part)
+    def table(self) -> list[dict[str, Any]]:
+        """The rows of the recordings, with their names of today. Other files with the same contents are in `copies`."""
+        named: dict[str, dict[str, Any]] = {}
+        for path, identity in self._identities.items():
+            if identity in named:
+                named[identity]["copies"].append(path)
+            elif identity in self._rows:
+                named[identity] = {**self._rows[identity], "trace": path, "recordings": [path], "copies": []}
+        return list(named.values())
+
+    def to_parquet(self, file: str) -> int:
+        """Writes the table, completely or not at all, and returns the number of its rows."""
+        part, rows = f"{file}.part", self.table()
+        mesh_damper.outcomes(rows).to_parquet(part)
         os.replace(part, file)
+        return len(rows)

@@ -11,14 +11,13 @@ use mesh_damper_identify::trace::Sought;
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::read_limit::ReadLimit;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::error::{refused, refused_of};
 use crate::model::{Model, json};
-use crate::recording::decimal_sign;
+use crate::recording::Reading;
 use crate::trace::{base_law, named};
 use crate::work::beside;
 
@@ -29,25 +28,13 @@ pub struct BatchSettings(Settings);
 #[pymethods]
 impl BatchSettings {
     #[new]
-    #[pyo3(signature = (
-        families, exclude, baseline, law=None, channels=vec![], units=vec![], rate=None, table=None, decimal=None, max_read=None,
-        reports=false,
-    ))]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the Python function before it names them"
-    )]
+    #[pyo3(signature = (reading, families, exclude, baseline, law=None, reports=false))]
     fn new(
+        reading: PyRef<'_, Reading>,
         families: Vec<String>,
         exclude: Vec<String>,
         baseline: &str,
         law: Option<PyRef<'_, Model>>,
-        channels: Vec<(String, String)>,
-        units: Vec<(String, String)>,
-        rate: Option<f64>,
-        table: Option<String>,
-        decimal: Option<Bound<'_, PyAny>>,
-        max_read: Option<u64>,
         reports: bool,
     ) -> PyResult<Self> {
         let known = match &law {
@@ -62,17 +49,9 @@ impl BatchSettings {
             law: base_law(baseline)?,
             ..known
         };
-        let reading = Reading {
-            limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
-            channels,
-            units,
-            rate,
-            table,
-            decimal: decimal.as_ref().map(decimal_sign).transpose()?,
-        };
         Ok(Self(Settings {
             sought,
-            reading,
+            reading: reading.said.clone(),
             reports,
         }))
     }
@@ -106,11 +85,12 @@ fn trace_many<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Traced<'py>> {
     let settings = settings.0.clone();
-    let list = match (given, table) {
-        (Some(Given::Path(path)), _) => List::read(&path, settings.reading.limit),
+    let limit = settings.reading.limit;
+    let list = py.detach(move || match (given, table) {
+        (Some(Given::Path(path)), _) => List::read(&path, limit),
         (Some(Given::Paths(paths)), _) => Ok(List::of_recordings(paths)),
         (None, table) => List::of_table("recordings", &table.unwrap_or_default()),
-    };
+    });
     let list = list.map_err(|error| refused(&error))?;
     let left_out = list.left_out();
     let batch = Batch {
@@ -125,7 +105,7 @@ fn trace_many<'py>(
         batch.run(&|done: Progress| step(&said(done)))
     })?;
     let summary = summary.map_err(|error| refused(&error))?;
-    let tables = (outcomes(&summary.traces), parameters(&summary.traces));
+    let tables = py.detach(|| (outcomes(&summary.traces), parameters(&summary.traces)));
     Ok((
         json(&summary)?,
         columns(py, &tables.0)?,
@@ -152,10 +132,27 @@ fn said(done: Progress) -> String {
 
 /// The recordings of a folder, and its other files, as `hil batch` tells them apart.
 #[pyfunction]
-fn recordings_in(folder: PathBuf) -> PyResult<(Vec<PathBuf>, Vec<PathBuf>)> {
-    let list = List::of_folder(&folder).map_err(|error| refused_of(&folder, &error))?;
+fn recordings_in(py: Python<'_>, folder: PathBuf) -> PyResult<(Vec<PathBuf>, Vec<PathBuf>)> {
+    let list = py.detach(|| List::of_folder(&folder));
+    let list = list.map_err(|error| refused_of(&folder, &error))?;
     let recordings = list.tasks.into_iter().flat_map(|task| task.recordings);
     Ok((recordings.collect(), list.ignored))
+}
+
+/// The identity of one trace, as in its row.
+#[pyfunction]
+fn identity(
+    py: Python<'_>,
+    recordings: Vec<PathBuf>,
+    held_out: Vec<PathBuf>,
+    settings: PyRef<'_, BatchSettings>,
+) -> PyResult<String> {
+    let (task, settings) = (task_of(recordings, held_out), &settings.0);
+    let found = py.detach(|| settings.identity_of(&task));
+    found.map_err(|error| match task.paths().find(|path| !path.exists()) {
+        Some(missing) => refused_of(missing, &error),
+        None => refused(&error),
+    })
 }
 
 /// The row of one trace as JSON. It writes no file and uses one core.
@@ -167,7 +164,14 @@ fn outcome(
     settings: PyRef<'_, BatchSettings>,
 ) -> PyResult<String> {
     let settings = settings.0.clone();
-    let task = Task {
+    let task = task_of(recordings, held_out);
+    let row = beside(py, None, move |_| Row::make(&task, &settings))?;
+    json(&row)
+}
+
+/// A trace with the name of its first recording.
+fn task_of(recordings: Vec<PathBuf>, held_out: Vec<PathBuf>) -> Task {
+    Task {
         name: recordings
             .first()
             .map(|path| path.display().to_string())
@@ -175,25 +179,28 @@ fn outcome(
         recordings,
         held_out,
         ..Task::default()
-    };
-    let row = beside(py, None, move |_| Row::make(&task, &settings))?;
-    json(&row)
+    }
 }
 
 /// The table of rows as columns. Each row is the JSON of `outcome`.
 #[pyfunction]
 fn outcomes_of<'py>(py: Python<'py>, rows: Vec<String>) -> PyResult<Bound<'py, PyDict>> {
+    let table = py.detach(move || table_of(&rows));
+    columns(py, &table.map_err(|error| refused(&error))?)
+}
+
+fn table_of(rows: &[String]) -> Result<Table, InputError> {
     let row = |text: &String| {
         serde_json::from_str(text).map_err(|error| {
-            refused(&InputError::new(
+            InputError::new(
                 "a row",
-                format!("is no row of a batch: {error}"),
-                "give what outcome() gave",
-            ))
+                format!("is not a row of a batch: {error}"),
+                "give rows that outcome() returned",
+            )
         })
     };
-    let rows: Vec<Row> = rows.iter().map(row).collect::<PyResult<_>>()?;
-    columns(py, &outcomes(&rows))
+    let rows: Vec<Row> = rows.iter().map(row).collect::<Result<_, _>>()?;
+    Ok(outcomes(&rows))
 }
 
 fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
@@ -218,15 +225,22 @@ enum GivenModel {
     Texts(String, String, Option<String>),
 }
 
-/// The changes from model to model, as JSON.
+/// The changes from model to model, as JSON, and the conclusion as a sentence.
 #[pyfunction]
-fn compare_models(models: Vec<GivenModel>, times: Vec<f64>) -> PyResult<String> {
-    let moments = models
-        .into_iter()
-        .zip(times)
-        .map(|(model, time)| moment(model, time));
-    let compared = moments.collect::<Result<Vec<_>, _>>().and_then(compare);
-    json(&compared.map_err(|error| refused(&error))?)
+fn compare_models(
+    py: Python<'_>,
+    models: Vec<GivenModel>,
+    times: Vec<f64>,
+) -> PyResult<(String, &'static str)> {
+    let compared = py.detach(move || {
+        let moments = models
+            .into_iter()
+            .zip(times)
+            .map(|(model, time)| moment(model, time));
+        moments.collect::<Result<Vec<_>, _>>().and_then(compare)
+    });
+    let compared = compared.map_err(|error| refused(&error))?;
+    Ok((json(&compared)?, compared.conclusion.sentence()))
 }
 
 fn moment(model: GivenModel, time: f64) -> Result<Moment, InputError> {
@@ -254,6 +268,7 @@ pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<BatchSettings>()?;
     module.add_function(wrap_pyfunction!(trace_many, module)?)?;
     module.add_function(wrap_pyfunction!(recordings_in, module)?)?;
+    module.add_function(wrap_pyfunction!(identity, module)?)?;
     module.add_function(wrap_pyfunction!(outcome, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes_of, module)?)?;
     module.add_function(wrap_pyfunction!(compare_models, module)?)

@@ -6,7 +6,7 @@
 //! | file | for |
 //! |---|---|
 //! | `recording.rs` | recordings of files and of columns |
-//! | `trace.rs` | a trace and its result |
+//! | `trace.rs` | a trace, its result and its files |
 //! | `batch.rs` | traces of many recordings, and models over time |
 //! | `model.rs` | a model, and the force that it predicts |
 //! | `characterize.rs` | stiffness and loss factor of a recording |

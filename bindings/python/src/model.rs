@@ -38,8 +38,9 @@ impl Model {
 impl Model {
     /// Reads the model in a file.
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
-        let file = ModelFile::read(&path).map_err(|error| refused_of(&path, &error))?;
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let file = py.detach(|| ModelFile::read(&path));
+        let file = file.map_err(|error| refused_of(&path, &error))?;
         Ok(Self {
             inner: Arc::new(file),
             name: path.display().to_string(),
@@ -85,13 +86,14 @@ impl Model {
     }
 
     /// Writes the model as a file, completely or not at all.
-    fn write(&self, path: PathBuf) -> PyResult<()> {
-        let written = || {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let file = Arc::clone(&self.inner);
+        let written = py.detach(move || {
             let mut outputs = Plan::new().writes([&path]).begin()?;
-            outputs.add_json(&path, &*self.inner)?;
+            outputs.add_json(&path, &*file)?;
             outputs.write()
-        };
-        written().map_err(|error| refused(&error))
+        });
+        written.map_err(|error| refused(&error))
     }
 }
 

@@ -23,11 +23,11 @@ pub struct Reading {
 #[pymethods]
 impl Reading {
     /// The values of the command's options `--channel`, `--unit`, `--rate`, `--table`, `--decimal` and `--max-read`. The `system` of
-    /// units applies to channels whose unit nothing else states. `step` is the time between samples in the unit of time. If `inputs`
-    /// are given, only these control inputs are read, and each must be there.
+    /// units applies to channels whose unit nothing else states. `step` is the time between samples in the unit of time, in place of
+    /// the `rate`. If `inputs` are given, only these control inputs are read, and each must be there.
     #[new]
     #[pyo3(signature = (
-        channels=vec![], units=vec![], system=None, step=None, table=None, decimal=None, inputs=None, max_read=None,
+        channels=vec![], units=vec![], system=None, step=None, rate=None, table=None, decimal=None, inputs=None, max_read=None,
         needs_force=true,
     ))]
     #[expect(
@@ -39,6 +39,7 @@ impl Reading {
         units: Vec<(String, String)>,
         system: Option<&str>,
         step: Option<f64>,
+        rate: Option<f64>,
         table: Option<String>,
         decimal: Option<Bound<'_, PyAny>>,
         inputs: Option<Vec<String>>,
@@ -48,8 +49,8 @@ impl Reading {
         let needs = Needs {
             inputs,
             unmarked: match system {
-                Some("SI") => Unmarked::Said(Units::SI),
-                Some("mm-kN-s") => Unmarked::Said(Units::default()),
+                Some("SI") => Unmarked::Stated(Units::SI),
+                Some("mm-kN-s") => Unmarked::Stated(Units::default()),
                 Some(other) => {
                     let problem = format!("no system is called '{other}'");
                     let remedy = "give \"SI\", \"mm-kN-s\" or a unit for each channel";
@@ -66,16 +67,16 @@ impl Reading {
             limit: max_read.map_or_else(ReadLimit::default, ReadLimit::new),
             channels,
             units,
+            rate: rate.map(sampling_rate).transpose()?,
             table,
             decimal: decimal.as_ref().map(decimal_sign).transpose()?,
-            ..files::Reading::default()
         };
         let mut reading = Self { said, needs };
         if let Some(step) = step {
             let seconds = step * reading.scale("time")?.unwrap_or(1.0);
             if !(seconds.is_finite() && seconds > 0.0) {
-                let problem = format!("{step} is no time between samples");
-                let remedy = "give one above 0, or the samples' times";
+                let problem = format!("{step} is not a valid time between samples");
+                let remedy = "give a number above 0, or the times of the samples";
                 return Err(refused(&InputError::new("time", problem, remedy)));
             }
             reading.said.rate = Some(1.0 / seconds);
@@ -103,7 +104,7 @@ impl Reading {
                 })?;
                 Ok(Some(unit.scale))
             }
-            (None, Unmarked::Said(units)) => Ok(Some(channel.unit_in(&units).scale)),
+            (None, Unmarked::Stated(units)) => Ok(Some(channel.unit_in(&units).scale)),
             (None, _) => Ok(None),
         }
     }
@@ -123,8 +124,18 @@ impl Reading {
     }
 }
 
+/// A possible number of samples per second.
+fn sampling_rate(rate: f64) -> PyResult<f64> {
+    if rate.is_finite() && rate > 0.0 {
+        return Ok(rate);
+    }
+    let problem = format!("{rate} is not a valid sampling rate");
+    let remedy = "give samples per second, a finite number above 0";
+    Err(refused(&InputError::new("rate", problem, remedy)))
+}
+
 /// The sign that is called `point` or `comma`.
-pub fn decimal_sign(called: &Bound<'_, PyAny>) -> PyResult<char> {
+fn decimal_sign(called: &Bound<'_, PyAny>) -> PyResult<char> {
     match called.extract::<String>().as_deref() {
         Ok("point") => Ok('.'),
         Ok("comma") => Ok(','),

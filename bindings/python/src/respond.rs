@@ -31,11 +31,13 @@ impl Drive {
     /// Reads a file as `hil respond` does.
     #[staticmethod]
     fn read(
+        py: Python<'_>,
         path: std::path::PathBuf,
         reading: PyRef<'_, Reading>,
         is_force: bool,
     ) -> PyResult<Self> {
-        let signal = InputSignal::read(&path, channel(is_force), &reading.said);
+        let said = &reading.said;
+        let signal = py.detach(|| InputSignal::read(&path, channel(is_force), said));
         let signal = signal.map_err(|error| refused_of(&path, &error))?;
         Ok(Self { signal, is_force })
     }
@@ -43,15 +45,16 @@ impl Drive {
     /// Reads columns in memory like a file with the same columns.
     #[staticmethod]
     fn of_columns(
+        py: Python<'_>,
         name: String,
         columns: Vec<Given<'_>>,
         reading: PyRef<'_, Reading>,
         is_force: bool,
     ) -> PyResult<Self> {
         let columns = given_columns(columns);
-        let unmarked = reading.needs_of_columns().unmarked;
-        let signal =
-            InputSignal::of_columns(name, columns, channel(is_force), &reading.said, unmarked);
+        let (said, unmarked) = (&reading.said, reading.needs_of_columns().unmarked);
+        let read = || InputSignal::of_columns(name, columns, channel(is_force), said, unmarked);
+        let signal = py.detach(read);
         let signal = signal.map_err(|error| refused(&error))?;
         Ok(Self { signal, is_force })
     }

@@ -1,5 +1,6 @@
-//! A trace and its result.
+//! A trace, its result and its files.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mesh_damper_identify::base_law::BaseLaw;
@@ -9,7 +10,7 @@ use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording as recording;
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Labelled;
+use mesh_damper_recording::output::{Labelled, Plan};
 use mesh_damper_report::{self as report, ReportData, declared};
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
@@ -124,6 +125,20 @@ fn trace(
     traced.map_err(|error| not_traced(&error))
 }
 
+/// Writes texts as files, all of them or none.
+#[pyfunction]
+fn write_files(py: Python<'_>, files: Vec<(PathBuf, String)>) -> PyResult<()> {
+    let written = py.detach(move || {
+        let paths = files.iter().map(|(path, _)| path);
+        let mut outputs = Plan::new().writes(paths).begin()?;
+        for (path, text) in files {
+            outputs.add(path, text);
+        }
+        outputs.write()
+    });
+    written.map_err(|error| refused(&error))
+}
+
 pub fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     let family = |name: &String| {
         Family::named(name).ok_or_else(|| {
@@ -148,5 +163,6 @@ pub fn base_law(word: &str) -> PyResult<BaseLaw> {
 
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Trace>()?;
-    module.add_function(wrap_pyfunction!(trace, module)?)
+    module.add_function(wrap_pyfunction!(trace, module)?)?;
+    module.add_function(wrap_pyfunction!(write_files, module)?)
 }

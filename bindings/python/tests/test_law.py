@@ -12,6 +12,7 @@ import polars
 import pytest
 from conftest import Columns, sine_block
 from mesh_damper import DamperLaw
+from test_models import SPRING
 
 UNITS = "mm-kN-s"
 
@@ -107,6 +108,19 @@ def test_several_recordings_are_lists() -> None:
     assert both.coefficients()[:, 0] == pytest.approx(8.0, rel=0.02)
 
 
+def test_rows_of_numbers_in_lists_are_one_recording() -> None:
+    y, force, t = channels(sine_block())
+    fitted = DamperLaw(units=UNITS).fit(y, force, t=t)
+    expected = fitted.predict(y, t=t)
+    rows: list[Any] = [y.tolist(), [[value] for value in y.tolist()], tuple((value,) for value in y.tolist())]
+    for X in rows:
+        assert np.array_equal(fitted.predict(X, t=t), expected)
+        for forces in (force, force.tolist(), force[:, None].tolist()):
+            assert fitted.score(X, forces, t=t) == fitted.score(y, force, t=t)
+    for forces in (force, force.tolist(), force[:, None].tolist()):
+        assert DamperLaw(units=UNITS).fit(rows[1], forces, t=t).model_ == fitted.model_
+
+
 def test_control_inputs_are_columns_of_x() -> None:
     y, force, t = channels(sine_block())
     current = np.where(t < 2.0, 0.5, 1.0)
@@ -134,10 +148,31 @@ def test_what_is_wrong_is_said() -> None:
         DamperLaw().predict(y, t=t)
     with pytest.raises(ValueError, match="y: has 3 samples, and X has 2000"):
         DamperLaw().fit(y, force[:3], t=t)
-    with pytest.raises(ValueError, match="0 is no time between samples"):
+    with pytest.raises(ValueError, match="0 is not a valid time between samples"):
         DamperLaw().fit(y, force, t=0.0)
-    with pytest.raises(mesh_damper.InputError, match="t: 'time' is no time between samples; give one above 0, or the samples' times"):
+    text = "t: 'time' is not a valid time between samples; give a number above 0, or the times of the samples"
+    with pytest.raises(mesh_damper.InputError, match=text):
         DamperLaw().fit(y, force, t="time")
+    with pytest.raises(mesh_damper.InputError, match=r"y: 3\.0 is not a column of forces; give a force for each sample of X"):
+        DamperLaw().fit(y, 3.0, t=t)
+    with pytest.raises(mesh_damper.InputError, match=r"y: 3\.0 is not a column of forces"):
+        DamperLaw().fit([[0.1], [0.2]], 3.0, t=0.01)
+    with pytest.raises(mesh_damper.InputError, match="X: has 2000 columns; give the displacement"):
+        DamperLaw().fit([y, y], force, t=t)
+    with pytest.raises(
+        mesh_damper.InputError, match="X: its rows are not of the same length; give one column, or rows of the displacement"
+    ):
+        DamperLaw().fit([y, y[:9]], force, t=t)
+    with pytest.raises(mesh_damper.InputError, match="y: X is a list of 2 recordings; give a list of 2 forces"):
+        DamperLaw().fit([y, y], [force], t=t)
+    fitted = DamperLaw.of(SPRING, units=UNITS)
+    several = "X: is a list of 2 elements with 2000 values; give one recording, or rows of the displacement"
+    with pytest.raises(mesh_damper.InputError, match=several):
+        fitted.predict([y, y], t=t)
+    with pytest.raises(mesh_damper.InputError, match=several):
+        fitted.score([y, y], [force, force], t=t)
+    with pytest.raises(mesh_damper.InputError, match=r"y: 3\.0 is not a column of forces"):
+        fitted.score(y, 3.0, t=t)
     with pytest.raises(mesh_damper.InputError, match="a LazyFrame has no values yet"):
         DamperLaw().fit(polars.LazyFrame({"y": y}), force, t=t)
     with pytest.raises(ValueError, match="no parameter is called 'depth'"):

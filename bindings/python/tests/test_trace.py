@@ -401,9 +401,9 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (sine_block(), {"families": ["rust"]}, 'no effect is called "rust"'),
     (sine_block(), {"baseline": "cubic"}, 'no law is called "cubic"'),
     (sine_block(), {"law": 3}, "int is no model"),
-    (sine_block(), {"time": -1.0}, "is no time between samples"),
+    (sine_block(), {"time": -1.0}, "is not a valid time between samples"),
     ("recording.csv", {"force": [1.0, 2.0]}, "force= is no name of a column"),
-    ("recording.csv", {"time": 0.0}, "is no time between samples"),
+    ("recording.csv", {"time": 0.0}, "is not a valid time between samples"),
     (polars.LazyFrame(sine_block()), {}, "recording: a LazyFrame has no values yet; give its .collect()"),
 ]
 
@@ -529,6 +529,36 @@ def test_pictures_page_and_report(found: mesh_damper.Trace, tmp_path: Path) -> N
     assert (tmp_path / "report.html").read_text() == str(found.report())
     assert found.report()._repr_html_().startswith("<iframe")
     assert "stick_slip slip_limit" in repr(found)
+
+
+def test_files_of_a_trace_are_written_all_or_none(found: mesh_damper.Trace, tmp_path: Path) -> None:
+    resource: Any = pytest.importorskip("resource", reason="left out: this system does not limit the size of a file")
+    names = ("model.json", "report.html", "trace.json")
+    for name in names:
+        (tmp_path / name).write_text("old")
+    report = found.report()
+
+    def unchanged() -> bool:
+        return [(path.name, path.read_text()) for path in sorted(tmp_path.iterdir())] == [(name, "old") for name in names]
+
+    # As on a full disk, a write ends after some bytes.
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for save, place in ((found.save, tmp_path), (report.save, tmp_path / "report.html")):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, limits[1]))
+        try:
+            with pytest.raises(mesh_damper.InputError, match=r"\.(json|html): "):
+                save(place)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        assert unchanged()
+    # Only the last file cannot be written.
+    (tmp_path / "report.html").unlink()
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(mesh_damper.InputError, match=r"report\.html"):
+        found.save(tmp_path)
+    assert (tmp_path / "trace.json").read_text() == (tmp_path / "model.json").read_text() == "old"
+    found.save(tmp_path / "new" / "folder")
+    assert sorted(path.name for path in (tmp_path / "new" / "folder").iterdir()) == list(names)
 
 
 def test_known_effects_stay_in_the_law(columns: Columns, found: mesh_damper.Trace) -> None:

@@ -1,8 +1,12 @@
 //! The settings of all traces of a batch.
 
 use mesh_damper_identify::trace::Sought;
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::files::Reading;
 use mesh_damper_recording::read_limit::ReadLimit;
+
+use crate::identity::{contents, identity};
+use crate::list::Task;
 
 /// The settings of all traces of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +20,15 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The identity of the trace of `task` with these settings, as in its row. Its recordings are read, but not traced.
+    ///
+    /// # Errors
+    /// A recording that cannot be read.
+    pub fn identity_of(&self, task: &Task) -> Result<String, InputError> {
+        let contents = contents(task, self.reading.limit)?;
+        Ok(identity(task, &contents, &self.decisive()))
+    }
+
     /// Everything that determines the result of a trace, as text: the program's version, the reading of files, the effects to look
     /// for, and the policy numbers. The read limit is no part of it: a file within one limit is the same within another.
     pub(crate) fn decisive(&self) -> String {

@@ -5,7 +5,7 @@
 >>> found.verdict, found.effects, found.plot()
 """
 
-from ._batch import Batch, Comparison, compare, outcome, outcomes, recordings_in, trace_many
+from ._batch import Batch, Comparison, compare, identity, outcome, outcomes, recordings_in, trace_many
 from ._characterize import Characterization, characterize
 from ._core import __version__
 from ._errors import GuessWarning, InputError, MissingFileError, NotFittedError, UnitWarning
@@ -35,6 +35,7 @@ __all__ = [
     "characterize",
     "compare",
     "export",
+    "identity",
     "outcome",
     "outcomes",
     "recordings_in",

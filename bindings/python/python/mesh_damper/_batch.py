@@ -110,7 +110,8 @@ def trace_many(
         given = [os.fspath(path) for path in recordings]
         if not given:
             raise InputError("recordings: there is none; give at least one path")
-    settings = _settings(families, exclude, baseline, law, channels, units, rate, table, decimal, max_read, reports)
+    reading = _reading(channels, units, rate, table, decimal, max_read)
+    settings = _settings(reading, families, exclude, baseline, law, reports)
     folder = Path(out)
     summary, outcomes, effects, left_out = _core.trace_many(given, rows, folder, settings, jobs, progress)
     if left_out is not None:
@@ -118,30 +119,27 @@ def trace_many(
     return Batch(summary, outcomes, effects, folder, _frames.library_of(recordings))
 
 
-def _settings(
-    families: Sequence[str],
-    exclude: Sequence[str],
-    baseline: str,
-    law: Any,
+def _reading(
     channels: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
     rate: float | None,
     table: str | None,
     decimal: Decimal | None,
     max_read: int | None,
-    reports: bool,
+) -> _core.Reading:
+    by_channel, by_unit = (list((pairs or {}).items()) for pairs in (channels, units))
+    return _core.Reading(channels=by_channel, units=by_unit, rate=rate, table=table, decimal=decimal, max_read=max_read)
+
+
+def _settings(
+    reading: _core.Reading, families: Sequence[str], exclude: Sequence[str], baseline: str, law: Any, reports: bool = False
 ) -> _core.BatchSettings:
     return _core.BatchSettings(
+        reading,
         [families] if isinstance(families, str) else list(families),
         [exclude] if isinstance(exclude, str) else list(exclude),
         baseline,
         None if law is None else model_of(law),
-        list((channels or {}).items()),
-        list((units or {}).items()),
-        rate,
-        table,
-        decimal,
-        max_read,
         reports,
     )
 
@@ -149,7 +147,8 @@ def _settings(
 def _table(frame: Any, names: Sequence[str]) -> str:
     """Write a frame of paths as CSV."""
     if "path" not in names:
-        raise InputError(f"recordings: there is no column 'path'; found {', '.join(map(repr, names)) or 'none'}")
+        found = ", ".join(map(repr, names)) or "none"
+        raise InputError(f"recordings: there is no column 'path'; found {found}; name the column of paths 'path'")
     used = [name for name in _COLUMNS if name in names]
     text = io.StringIO()
     writer = csv.writer(text)
@@ -180,6 +179,35 @@ def recordings_in(folder: str | os.PathLike[str]) -> tuple[list[str], list[str]]
     return [str(path) for path in recordings], [str(path) for path in others]
 
 
+def identity(
+    recordings: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    held_out: Sequence[str | os.PathLike[str]] = (),
+    channels: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate: float | None = None,
+    table: str | None = None,
+    decimal: Decimal | None = None,
+    families: Sequence[str] = (),
+    exclude: Sequence[str] = (),
+    baseline: str = "mixed",
+    law: Any = None,
+    max_read: int | None = None,
+) -> str:
+    """Return the `id` that `outcome` would give the row of these recordings, without tracing them.
+
+    It is a hash of the contents of the recordings, their roles, the settings and the program's version. It does not depend on the names of
+    the files. Thus a scheduler knows which rows it has already.
+    """
+    settings = _settings(_reading(channels, units, rate, table, decimal, max_read), families, exclude, baseline, law)
+    return _core.identity(_paths(recordings), _paths(held_out), settings)
+
+
+def _paths(given: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
+    each = [given] if isinstance(given, (str, os.PathLike)) else given
+    return [os.fspath(path) for path in each]
+
+
 def outcome(
     recordings: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
@@ -200,9 +228,8 @@ def outcome(
     It writes no file and uses one core. A failed trace gives a row instead of an exception. `outcomes` makes a table of many rows. The
     settings are those of `trace_many`.
     """
-    paths = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
-    settings = _settings(families, exclude, baseline, law, channels, units, rate, table, decimal, max_read, False)
-    row: dict[str, Any] = json.loads(_core.outcome([os.fspath(path) for path in paths], [os.fspath(path) for path in held_out], settings))
+    settings = _settings(_reading(channels, units, rate, table, decimal, max_read), families, exclude, baseline, law)
+    row: dict[str, Any] = json.loads(_core.outcome(_paths(recordings), _paths(held_out), settings))
     return row
 
 
@@ -214,8 +241,14 @@ def outcomes(rows: Sequence[dict[str, Any]]) -> Any:
 class Comparison:
     """The changes from model to model, returned by `compare`."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, sentence: str) -> None:
         self._found: dict[str, Any] = json.loads(text)
+        self._sentence = sentence
+
+    @property
+    def conclusion(self) -> str:
+        """The conclusion: `changed`, `no_change`, or, if nothing can be decided, `undecided_effect` or `undecided_force`."""
+        return str(self._found["conclusion"])
 
     @property
     def changed(self) -> bool:
@@ -269,8 +302,7 @@ class Comparison:
         return self._found
 
     def __repr__(self) -> str:
-        said = "changed" if self.changed else "not decided" if self.undecided else "no change"
-        return f"<Comparison of {len(self._found['models'])} models: {said}>"
+        return f"<Comparison of {len(self._found['models'])} models: {self._sentence}>"
 
 
 def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -> Comparison:
@@ -283,7 +315,7 @@ def compare(models: Sequence[ModelLike], times: Sequence[float] | None = None) -
     if len(times) != len(models):
         raise InputError(f"times: has {len(times)} for {len(models)} models; give one time for each model")
     given = [_given(place, model) for place, model in enumerate(models)]
-    return Comparison(_core.compare_models(given, [float(time) for time in times]))
+    return Comparison(*_core.compare_models(given, [float(time) for time in times]))
 
 
 def _given(place: int, model: ModelLike) -> Any:

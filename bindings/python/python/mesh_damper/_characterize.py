@@ -61,7 +61,7 @@ class Characterization:
         from ._plot import characterized
 
         if not -len(self._loops) <= number < len(self._loops):
-            raise InputError(f"number: there is no loop {number}; count them from 0, and there are {len(self._loops)}")
+            raise InputError(f"number: there is no loop {number}; give 0 to {len(self._loops) - 1}")
         measured, line = (np.asarray(points).reshape(-1, 2) for points in self._loops[number])
         return characterized(measured, line, "middle line" if self.kind == "static" else "averaged cycle", ax)
 

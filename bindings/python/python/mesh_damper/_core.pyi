@@ -19,6 +19,7 @@ __all__ = [
     "characterize",
     "compare_models",
     "export",
+    "identity",
     "outcome",
     "outcomes_of",
     "recordings_in",
@@ -28,6 +29,7 @@ __all__ = [
     "sweep",
     "trace",
     "trace_many",
+    "write_files",
 ]
 
 __version__: str
@@ -45,6 +47,7 @@ class Reading:
         units: Sequence[tuple[str, str]] = ...,
         system: str | None = None,
         step: float | None = None,
+        rate: float | None = None,
         table: str | None = None,
         decimal: _Decimal | None = None,
         inputs: Sequence[str] | None = None,
@@ -105,16 +108,11 @@ class Drive:
 class BatchSettings:
     def __new__(
         cls,
+        reading: Reading,
         families: Sequence[str],
         exclude: Sequence[str],
         baseline: str,
         law: Model | None = None,
-        channels: Sequence[tuple[str, str]] = ...,
-        units: Sequence[tuple[str, str]] = ...,
-        rate: float | None = None,
-        table: str | None = None,
-        decimal: _Decimal | None = None,
-        max_read: int | None = None,
         reports: bool = False,
     ) -> BatchSettings: ...
 
@@ -129,6 +127,7 @@ def trace(
     law: Model | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Trace: ...
+def write_files(files: Sequence[tuple[str | PathLike[str], str]]) -> None: ...
 def characterize(
     recording: Recording, is_static: bool
 ) -> tuple[str, list[tuple[list[tuple[float, float]], list[tuple[float, float]]]]]: ...
@@ -173,6 +172,7 @@ def trace_many(
     progress: Callable[[str], object] | None = None,
 ) -> tuple[str, dict[str, Any], dict[str, Any], str | None]: ...
 def recordings_in(folder: str | PathLike[str]) -> tuple[list[Path], list[Path]]: ...
+def identity(recordings: Sequence[str | PathLike[str]], held_out: Sequence[str | PathLike[str]], settings: BatchSettings) -> str: ...
 def outcome(recordings: Sequence[str | PathLike[str]], held_out: Sequence[str | PathLike[str]], settings: BatchSettings) -> str: ...
 def outcomes_of(rows: Sequence[str]) -> dict[str, Any]: ...
-def compare_models(models: Sequence[str | tuple[str, str, str]], times: Sequence[float]) -> str: ...
+def compare_models(models: Sequence[str | tuple[str, str, str]], times: Sequence[float]) -> tuple[str, str]: ...

@@ -40,7 +40,7 @@ def export(
     chosen = format or _ENDINGS.get(ending)
     if chosen is None:
         raise InputError(
-            f"{os.fspath(path)}: its ending says no format; give format= as pack, rust, c or fmu, or one of {', '.join(_ENDINGS)}"
+            f"{os.fspath(path)}: its ending does not give the format; give format= as pack, rust, c or fmu, or one of {', '.join(_ENDINGS)}"
         )
     text, said = _core.export(
         model_of(model),

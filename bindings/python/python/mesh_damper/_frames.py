@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any, Literal
@@ -149,11 +148,21 @@ def make(columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]], like: Library 
     if like == "polars":
         order.reverse()
     for library in order:
-        if like == library or library in sys.modules or _is_there(library):
+        if like == library or _is_there(library):
             return import_module(library).DataFrame(dict(columns))
-    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    arrays = {name: _array(values) for name, values in columns.items()}
     kinds = np.dtype([(name, array.dtype) for name, array in arrays.items()])
     return np.rec.fromarrays(list(arrays.values()), dtype=kinds)
+
+
+def _array(values: Sequence[Any] | npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a column as an array with an element a row; a row with a list stays one object."""
+    if isinstance(values, np.ndarray) or not any(isinstance(value, (list, dict)) for value in values):
+        return np.asarray(values)
+    array = np.empty(len(values), dtype=object)
+    for row, value in enumerate(values):
+        array[row] = value
+    return array
 
 
 def _is_there(library: str) -> bool:

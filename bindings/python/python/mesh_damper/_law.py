@@ -82,8 +82,8 @@ class DamperLaw:
     def fit(self, X: Any, y: Any, *, t: Time = None, held_out: RecordingLike = None, progress: Any = None) -> DamperLaw:
         """Fit the law to the displacement `X` and the force `y` at the times `t`, and find additional effects.
 
-        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings. `held_out` are
-        recordings that are never fitted, in any form that `trace` accepts.
+        `X` is one column, or the displacement and the control inputs. Lists of `X`, `y` and `t` are several recordings if each element of
+        `y` is the force of one. `held_out` are recordings that are never fitted, in any form that `trace` accepts.
         """
         recordings = self._recordings(X, y, t)
         found = trace(
@@ -114,11 +114,11 @@ class DamperLaw:
 
         As in `hil predict`, the zero and the delay of the channels are determined from the force.
         """
-        measured = _frames.to_array(y, "y")
         predicted = self._force(X, y, t)
-        told = np.isfinite(measured) & np.isfinite(predicted)
-        about = measured[told] - measured[told].mean()
-        return float(1.0 - np.sum((measured[told] - predicted[told]) ** 2) / np.sum(about**2))
+        measured = _frames.to_array(y, "y")
+        is_known = np.isfinite(measured) & np.isfinite(predicted)
+        about = measured[is_known] - measured[is_known].mean()
+        return float(1.0 - np.sum((measured[is_known] - predicted[is_known]) ** 2) / np.sum(about**2))
 
     def coefficients(self) -> Array:
         """Return k1, k3, c and alpha, with a row for each fitted amplitude."""
@@ -254,19 +254,38 @@ class DamperLaw:
         t = self.dt if t is None else t
         if t is None:
             raise InputError("t: the samples' times are missing; give t= as their times or as the time between two of them")
-        several = isinstance(X, (list, tuple)) and len(X) > 0 and np.ndim(X[0]) > 0
-        if several and one:
-            raise InputError("X: is a list of recordings; give one")
-        if not several:
+        if not self._is_several(X, y):
             return [self._columns(X, y, t)]
+        if one:
+            raise InputError(
+                f"X: is a list of {len(X)} elements with {_length(X[0])} values; give one recording, or rows of {self._wanted()}"
+            )
         if not isinstance(y, (list, tuple)) or len(y) != len(X):
-            raise InputError(f"y: is not as many recordings as X, which are {len(X)}; give a force for each")
+            raise InputError(f"y: X is a list of {len(X)} recordings; give a list of {len(X)} forces")
         times = t if isinstance(t, (list, tuple)) else [t] * len(X)
         if len(times) != len(X):
-            raise InputError(f"t: is not as many recordings as X, which are {len(X)}; give times for each, or one for all")
+            raise InputError(f"t: X is a list of {len(X)} recordings; give {len(X)} times, or one for all")
         return [self._columns(*each) for each in zip(X, y, times)]
 
+    def _is_several(self, X: Any, y: Any) -> bool:
+        """Return whether `X` is a list of recordings, and not one recording as a list of numbers or of rows.
+
+        The force decides, because a row of `X` has elements like a recording. Without a force, their number decides.
+        """
+        if not isinstance(X, (list, tuple)) or not X:
+            return False
+        if y is None:
+            return _length(X[0]) not in (None, 1 + len(self.inputs))
+        # One force in a list of its own is a row: a recording has more samples.
+        return isinstance(y, (list, tuple)) and len(y) > 0 and _length(y[0]) not in (None, 1)
+
+    def _wanted(self) -> str:
+        """Return the columns of X in words."""
+        return " and ".join(["the displacement", *([", ".join(self.inputs)] if self.inputs else [])])
+
     def _columns(self, X: Any, y: Any, t: Any) -> Mapping[str, Any]:
+        if y is not None and _length(y) is None:
+            raise InputError(f"y: {y!r} is not a column of forces; give a force for each sample of X")
         features = self._features(X)
         names = ["displacement", *self.inputs]
         if len(features) != len(names):
@@ -276,14 +295,15 @@ class DamperLaw:
             )
         columns: dict[str, Any] = dict(zip(names, features))
         rows = len(features[0])
-        if np.ndim(t) == 0:
+        if _length(t) is None:
             try:
                 step = float(t)
             except (TypeError, ValueError):
                 step = np.nan
             if not (np.isfinite(step) and step > 0):
                 raise InputError(
-                    f"t: {repr(t) if isinstance(t, str) else t} is no time between samples; give one above 0, or the samples' times"
+                    f"t: {repr(t) if isinstance(t, str) else t} is not a valid time between samples; "
+                    "give a number above 0, or the times of the samples"
                 )
             t = step * np.arange(rows)
         columns["time"] = t
@@ -299,12 +319,23 @@ class DamperLaw:
         names = _frames.column_names(X)
         if names is not None:
             return [_frames.to_array(_frames.column(X, name), f"X: {name}") for name in names]
-        array: npt.NDArray[Any] = np.asanyarray(X)
+        try:
+            array: npt.NDArray[Any] = np.asanyarray(X)
+        except ValueError as error:
+            raise InputError(f"X: its rows are not of the same length; give one column, or rows of {self._wanted()}") from error
         if array.ndim == 1:
             return [_frames.to_array(X, "X")]
         if array.ndim != 2:
             raise InputError(f"X: has {array.ndim} dimensions; give one column, or rows of samples")
         return [_frames.to_array(array[:, place], "X") for place in range(array.shape[1])]
+
+
+def _length(values: Any) -> int | None:
+    """Return the number of elements; `None` for a single value."""
+    try:
+        return None if isinstance(values, (str, bytes)) else len(values)
+    except TypeError:
+        return None
 
 
 def _not_fitted(text: str) -> NotFittedError:

@@ -207,12 +207,9 @@ class Trace:
         return report
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write trace.json, model.json and report.html into `folder`, as `hil trace --out` does."""
-        place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        (place / "trace.json").write_text(self._json, encoding="utf-8")
-        (place / "model.json").write_text(self._core.model.to_json(), encoding="utf-8")
-        (place / "report.html").write_text(self._core.report(), encoding="utf-8")
+        """Write trace.json, model.json and report.html into `folder`, as `hil trace --out` does: all of them or none."""
+        files = {"trace.json": self._json, "model.json": self._core.model.to_json(), "report.html": self._core.report()}
+        _core.write_files([(Path(folder) / name, text) for name, text in files.items()])
 
     def __repr__(self) -> str:
         heading, _ = self._core.verdict_in_words()
@@ -265,8 +262,8 @@ class Report:
         self.html = html
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page to a file."""
-        Path(path).write_text(self.html, encoding="utf-8")
+        """Write the page to a file, completely or not at all."""
+        _core.write_files([(path, self.html)])
 
     def __str__(self) -> str:
         return self.html

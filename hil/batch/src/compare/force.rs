@@ -120,6 +120,17 @@ pub(super) fn changes(
         hides.push(hides_more);
         changes.push(change);
     }
+    for (moment, _) in moments
+        .iter()
+        .zip(&chances)
+        .filter(|(moment, chance)| moment.trace.is_some() && chance.is_none())
+    {
+        notes.push(format!(
+            "the uncertainty of the force of {} is unknown, because its recordings do not bound a parameter, or cannot tell parameters apart: \
+             trace more recordings of that time together, with other amplitudes and frequencies",
+            moment.name
+        ));
+    }
     let mut undecided = Vec::new();
     for effect in effects {
         let pair = chances[effect.model].zip(chances[effect.model - 1]);

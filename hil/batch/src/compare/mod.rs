@@ -80,6 +80,46 @@ pub struct Compared {
     pub has_intervals: bool,
 }
 
+/// The conclusion of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Conclusion {
+    /// A change of the specimen is claimed.
+    Changed,
+    /// Not decided: an effect appeared or vanished, and the common motion does not excite it.
+    UndecidedEffect,
+    /// Not decided: the difference of a force to expect by chance is not known.
+    UndecidedForce,
+    /// All forces agree within their intervals.
+    NoChange,
+}
+
+impl Conclusion {
+    fn of(changed: bool, undecided: &[Undecided], forces: &[ForceChange]) -> Self {
+        match changed {
+            true => Self::Changed,
+            false if !undecided.is_empty() => Self::UndecidedEffect,
+            false if forces.iter().any(|one| one.p.is_none()) => Self::UndecidedForce,
+            false => Self::NoChange,
+        }
+    }
+
+    /// As a sentence, for a heading.
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            Self::Changed => "The specimen changed.",
+            Self::UndecidedEffect => {
+                "Undecided: an effect differs, but the conditions shared by all models do not show it."
+            }
+            Self::UndecidedForce => {
+                "Undecided: the uncertainty of the force is unknown for some models."
+            }
+            Self::NoChange => "No change beyond the intervals.",
+        }
+    }
+}
+
 /// The changes from model to model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -94,6 +134,8 @@ pub struct Comparison {
     pub models: Vec<Compared>,
     /// Whether a change of the force, and therefore of the specimen, is claimed.
     pub changed: bool,
+    /// The conclusion about the specimen.
+    pub conclusion: Conclusion,
     /// Effects that not all models have and that the common motion does not excite. They are undecided if no change is claimed.
     pub undecided: Vec<Undecided>,
     /// The common motion of the comparison.
@@ -151,6 +193,7 @@ pub fn compare(mut moments: Vec<Moment>) -> Result<Comparison, InputError> {
         version: 2,
         level: numbers.level,
         changed,
+        conclusion: Conclusion::of(changed, &found.undecided, &forces),
         undecided: found.undecided,
         models: moments.iter().map(Moment::compared).collect(),
         common_motion,

@@ -137,7 +137,7 @@ pub fn outcomes(rows: &[Row]) -> Table {
         ),
         (
             "remainder_times_noise",
-            "Residual of the model as a multiple of the noise; empty if it is only noise.",
+            "Residual of the model as a multiple of the noise of force and motion; empty if it is only noise.",
             real(|found| found.remainder_times_noise),
         ),
         (

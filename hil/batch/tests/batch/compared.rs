@@ -1,6 +1,6 @@
 //! Models of one specimen over time: a change is found, and none is found if nothing changed.
 
-use mesh_damper_batch::compare::{Comparison, Moment, compare};
+use mesh_damper_batch::compare::{Comparison, Conclusion, Moment, compare};
 use mesh_damper_identify::trace::trace;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::error::InputError;
@@ -48,6 +48,7 @@ fn a_stiffness_that_drifts_is_found_with_its_size() {
     for seed in 0..3 {
         let found = drifting(seed, 0.03);
         assert!(found.changed && found.effects.is_empty(), "{found:?}");
+        assert_eq!(found.conclusion, Conclusion::Changed);
         let last = &found.forces[1];
         assert!(last.changed && last.p.unwrap() < 1e-4, "{last:?}");
         // The largest difference of the forces corresponds to the growth of k1.
@@ -184,6 +185,21 @@ fn a_trace_that_does_not_keep_its_zero_is_refused_where_one_was_taken_off() {
     );
 }
 
+#[test]
+fn without_intervals_nothing_is_decided() {
+    let first = moment(0.0, &plain(at_first(0), 1));
+    let mut second = Moment {
+        time: 1.0,
+        ..first.clone()
+    };
+    let same = compare(vec![first.clone(), second.clone()]).unwrap();
+    assert_eq!(same.conclusion, Conclusion::NoChange);
+    second.trace = None;
+    let found = compare(vec![first, second]).unwrap();
+    assert_eq!(found.conclusion, Conclusion::UndecidedForce);
+    assert!(!found.changed && found.undecided.is_empty(), "{found:?}");
+}
+
 fn warm(seed: u64, loss: f64, temperature: [f64; 2]) -> Varied {
     Varied {
         loss,
@@ -201,6 +217,7 @@ fn what_no_common_temperature_shows_is_not_decided() {
         let [undecided] = &found.undecided[..] else {
             panic!("{found:?}");
         };
+        assert_eq!(found.conclusion, Conclusion::UndecidedEffect);
         assert!(
             undecided.family == "temperature"
                 && undecided.would_show.contains("at 20.0 to 42.0 °C"),

@@ -51,11 +51,14 @@ fn nothing_is_made_twice_and_what_has_changed_is_made() {
     fs::copy(folder.join("0.csv"), folder.join("broken.csv")).unwrap();
     let text = fs::read_to_string(folder.join("0.csv")).unwrap();
     fs::write(folder.join("0.csv"), text.replacen('\n', "\n\n", 1)).unwrap();
-    let mended = run(&batch(&folder, &out));
-    assert_eq!((mended.computed, mended.traced, mended.failed), (1, 4, 0));
+    let corrected = run(&batch(&folder, &out));
+    assert_eq!(
+        (corrected.computed, corrected.traced, corrected.failed),
+        (1, 4, 0)
+    );
     // A model that was removed is made again, and so is a report that is requested.
-    let Outcome::Traced(found) = &mended.traces[0].outcome else {
-        panic!("{:?}", mended.traces[0]);
+    let Outcome::Traced(found) = &corrected.traces[0].outcome else {
+        panic!("{:?}", corrected.traces[0]);
     };
     fs::remove_file(out.join(&found.folder).join("model.json")).unwrap();
     assert_eq!(run(&batch(&folder, &out)).computed, 1);

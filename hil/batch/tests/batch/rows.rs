@@ -40,7 +40,7 @@ pub fn record(folder: &Path, count: u64) {
 }
 
 pub fn write(recording: &Recording, path: &Path) {
-    fs::write(path, recording.to_file(path)).unwrap();
+    fs::write(path, recording.to_file(path).unwrap()).unwrap();
 }
 
 fn failed(row: &Row) -> Option<&str> {
@@ -98,7 +98,7 @@ fn what_cannot_be_traced_is_a_row_and_what_is_there_twice_is_none() {
     let recording = Recording::read(path("0.csv")).unwrap();
     fs::write(
         path("packed.csv.gz"),
-        recording.to_file(&path("packed.csv.gz")),
+        recording.to_file(&path("packed.csv.gz")).unwrap(),
     )
     .unwrap();
     let mut still = drawn(5);
