@@ -22,13 +22,13 @@ pub use crate::trace::aligned::AlignedPolicy;
 pub use crate::trace::confirm::ConfirmPolicy;
 pub use crate::trace::held_range::HeldRangePolicy;
 pub use crate::trace::left_out::LeftOutPolicy;
-pub use crate::trace::mend::MendPolicy;
 pub use crate::trace::remainder::RemainderPolicy;
 pub use crate::trace::score::ScorePolicy;
 pub use crate::trace::select::SelectPolicy;
 pub use crate::trace::separating::SeparatingPolicy;
 pub use crate::trace::split::SplitPolicy;
 pub use crate::trace::tones::TonesPolicy;
+pub use crate::trace::unexplained::UnexplainedPolicy;
 pub use crate::trace::verdict::VerdictPolicy;
 pub use crate::trace::wander::WanderPolicy;
 pub use crate::uncertainty::UncertaintyPolicy;
@@ -57,7 +57,7 @@ mesh_damper_recording::policy! {
     /// What a residual table may remember.
     memory: MemoryPolicy,
     /// When a residual table takes the place of effects.
-    mend: MendPolicy,
+    unexplained: UnexplainedPolicy,
     /// When a law with more takes the place of the law alone.
     adopt: AdoptPolicy,
     /// When an effect is confirmed though something else is missing too.

@@ -10,7 +10,8 @@ use crate::policy::policy;
 mesh_damper_recording::numbers! {
     /// Where something may touch, as an edge in a residual table.
     EdgesPolicy {
-        /// To find such edges, the range of the displacement is divided into this many zones, each with its own friction and damping.
+        /// To find edges beyond which something touches, the range of the displacement is divided into this many zones, each with
+        /// its own friction and damping.
         zones: usize = 40, Tuned("the blind trial");
     }
 }

@@ -46,7 +46,7 @@ pub(super) struct Solved {
     pub cells: Vec<f64>,
     /// Error in the fit beyond the noise, kN.
     pub inside: f64,
-    /// The same error, or the error as [judged](Sums::judged).
+    /// The same error, or the [cross-validated](Sums::cross_validated) error.
     pub error: f64,
 }
 
@@ -292,7 +292,7 @@ impl<'d, 't> Sums<'d, 't> {
         })
     }
 
-    /// The judged error with some of the trends, without the table.
+    /// The cross-validated error with some of the trends, without the table.
     pub fn error_with(&self, trends: &[usize]) -> Option<f64> {
         let unknowns = self.unknowns_of(trends);
         let blocks = self.blocks.iter().map(|block| block.only(&unknowns));
@@ -302,7 +302,7 @@ impl<'d, 't> Sums<'d, 't> {
         let none = Vec::new();
         let sums = Sums::of(self.design, self.at, layout, &[], none, blocks, total)?;
         let system = sums.system(TableForm::NONE);
-        sums.judged_error(&system, &sums.unknowns(&system)?)
+        sums.cross_validated_error(&system, &sums.unknowns(&system)?)
     }
 
     /// The reduction of the squared error in the fit by each trend, when added to some of the others, without the table.
@@ -343,11 +343,11 @@ impl<'d, 't> Sums<'d, 't> {
 
     /// One step from the coefficients, with the geometric mean of the error in the fit and the errors in the blocks left out one at
     /// a time, each beyond the noise; `None` if the equations cannot be solved.
-    pub fn judged(&self, form: TableForm) -> Option<Solved> {
+    pub fn cross_validated(&self, form: TableForm) -> Option<Solved> {
         let system = self.system(form);
         let unknowns = self.unknowns(&system)?;
         Some(Solved {
-            error: self.judged_error(&system, &unknowns)?,
+            error: self.cross_validated_error(&system, &unknowns)?,
             ..self.solution(&unknowns)
         })
     }
@@ -356,7 +356,7 @@ impl<'d, 't> Sums<'d, 't> {
         System::new(self.design, self.at, &self.layout, form, &self.total)
     }
 
-    fn judged_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
+    fn cross_validated_error(&self, system: &System, unknowns: &DVector<f64>) -> Option<f64> {
         let mut outside = 0.0;
         for block in &self.blocks {
             let (gram, right) = (

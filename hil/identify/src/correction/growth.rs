@@ -24,7 +24,7 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Those of `candidates` that clearly reduce the judged error, one at a time; and that error, kN.
+/// Those of `candidates` that clearly reduce the cross-validated error, one at a time; and that error, kN.
 pub(super) fn grown(rows: &GramRows, candidates: &[Trend]) -> Option<(f64, Vec<Trend>)> {
     let sums = rows.sums(TableForm {
         trends: candidates,
@@ -57,7 +57,7 @@ pub(super) fn grown(rows: &GramRows, candidates: &[Trend]) -> Option<(f64, Vec<T
     Some(polished(rows, error, taken.collect()))
 }
 
-/// These trends, with the widths that have the smallest judged error.
+/// These trends, with the widths that have the smallest cross-validated error.
 fn polished(rows: &GramRows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Vec<Trend>) {
     for factor in policy().growth.wider {
         for _ in 0..policy().growth.changes {
@@ -77,7 +77,7 @@ fn polished(rows: &GramRows, mut error: f64, mut trends: Vec<Trend>) -> (f64, Ve
     (error, trends)
 }
 
-/// The best of these trends with one of them replaced, and its judged error; `None` without others.
+/// The best of these trends with one of them replaced, and its cross-validated error; `None` without others.
 fn best_change(
     rows: &GramRows,
     trends: &[Trend],

@@ -177,7 +177,7 @@ pub fn depends_on(
         let at = Coefficients::of(model);
         let rows = GramRows::over(design, &at, recalled.as_ref());
         let of = recalled.as_ref().map(|recalled| recalled.of);
-        let judged = |form: TableForm| Some(rows.sums(form)?.judged(form)?.error);
+        let error_of = |form: TableForm| Some(rows.sums(form)?.cross_validated(form)?.error);
         let along_trends = |without: Option<Variable>| {
             let (error, _) = growth::grown(&rows, &trend::trends(of, without))?;
             Some(error)
@@ -186,7 +186,7 @@ pub fn depends_on(
             let errors = errors.into_iter().flatten();
             errors.fold(f64::INFINITY, f64::min)
         };
-        let all = least([along_trends(None), judged(choice.form())]);
+        let all = least([along_trends(None), error_of(choice.form())]);
         for (name, variable) in [
             ("displacement", Variable::Displacement),
             ("velocity", Variable::Velocity),
@@ -196,7 +196,7 @@ pub fn depends_on(
                 trends: &hats,
                 ..TableForm::NONE
             };
-            if least([along_trends(Some(variable)), judged(table)])
+            if least([along_trends(Some(variable)), error_of(table)])
                 > policy().correction.needed * all
             {
                 names.push(name);

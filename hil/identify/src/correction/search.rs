@@ -58,17 +58,17 @@ fn around(
         trends: &trends,
         table,
     };
-    let mut solved = rows.sums(form(None))?.judged(form(None))?;
+    let mut solved = rows.sums(form(None))?.cross_validated(form(None))?;
     let sums = rows.sums(form(Some(policy().search.typical)))?;
-    let judged = policy()
+    let solved_with = policy()
         .search
         .smoothness
         .par_iter()
         .filter_map(|&smoothness| {
             let table = Some(smoothness);
-            Some((sums.judged(form(table))?, table))
+            Some((sums.cross_validated(form(table))?, table))
         });
-    let best = judged.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
+    let best = solved_with.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
     let best = best.filter(|(with, _)| with.error < policy().search.tabulated * solved.error);
     let mut table = None;
     if let Some((with, smoothness)) = best {
@@ -93,7 +93,7 @@ fn around(
 pub(super) struct Memorable {
     pub recalled: Recalled,
     trends: Vec<Trend>,
-    /// Judged error, kN.
+    /// Cross-validated error, kN.
     error: f64,
 }
 
@@ -139,18 +139,18 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let least = of_motion.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
     let comparable = best_of_each.into_par_iter();
     let comparable = comparable.filter(|(error, _)| *error <= policy().search.comparable * least);
-    let judged = comparable.filter_map(|(_, of)| {
+    let memories = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
         let rows = GramRows::over(design, at, Some(&recalled));
         let (along_trends, trends) = growth::grown(&rows, &trend::trends(Some(of), None))?;
-        let in_table = rows.sums(tabulated)?.judged(tabulated)?.error;
+        let in_table = rows.sums(tabulated)?.cross_validated(tabulated)?.error;
         Some(Memorable {
             recalled,
             trends,
             error: along_trends.min(in_table),
         })
     });
-    judged.collect()
+    memories.collect()
 }
 
 /// The best of these memories in place of `plain`, if that clearly reduces the error.

@@ -49,7 +49,7 @@ pub(super) fn settle_needed(
     Some((solved, trends))
 }
 
-/// Solves until the exponents of eq 13 have settled, and judges the result.
+/// Solves until the exponents of eq 13 have settled, and cross-validates the result.
 pub(super) fn settle(
     design: &Design,
     start: &Coefficients,
@@ -59,7 +59,7 @@ pub(super) fn settle(
     let at = settled(design, start, form, recalled)?.coefficients;
     GramRows::over(design, &at, recalled)
         .sums(form)?
-        .judged(form)
+        .cross_validated(form)
 }
 
 /// Solves until the exponents of eq 13 have settled.

@@ -1,4 +1,4 @@
-//! Whether an extended law is better than the law alone, judged by conditions that it was not fitted to.
+//! Whether an extended law is better than the law alone on conditions that it was not fitted to.
 
 use super::relative_error::RelativeError;
 use crate::policy::policy;
@@ -19,9 +19,9 @@ pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     gains_by(policy().adopt.gain, alone, with)
 }
 
-/// The same, with the threshold by which one law is [clearly better](super::mend::MendPolicy::better) than another.
+/// The same, with the threshold by which one law is [clearly better](super::unexplained::UnexplainedPolicy::better) than another.
 pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    gains_by(policy().mend.better, alone, with)
+    gains_by(policy().unexplained.better, alone, with)
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {

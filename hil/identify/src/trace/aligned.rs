@@ -128,7 +128,7 @@ impl<'r> Aligned<'r> {
     }
 
     /// Moves forces back at the largest step of their zero. Looks at the residual of the named effects in `closed` and, if these
-    /// are not all of it, at the residual of eq 13 alone. Returns whether any force moved.
+    /// are not all of it, at the residual of the mixed damping law alone. Returns whether any force moved.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -161,7 +161,7 @@ impl<'r> Aligned<'r> {
     }
 
     /// Moves back forces whose zero differs from that of the other recordings. Looks at the residual of the named effects in
-    /// `closed` and, if these are not all of it, at the residual of eq 13 alone. Returns whether any force moved.
+    /// `closed` and, if these are not all of it, at the residual of the mixed damping law alone. Returns whether any force moved.
     ///
     /// # Errors
     /// A law that the crate refuses.
@@ -219,8 +219,8 @@ impl<'r> Aligned<'r> {
                 && place == fitted.len()
             {
                 let fault = zeros::fault(change, false);
-                let said = format!("{}: {fault}", trajectory.name);
-                closed.result.warnings.push(said);
+                let warning = format!("{}: {fault}", trajectory.name);
+                closed.result.warnings.push(warning);
             }
         }
         Ok(())
@@ -242,7 +242,7 @@ impl<'r> Aligned<'r> {
 
     /// Moves every force that was moved by about `from` s, or that may be late by `to` s, by the latter.
     fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
-        self.anew(|trajectory| {
+        self.again(|trajectory| {
             let differs = (trajectory.late - from).abs() / trajectory.tick;
             let shares = trajectory.late != 0.0 && differs < policy().aligned.same_shift;
             (shares || trajectory.may_be_late_by(to)).then_some(Known {
@@ -258,7 +258,7 @@ impl<'r> Aligned<'r> {
             return Ok(());
         };
         let (middle, largest) = (off.middle, largest_amplitude(off));
-        self.anew(|trajectory| {
+        self.again(|trajectory| {
             let same = policy().aligned.same_zero * largest.min(largest_amplitude(trajectory));
             let shares = trajectory.centre == 0.0 && (trajectory.middle - middle).abs() < same;
             shares.then_some(Known {
@@ -269,7 +269,7 @@ impl<'r> Aligned<'r> {
     }
 
     /// Prepares recordings again if more is known about them.
-    fn anew(&mut self, known: impl Fn(&Trajectory) -> Option<Known>) -> Result<(), InputError> {
+    fn again(&mut self, known: impl Fn(&Trajectory) -> Option<Known>) -> Result<(), InputError> {
         for (recordings, trajectories) in self.recordings.iter().zip(&mut self.trajectories) {
             for (recording, trajectory) in recordings.iter().zip(trajectories) {
                 if let Some(known) = known(trajectory) {

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use super::confirm::Confirmed;
 use super::estimates::law_estimates;
 use super::left_out::{LeftOut, Picked};
-use super::mend::clearly_best;
 use super::operating;
 use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
@@ -16,6 +15,7 @@ use super::select::{self, Selection};
 use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
+use super::unexplained::clearly_best;
 use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use crate::base_law::BaseLaw;
@@ -42,7 +42,7 @@ pub(super) struct Closed {
     pub forces: Vec<Forces>,
 }
 
-/// The role of each sample of a recording, and the force there of eq 13 alone and of the result, kN.
+/// The role of each sample of a recording, and the force there of the mixed damping law alone and of the result, kN.
 pub(super) struct Forces {
     pub roles: Vec<Role>,
     pub before: Vec<f64>,
@@ -56,7 +56,7 @@ pub(super) struct Closing<'a> {
     /// The fitted recordings.
     pub(super) trajectories: &'a [Trajectory],
     fitted: usize,
-    pub(super) judging: &'a Roles,
+    pub(super) validation: &'a Roles,
     roles: &'a Roles,
     /// With the preferred nodes, then with others.
     pub(super) rows: Vec<Rows<'a>>,
@@ -66,11 +66,11 @@ pub(super) struct Closing<'a> {
 }
 
 impl<'a> Closing<'a> {
-    /// Effects were chosen by the roles `judging`; no fit uses the samples that `roles` hold out. `nodes` are amplitudes at which
+    /// Effects were chosen by the roles `validation`; no fit uses the samples that `roles` hold out. `nodes` are amplitudes at which
     /// eq 13 has separate coefficients, mm: the preferred ones, then alternatives.
     pub fn new(
         fitted: &'a [Trajectory],
-        [judging, roles]: [&'a Roles; 2],
+        [validation, roles]: [&'a Roles; 2],
         held: &'a [Trajectory],
         nodes: Vec<Vec<f64>>,
         sought: &'a Sought,
@@ -88,7 +88,7 @@ impl<'a> Closing<'a> {
             recordings: of_fitted.chain(of_held).collect(),
             trajectories: fitted,
             fitted: fitted.len(),
-            judging,
+            validation,
             roles,
             noise_floor: noise_floor(fitted),
             rows: nodes
@@ -108,7 +108,7 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Fits eq 13 alone and with the effects of `selection`, and reports.
+    /// Fits the mixed damping law alone and with the effects of `selection`, and reports.
     pub fn close(
         &self,
         selection: &Selection,
@@ -117,7 +117,7 @@ impl<'a> Closing<'a> {
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
         let solution = self.fit_there(rows, &selection.found.solution);
-        let left_out = LeftOut::of(self.trajectories, [self.judging, self.roles]);
+        let left_out = LeftOut::of(self.trajectories, [self.validation, self.roles]);
         let found = solution.clone();
         let Concluded {
             mut verdict,
@@ -137,7 +137,7 @@ impl<'a> Closing<'a> {
                 alone,
                 model: solution.model(),
                 solution,
-                nameless: Vec::new(),
+                residual_depends_on: Vec::new(),
                 table_rejected_by: None,
                 rejected: None,
                 graded: None,
@@ -158,11 +158,11 @@ impl<'a> Closing<'a> {
             .collect();
         // If a named effect predicts the held-out samples less well, it is accepted only if conditions confirm it. This affects
         // only the verdict.
-        let says_less = verdict == Verdict::Found
+        let fails_on_held_out = verdict == Verdict::Found
             && unbounded.is_empty()
             && left_out.differ()
-            && over_noise.says_less();
-        if says_less {
+            && over_noise.fails_on_held_out();
+        if fails_on_held_out {
             self.grade_elsewhere(&left_out, &mut laws)?;
             verdict = Verdict::Unlisted;
         }
@@ -180,7 +180,7 @@ impl<'a> Closing<'a> {
             alone,
             solution,
             model,
-            nameless,
+            residual_depends_on,
             table_rejected_by,
             rejected,
             graded,
@@ -216,7 +216,7 @@ impl<'a> Closing<'a> {
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
         // For a law that predicts the held-out samples less well, its error on those.
-        let left_there = over_noise.held_out.filter(|_| says_less);
+        let left_there = over_noise.held_out.filter(|_| fails_on_held_out);
         let remainder = if is_more_missing && left_by_named > policy().verdict.noise_limited {
             let nrmse = self.evaluate(&named, predict)?.1.nrmse_fitted;
             Some(self.remainder(&named, false, [nrmse, left_by_named])?)
@@ -229,8 +229,8 @@ impl<'a> Closing<'a> {
         let (separating_test, separating_blocks) = match (verdict, &rivals) {
             (_, Some(rivals)) => {
                 progress("looking for a test that tells the candidates apart");
-                let (said, blocks) = separating_test(rivals, self.trajectories, self.sought.law)?;
-                (Some(said), blocks)
+                let (text, blocks) = separating_test(rivals, self.trajectories, self.sought.law)?;
+                (Some(text), blocks)
             }
             (Verdict::Found, None) if !unbounded.is_empty() => {
                 verdict = Verdict::Ambiguous;
@@ -270,12 +270,12 @@ impl<'a> Closing<'a> {
             remainder,
             candidates: self.candidates(selection, &found)?,
             effects_rejected_by: effects_rejected_by
-                .or((says_less && verdict == Verdict::Unlisted).then_some(Rule::SaysLess)),
+                .or((fails_on_held_out && verdict == Verdict::Unlisted).then_some(Rule::SaysLess)),
             table_rejected_by,
             separating_test,
             separating_blocks,
             held_out_differs: over_noise.differs_from_explained(&model, left).is_some(),
-            depends_on: depends_on(&model, &nameless),
+            depends_on: depends_on(&model, &residual_depends_on),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings: warnings(
                 self.recordings.iter().map(|(trajectory, _)| *trajectory),
@@ -320,9 +320,9 @@ impl<'a> Closing<'a> {
         left_out: &LeftOut,
         [alone, solution]: [&Solution; 2],
     ) -> Result<Concluded, ModelError> {
-        let judged = selection.found.score.nrmse() / selection.goal;
+        let of_validation = selection.found.score.nrmse() / selection.goal;
         let left_by_solution = left_out.left_by(&solution.model())?;
-        let left = left_by_solution.in_most().unwrap_or(judged);
+        let left = left_by_solution.in_most().unwrap_or(of_validation);
         let (verdict, effects_rejected_by) = conclude(selection, solution.is_alone(), left);
         let concluded = Concluded {
             verdict,
@@ -356,8 +356,8 @@ impl<'a> Closing<'a> {
         })
     }
 
-    /// The search's result, or another law that the judging cycles do not distinguish from it and that has clearly smaller errors
-    /// over all blocks with equal weights. The cycles that judge come mostly from the blocks with the largest force.
+    /// The search's result, or another law that the validation cycles do not distinguish from it and that has clearly smaller errors
+    /// over all blocks with equal weights. The validation cycles come mostly from the blocks with the largest force.
     fn preferred(
         &self,
         selection: &Selection,

@@ -185,7 +185,7 @@ impl Closing<'_> {
             let rivals = std::mem::take(&mut one.rivals).into_iter();
             let rivals = rivals.map(|rival| Ok((left_by(&rival.1)?, rival)));
             let rivals = rivals.collect::<Result<_, ModelError>>()?;
-            (one.rejected_by, one.rivals) = judged_elsewhere(&without, &with, rivals);
+            (one.rejected_by, one.rivals) = graded_elsewhere(&without, &with, rivals);
         }
         laws.graded = Some(graded);
         Ok(())
@@ -202,7 +202,7 @@ impl Closing<'_> {
         may_drop: bool,
     ) -> Result<Confirmed, ModelError> {
         let nodes = rows.nodes().to_vec();
-        let search = Search::new(self.trajectories, self.judging, nodes, self.sought);
+        let search = Search::new(self.trajectories, self.validation, nodes, self.sought);
         let held = self.held(left_out, rows, law)?;
         let of_all = errors(&held);
         let mut now = self.confirmations(left_out, rows, law, (&held, &search))?;
@@ -319,7 +319,7 @@ fn of_family(all: &[(Family, Interval)], family: Family) -> Vec<Interval> {
 
 /// The result for an effect that conditions confirm, or that fails only because of rivals. It and each rival has to reduce the
 /// error elsewhere: the error is `without` the effect, `with` it, or with the rival's value.
-fn judged_elsewhere<R>(
+fn graded_elsewhere<R>(
     without: &[RelativeError],
     with: &[RelativeError],
     rivals: Vec<(Vec<RelativeError>, R)>,
@@ -411,7 +411,7 @@ mod tests {
         let as_well = (errors(&[0.051, 0.1]), "as well");
         let worse = (errors(&[0.08, 0.16]), "worse");
         let no_help = (errors(&[0.1, 0.21]), "no help");
-        let say = |with: &[RelativeError], rivals| judged_elsewhere(&without, with, rivals);
+        let say = |with: &[RelativeError], rivals| graded_elsewhere(&without, with, rivals);
         assert_eq!(say(&with, Vec::new()), (None, vec![]));
         let all = vec![as_well, worse.clone(), no_help.clone()];
         let rivalled = (Some(Rule::Rivalled), vec!["as well"]);

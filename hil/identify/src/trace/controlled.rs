@@ -119,15 +119,15 @@ impl Controlled {
         parameters
             .filter_map(|parameters| parameters.get_mut("input"))
             .for_each(renumber);
-        let said = |effect: &mut FoundEffect| {
+        let renumber_effect = |effect: &mut FoundEffect| {
             if let Some(input) = effect.parameters.get_mut("input") {
                 [&mut input.value, &mut input.low, &mut input.high]
                     .into_iter()
                     .for_each(renumber);
             }
         };
-        result.effects.iter_mut().for_each(said);
-        result.unconfirmed.iter_mut().for_each(said);
+        result.effects.iter_mut().for_each(renumber_effect);
+        result.unconfirmed.iter_mut().for_each(renumber_effect);
         model.controls = seen
             .iter()
             .map(|&place| self.controls[place].clone())
@@ -136,9 +136,9 @@ impl Controlled {
             for recording in held {
                 let mut channels = recording.controls.iter();
                 let channel = channels.find(|each| each.name == control.name);
-                let said = channel.and_then(|channel| control.beyond(&channel.values));
-                let said = said.map(|said| format!("{}: {said}", recording.name));
-                result.warnings.extend(said);
+                let warning = channel.and_then(|channel| control.beyond(&channel.values));
+                let warning = warning.map(|text| format!("{}: {text}", recording.name));
+                result.warnings.extend(warning);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! A law during a search: fitted, judged, and compared with others by its effects.
+//! A law during a search: fitted, scored, and compared with others by its effects.
 
 use mesh_damper_model::Family;
 
@@ -9,12 +9,12 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::TermValue;
 
-/// A fitted law and its errors on the judging cycles.
+/// A fitted law and its errors on the validation cycles.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// The fit.
     pub solution: Solution,
-    /// Errors on the cycles that judge.
+    /// Errors on the validation cycles.
     pub score: Score,
 }
 
@@ -99,7 +99,7 @@ impl Fitted {
         self.solution
             .terms
             .iter()
-            .fold("eq 13".to_owned(), |text, value| {
+            .fold("the mixed damping law".to_owned(), |text, value| {
                 format!("{text} + {}", value.term.form.family())
             })
     }

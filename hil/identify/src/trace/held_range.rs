@@ -30,7 +30,7 @@ pub(super) fn warnings(trace: &Trace) -> Vec<String> {
         warnings.extend(
             motion
                 .in_words(&samples, "the fitted data")
-                .map(|said| format!("{said}; the held-out error is in part an extrapolation")),
+                .map(|text| format!("{text}; the held-out error is in part an extrapolation")),
         );
         let fitted = trace.result.operating_conditions;
         let Some([low, high]) = fitted.and_then(|fitted| fitted.temperature) else {

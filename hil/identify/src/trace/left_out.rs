@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::conditions::{Condition, blocks, conditions};
 use super::left_in_cycles::LeftInCycles;
-use super::relative_error::{Judged, RelativeError};
-use super::score::Jury;
+use super::relative_error::{BlockErrors, RelativeError};
+use super::score::ValidationSamples;
 use super::split::{Role, Roles};
 use super::within_blocks::is_seen_within_blocks;
 use crate::policy::policy;
@@ -51,19 +51,19 @@ pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), Model
 /// Recordings and their blocks that are left out.
 pub(super) struct LeftOut<'a> {
     trajectories: &'a [Trajectory],
-    judging: &'a Roles,
+    validation: &'a Roles,
     roles: &'a Roles,
     blocks: Vec<(usize, &'a FoundBlock)>,
     conditions: Vec<Condition>,
 }
 
 impl<'a> LeftOut<'a> {
-    /// No fit uses the samples that `roles` hold out. If there are too few blocks, the cycles kept apart by `judging` take their
+    /// No fit uses the samples that `roles` hold out. If there are too few blocks, the cycles kept apart by `validation` take their
     /// place.
-    pub fn of(trajectories: &'a [Trajectory], [judging, roles]: [&'a Roles; 2]) -> Self {
+    pub fn of(trajectories: &'a [Trajectory], [validation, roles]: [&'a Roles; 2]) -> Self {
         Self {
             trajectories,
-            judging,
+            validation,
             roles,
             blocks: blocks(trajectories, roles),
             conditions: conditions(trajectories, roles),
@@ -127,8 +127,8 @@ impl<'a> LeftOut<'a> {
     }
 
     /// The error there, and the error of `model`, the law as fitted to all open samples.
-    pub fn judged(&self, fit: Fit, model: &Model) -> Result<Judged, ModelError> {
-        Ok(Judged {
+    pub fn block_errors(&self, fit: Fit, model: &Model) -> Result<BlockErrors, ModelError> {
+        Ok(BlockErrors {
             outside: self.error(fit)?.beyond_noise(),
             inside: self.inside(model)?,
         })
@@ -208,12 +208,13 @@ impl<'a> LeftOut<'a> {
     /// The error relative to the force, each block with equal weight.
     pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
         if self.blocks.is_empty() {
-            let model = fit(&|which, sample| self.judging.of(which, sample) == Role::Fit)?;
-            let jury = Jury::of(self.trajectories, self.judging, Role::Judge);
-            let score = jury.score(|trajectory| predict(&model, trajectory))?;
+            let model = fit(&|which, sample| self.validation.of(which, sample) == Role::Fit)?;
+            let samples =
+                ValidationSamples::of(self.trajectories, self.validation, Role::Validation);
+            let score = samples.score(|trajectory| predict(&model, trajectory))?;
             return Ok(RelativeError {
                 error: score.nrmse().powi(2),
-                noise: goal(jury.noise()).powi(2),
+                noise: goal(samples.noise()).powi(2),
             });
         }
         let errors = self.blocks.par_iter();

@@ -1,8 +1,8 @@
 //! From recordings to the effect that the law lacks, and to the law with that effect.
 //!
-//! The trace fits eq 13. It adds effects one at a time as long as they clearly improve the prediction of the cycles kept apart for
-//! judging, and drops effects that became unnecessary. Finally it fits the result again to everything except the held-out samples.
-//! It reports the error on those only.
+//! The trace fits eq 13. It adds effects one at a time as long as they clearly improve the prediction of the validation cycles,
+//! and drops effects that became unnecessary. Finally it fits the result again to everything except the held-out samples. It reports the
+//! error on those only.
 
 pub(crate) mod adopt;
 pub(crate) mod aligned;
@@ -17,7 +17,6 @@ mod fitted;
 pub(crate) mod held_range;
 mod left_in_cycles;
 pub(crate) mod left_out;
-pub(crate) mod mend;
 mod operating;
 mod relative_error;
 pub(crate) mod remainder;
@@ -30,6 +29,7 @@ pub(crate) mod separating;
 mod sought;
 pub(crate) mod split;
 pub(crate) mod tones;
+pub(crate) mod unexplained;
 mod unlisted;
 pub(crate) mod verdict;
 pub(crate) mod wander;
@@ -81,7 +81,7 @@ pub struct Traced {
     pub trajectory: Trajectory,
     /// The role of each sample.
     pub roles: Vec<Role>,
-    /// Force of eq 13 alone, kN.
+    /// Force of the mixed damping law alone, kN.
     pub before: Vec<f64>,
     /// Force with the effects that were found, kN.
     pub after: Vec<f64>,
@@ -278,38 +278,38 @@ fn conclude(
             trajectory.size_force_by(&roles.open_runs(which));
         }
     }
-    let mut judging = roles.clone();
-    judging.keep_apart(fitted, Role::Judge);
+    let mut validation = roles.clone();
+    validation.keep_apart(fitted, Role::Validation);
     // Whatever the force consists of, eq 13 gives its approximate response to the motion.
-    let rough = Search::new(fitted, &judging, vec![0.0], &Sought::default()).rough()?;
+    let rough = Search::new(fitted, &validation, vec![0.0], &Sought::default()).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
     }
     let (fitted, held) = (&*fitted, &*held);
-    let (over_amplitude, selection) = search(fitted, &judging, sought, progress)?;
+    let (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
     progress("fitting the effects found to all data that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
     if sought.law != BaseLaw::None && (2..=most_amplitudes()).contains(&over.len()) {
         nodes.insert(usize::from(!over_amplitude), over);
     }
-    let closing = Closing::new(fitted, [&judging, &roles], held, nodes, sought);
+    let closing = Closing::new(fitted, [&validation, &roles], held, nodes, sought);
     Ok(closing.close(&selection, progress)?)
 }
 
 /// Searches with one set of coefficients for all amplitudes, and with one for each. Returns whether the latter is preferred, and
 /// the search with the preferred form.
 ///
-/// The latter is preferred if it predicts the judging cycles clearly better, and by a larger factor than it predicts amplitudes
+/// The latter is preferred if it predicts the validation cycles clearly better, and by a larger factor than it predicts amplitudes
 /// between the nodes worse. Neither form was fitted to those.
 fn search(
     fitted: &[Trajectory],
-    judging: &Roles,
+    validation: &Roles,
     sought: &Sought,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(bool, Selection), ModelError> {
-    let nodes = amplitude_nodes(fitted, judging);
-    let for_all = Search::new(fitted, judging, vec![0.0], sought);
+    let nodes = amplitude_nodes(fitted, validation);
+    let for_all = Search::new(fitted, validation, vec![0.0], sought);
     if sought.law == BaseLaw::None || nodes.len() < 2 || nodes.len() > most_amplitudes() {
         return Ok((false, for_all.run(progress)?));
     }
@@ -335,7 +335,7 @@ fn search(
     let inner = &nodes[1..nodes.len() - 1];
     let between = |nodes: &[f64], found: &Selection| {
         let law = (&found.found.solution, sought.law);
-        error_between(fitted, judging, nodes, inner, law)
+        error_between(fitted, validation, nodes, inner, law)
     };
     let (between_of_each, between_of_one) = (between(&nodes, &each)?, between(&[0.0], &one)?);
     let gain = one.found.score.nrmse() / each.found.score.nrmse();

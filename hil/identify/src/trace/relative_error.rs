@@ -9,14 +9,14 @@ use crate::tolerance::{certainty, least};
 
 /// Errors [beyond the noise](RelativeError::beyond_noise).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Judged {
+pub(super) struct BlockErrors {
     /// In blocks left out of the fit,
     pub outside: f64,
     /// and in the fit.
     pub inside: f64,
 }
 
-impl Judged {
+impl BlockErrors {
     /// The geometric mean of both: only a few blocks are left out, and the error in the fit covers the rest.
     pub fn both(&self) -> f64 {
         (self.outside * self.inside).sqrt()

@@ -213,7 +213,7 @@ pub struct HeldCondition {
 pub struct Remainder {
     /// Error over the RMS of the force.
     pub nrmse: f64,
-    /// Error as a multiple of the noise.
+    /// Error as a multiple of the noise of force and motion, without the worst cycles.
     pub times_noise: f64,
     /// Whether this is the error on held-out samples; otherwise it is on fitted ones.
     #[serde(default)]

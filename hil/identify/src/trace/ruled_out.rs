@@ -4,7 +4,7 @@ use super::fitted::Fitted;
 use super::rule::Rule;
 use super::select::Candidate;
 
-/// For the candidates of one step, the best first: those that the judging cycles distinguish from the best, or that the best
+/// For the candidates of one step, the best first: those that the validation cycles distinguish from the best, or that the best
 /// contains.
 pub(super) fn by_the_best(tried: &mut [Candidate]) {
     let Some((best, rest)) = tried.split_first_mut() else {

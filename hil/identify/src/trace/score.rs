@@ -15,7 +15,7 @@ mesh_damper_recording::numbers! {
         pieces_per_period: f64 = 4.0, Derived("a quarter of a period is loading or unloading on one side");
         /// A piece of a period has at least this many samples.
         shortest_piece: usize = 4, Convention("fewer are noise");
-        /// A better law saves more than this part of the other's squared error.
+        /// A law is better than another only if its squared error is smaller by more than this fraction.
         least_gain: f64 = 0.05, Tuned("the blind trial");
         /// A law that passes `least_gain` is better than another if it saves more than this fraction of the squared error even without the
         /// piece of a period in which it saves most. It then need not be better in most pieces.
@@ -26,9 +26,9 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The samples of one role by which a law is judged, in short pieces of time.
+/// The samples of one role on which laws are compared, in short pieces of time.
 #[derive(Clone)]
-pub struct Jury<'a> {
+pub struct ValidationSamples<'a> {
     trajectories: &'a [Trajectory],
     /// Trajectory and samples of each piece.
     pieces: Vec<(usize, Vec<usize>)>,
@@ -36,10 +36,10 @@ pub struct Jury<'a> {
     power: Vec<f64>,
 }
 
-impl<'a> Jury<'a> {
+impl<'a> ValidationSamples<'a> {
     /// The samples of `role` that are [telling](Trajectory::is_telling).
     pub fn of(trajectories: &'a [Trajectory], roles: &Roles, role: Role) -> Self {
-        let mut jury = Self {
+        let mut found = Self {
             trajectories,
             pieces: Vec::new(),
             power: Vec::new(),
@@ -57,12 +57,12 @@ impl<'a> Jury<'a> {
                     .map(|&sample| trajectory.force[sample].powi(2))
                     .sum::<f64>();
                 if !samples.is_empty() {
-                    jury.pieces.push((which, samples));
+                    found.pieces.push((which, samples));
                 }
             }
-            jury.power.push(power);
+            found.power.push(power);
         }
-        jury
+        found
     }
 
     /// The error of a perfect law there, with each sample weighted by its [`certainty`]; for several recordings, the root of the

@@ -92,7 +92,7 @@ pub(super) fn separating_test(
         .map(|(family, _)| family.name())
         .collect();
     let alike = collinearity(rivals, trajectories)?;
-    let said = format!(
+    let text = format!(
         "{} predict these recordings equally well (collinearity {alike:.3})",
         names.join(" and ")
     );
@@ -100,23 +100,23 @@ pub(super) fn separating_test(
     let controlled = rivals.laws.iter().filter(|law| depends(law));
     let mut controlled = controlled.filter_map(|(_, law)| control_of(law, trajectories));
     if let Some(control) = controlled.next() {
-        return Ok((format!("{said}: {}", at_two_inputs(&control)), Vec::new()));
+        return Ok((format!("{text}: {}", at_two_inputs(&control)), Vec::new()));
     }
     let solutions: Vec<&Solution> = rivals.laws.iter().map(|(_, law)| law).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
     Ok(if apart < policy().separating.enough {
-        let said = format!(
-            "{said}, and no test that the rig can run tells them apart: the two closest differ by at most {apart:.1} times the \
+        let text = format!(
+            "{text}, and no test that the rig can run tells them apart: the two closest differ by at most {apart:.1} times the \
              noise"
         );
-        (said, Vec::new())
+        (text, Vec::new())
     } else {
         let programme: Vec<String> = blocks.iter().map(written).collect();
-        let said = format!(
-            "{said}: record --blocks {} and trace it; there the two closest differ by {apart:.1} times the noise",
+        let text = format!(
+            "{text}: record --blocks {} and trace it; there the two closest differ by {apart:.1} times the noise",
             programme.join(",")
         );
-        (said, blocks)
+        (text, blocks)
     })
 }
 
@@ -439,10 +439,10 @@ mod tests {
         };
         let by_second = law("control_input_2");
         let found = control_of(&by_second.1, std::slice::from_ref(&trajectory)).unwrap();
-        let said = at_two_inputs(&found);
+        let text = at_two_inputs(&found);
         assert!(
-            said.contains("a steady current_A of 0.5 and of 1.495"),
-            "{said}"
+            text.contains("a steady current_A of 0.5 and of 1.495"),
+            "{text}"
         );
         assert!(control_of(&law("yielding").1, &[trajectory]).is_none());
     }

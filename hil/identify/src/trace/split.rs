@@ -1,4 +1,4 @@
-//! Decides which samples are fitted, which judge, and which are held out.
+//! Decides which samples are fitted, which are validation data, and which are held out.
 //!
 //! Neighbouring samples of a recording are similar, so random samples make no test. Instead, whole cycles are kept apart: the last
 //! cycles of every block, and all of one block, which is a new condition.
@@ -33,7 +33,7 @@ pub enum Role {
     /// Coefficients are fitted to it.
     Fit,
     /// Effects are chosen by it.
-    Judge,
+    Validation,
     /// The error is reported on it; it takes no part in a fit or a choice.
     HeldOut,
 }
@@ -82,7 +82,7 @@ impl Roles {
     /// The whole block is one whose amplitude other fitted blocks have too. Coefficients of eq 13 depend on amplitude, so a block
     /// with an amplitude of its own would test the interpolation between amplitudes and not the effects. If there is no such block,
     /// none is taken. A recording with hardly two similar cycles gives a quarter of the still fitted samples: the last ones to be
-    /// held out, or stretches from all over it to judge, because a stretch may resemble no other.
+    /// held out, or stretches from all over it for validation, because a stretch may resemble no other.
     pub fn keep_apart(&mut self, trajectories: &[Trajectory], role: Role) {
         let whole = self.whole_block(trajectories);
         for (which, trajectory) in trajectories.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The law for recordings that no listed effect explains: the one that predicts conditions outside its fit, or the law alone.
+//! The law for recordings that no family explains: the one that predicts conditions outside its fit, or the law alone.
 
 use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Model, ModelError};
@@ -7,10 +7,10 @@ use super::adopt::gains;
 use super::closing::Closing;
 use super::confirm::Confirmed;
 use super::left_out::{Fit, LeftOut, Picked};
-use super::mend::{clearly_best, mended};
 use super::relative_error::RelativeError;
 use super::result::{OnTarget, Rejected};
 use super::rule::Rule;
+use super::unexplained::{clearly_best, unexplained_law};
 use crate::correction::{Choice, refit};
 use crate::policy::policy;
 use crate::rows::Rows;
@@ -25,11 +25,11 @@ pub(super) struct Laws<'c> {
     pub alone: Solution,
     /// With effects, if there are any.
     pub solution: Solution,
-    /// The same with a correction, if there is one.
+    /// The same with a residual table, if there is one.
     pub model: Model,
-    /// The variables that the correction depends on, by their names in `trace.json`.
-    pub nameless: Vec<&'static str>,
-    /// The reason for having no correction.
+    /// The variables that the residual table depends on, by their names in `trace.json`.
+    pub residual_depends_on: Vec<&'static str>,
+    /// The reason for having no residual table.
     pub table_rejected_by: Option<Rule>,
     /// The law that was no better than eq 13 on conditions held out in turn.
     pub rejected: Option<Rejected>,
@@ -77,22 +77,22 @@ impl Closing<'_> {
             .map(|&(rows, law)| move |picked: Picked| Ok(self.refit_model(rows, law, picked)))
             .collect();
         let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
-        let mended = mended(self.trajectories, left_out, &fits)?;
-        let (of_law, law) = laws[mended.law];
+        let unexplained = unexplained_law(self.trajectories, left_out, &fits)?;
+        let (of_law, law) = laws[unexplained.law];
         let kept = Laws {
             rows,
             model: alone.model(),
             solution: alone.clone(),
-            nameless: mended.depends_on,
-            table_rejected_by: mended.table_rejected_by,
+            residual_depends_on: unexplained.depends_on,
+            table_rejected_by: unexplained.table_rejected_by,
             rejected: None,
             graded: None,
             alone: alone.clone(),
         };
-        if law.is_alone() && mended.choice.is_none() {
+        if law.is_alone() && unexplained.choice.is_none() {
             return Ok(kept);
         }
-        let choice = mended.choice.as_ref();
+        let choice = unexplained.choice.as_ref();
         let of_ended = in_turn(of_law, law, choice)?;
         let named = laws.last().filter(|(_, law)| !law.is_alone());
         // A table chosen by its fit may predict new conditions less well than named effects do. To replace confirmed effects it has
@@ -102,8 +102,8 @@ impl Closing<'_> {
         {
             let of_named = in_turn(rows, named, None)?;
             let part = left(&of_ended) / left(&of_named);
-            let is_less = part * policy().mend.better > 1.0;
-            let may_be_confirmed = law.is_alone() && part > policy().mend.needed;
+            let is_less = part * policy().unexplained.better > 1.0;
+            let may_be_confirmed = law.is_alone() && part > policy().unexplained.needed;
             if gains(of_alone, &of_named) && (is_less || may_be_confirmed) {
                 let solution = self.fit_there(rows, named);
                 let mut laws = Laws {

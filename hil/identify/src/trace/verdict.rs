@@ -46,7 +46,7 @@ pub(super) struct OverNoise {
 impl OverNoise {
     /// Whether the law describes the fitted samples but not the held-out ones: the error there is above that of a noise-limited
     /// law.
-    pub fn says_less(&self) -> bool {
+    pub fn fails_on_held_out(&self) -> bool {
         self.where_it_differs().is_some()
     }
 
@@ -107,7 +107,7 @@ pub(super) fn conclude(
     }
 }
 
-/// The candidates that did as well as the law found: the best first, then one for each other set of families that the judging
+/// The candidates that did as well as the law found: the best first, then one for each other set of families that the validation
 /// cycles do not distinguish from it.
 pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let found = &selection.found;
@@ -139,7 +139,7 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .collect()
 }
 
-/// The variables that the added forces depend on: those of named effects, and `correction` for the table without a name.
+/// The variables that the added forces depend on: those of named effects, and `correction` for the residual table.
 pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let of_effects = model
@@ -201,10 +201,12 @@ pub(super) fn warnings<'t>(
         ));
     }
     if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
-        warnings.push(
-            "on the held-out data, the augmented law is no better than the law alone: do not use it under those conditions"
-                .to_owned(),
-        );
+        warnings.push(format!(
+            "on the held-out data, the error of the augmented law ({:.3} %) is larger than that of the law alone ({:.3} %): do not use the \
+             augmented law under the held-out conditions",
+            100.0 * errors.1.nrmse_held_out,
+            100.0 * errors.0.nrmse_held_out
+        ));
     }
     if let Some([fitted, held_out]) = over_noise.differs_from_explained(model, left) {
         warnings.push(format!(
@@ -214,11 +216,14 @@ pub(super) fn warnings<'t>(
     }
     if model.correction.is_some() {
         warnings.push(
-            "no family of effects explains the residual: a residual table stands in, and beyond its edges it keeps its edge values".to_owned(),
+            "no family of effects explains the residual: a residual table is used instead; outside its range it keeps the values at its \
+             edge"
+                .to_owned(),
         );
     } else if left > policy().verdict.noise_limited {
         warnings.push(format!(
-            "the residual is {left:.1} times the noise of the force: the law lacks more than was found"
+            "the residual is {left:.1} times the noise of force and motion: the law lacks more than was found; see the residual in the \
+             report, and record tests in which one quantity changes"
         ));
     } else if errors.1.nrmse_fitted > policy().verdict.hidden_by_motion * noise_floor {
         warnings.push(format!(

@@ -305,11 +305,11 @@ fn noise_that_grows_towards_low_frequencies_is_no_missing_effect() {
     };
     let nothing = traced(test(0.0, 1), test(0.0, 2));
     assert_eq!(nothing.verdict, Verdict::None, "{:?}", nothing.warnings);
-    let told = nothing
+    let has_warning = nothing
         .warnings
         .iter()
         .any(|warning| warning.contains("1/f"));
-    assert!(told, "{:?}", nothing.warnings);
+    assert!(has_warning, "{:?}", nothing.warnings);
     let sliding = traced(test(1.5, 3), test(1.5, 4));
     assert_eq!(sliding.verdict, Verdict::Found, "{:?}", sliding.warnings);
     assert_eq!(sliding.effects[0].family, "stick_slip");

@@ -72,8 +72,8 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
             let both = Problem::new(&rows, &extent, &[term(first), term(second)]);
             let both = both.solve_at(&with_first, &shapes(second, &with_first));
             let force = predict(&both.model(), &trajectories[0]).unwrap();
-            let told = (0..force.len()).filter(|&sample| trajectories[0].is_telling(sample));
-            let errors = told.map(|sample| force[sample] - trajectories[0].force[sample]);
+            let telling = (0..force.len()).filter(|&sample| trajectories[0].is_telling(sample));
+            let errors = telling.map(|sample| force[sample] - trajectories[0].force[sample]);
             let squares: f64 = errors.map(|error| error.powi(2)).sum();
             assert!(
                 (squares - both.squares).abs() < 1e-3 * squares,

@@ -33,7 +33,7 @@ const RUNS: usize = 3;
 type Setup = RigSetup<Specimen, 2, MAX_EFFECTS>;
 
 /// Sizes of the image; its stack after a test with ramps, ends of cycles, as many effects as a law holds, and a law swapped; and
-/// the round trips of a test with eq 13 alone.
+/// the round trips of a test with the mixed damping law alone.
 ///
 /// # Errors
 /// An error of the compiler or the emulator, or a test that stops.

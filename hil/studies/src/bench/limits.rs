@@ -56,7 +56,7 @@ impl Verdict {
             return None;
         }
         Some(format!(
-            "{}: {} {}, {} is asked for",
+            "{}: {} {}, required: {}",
             self.name,
             number(figure),
             self.unit,
@@ -211,7 +211,7 @@ const NOT_REACHED: &[(&str, &str)] = &[
     (
         "firmware: flash",
         "nine effects more take 8.5 KiB: 2 KiB the way through stages, 1.5 KiB to read and check them, the rest their own code; \
-         the correction without a name 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
+         the residual table 4 KiB; the monitor of specimen, sensors and actuator 9 KiB; what follows the specimen 3.5 KiB; \
          a streamed motion with its messages 1 KiB; that a law is passive 7.5 KiB; the clock, read-back and an external trip 2.75 KiB; \
          settings and packs checked in slices 4.5 KiB; what the monitor finds of attacks 7 KiB",
     ),
@@ -224,7 +224,7 @@ const NOT_REACHED: &[(&str, &str)] = &[
         "the monitor's settings, events and looks pass through it: 164 bytes",
     ),
     (
-        "the rig's monitor and a law that follows, of a steady tick",
+        "the rig's monitor and adaptation, of a steady tick",
         "the difference of two images that are compiled each as a whole: without it a tick of the controller without I/O takes 6 \
          less than the one before it did, with it 8 more, of which control inputs take 6; to tell these takes 17 without it and 25 \
          with it",
@@ -381,7 +381,7 @@ fn rig(results: &Results) -> Vec<Verdict> {
     let without = results.count(Core::CortexM4f, "rig/unmonitored", "steady");
     vec![
         at_most(
-            "the rig's monitor and a law that follows, of a steady tick",
+            "the rig's monitor and adaptation, of a steady tick",
             INSTRUCTIONS,
             40.0,
             mean.zip(without).map(|(mean, without)| mean - without.mean),
@@ -543,7 +543,7 @@ mod tests {
     fn a_missed_limit_fails_unless_it_is_excused_or_was_not_measured() {
         let missed = at_most("this", INSTRUCTIONS, 16.0, Some(16.5));
         let said = missed.failure().unwrap();
-        assert_eq!(said, "this: 16.5 instructions, at most 16.0 is asked for");
+        assert_eq!(said, "this: 16.5 instructions, required: at most 16.0");
         assert!(at_least("this", RATIO, 7.0, Some(6.9)).failure().is_some());
         for held in [
             at_most("this", INSTRUCTIONS, 16.0, Some(16.0)),

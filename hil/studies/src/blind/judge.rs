@@ -102,7 +102,7 @@ impl Outcome {
             Class::Pair => said.verdict == Verdict::Found && all_named,
             Class::Unlisted => {
                 said.verdict == Verdict::Unlisted
-                    || (said.verdict == Verdict::Found && all_named && self.mended())
+                    || (said.verdict == Verdict::Found && all_named && self.is_augmented())
             }
         };
         if right {
@@ -120,8 +120,8 @@ impl Outcome {
         self.said.as_ref().is_ok_and(found) && self.mark() == Mark::Wrong
     }
 
-    /// Whether the law was corrected: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
-    pub fn mended(&self) -> bool {
+    /// Whether the law was augmented well: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
+    pub fn is_augmented(&self) -> bool {
         self.said
             .as_ref()
             .is_ok_and(|said| said.after <= 1.5 || said.after <= 0.1 * said.before)

@@ -67,7 +67,8 @@ pub struct Summary {
     /// Trials with an unlisted effect that was given the name of another one.
     pub unlisted_named: Rate,
     /// Trials with an unlisted effect that the law predicts within 1.5 times the noise, or within a tenth of the error of eq 13.
-    pub unlisted_mended: Rate,
+    #[serde(rename = "unlisted_mended")]
+    pub unlisted_augmented: Rate,
     /// Errors by class of trial.
     pub ratios: BTreeMap<Class, Ratios>,
     /// How often each answer was given for each truth. Unlisted truths are in brackets.
@@ -102,7 +103,7 @@ impl Summary {
             pairs_or_among: Rate::over(counted(Class::Pair), named),
             unlisted: Rate::over(counted(Class::Unlisted), right),
             unlisted_named: Rate::over(counted(Class::Unlisted), Outcome::is_called_another),
-            unlisted_mended: Rate::over(counted(Class::Unlisted), Outcome::mended),
+            unlisted_augmented: Rate::over(counted(Class::Unlisted), Outcome::is_augmented),
             ratios: classes
                 .into_iter()
                 .filter_map(|class| Some((class, ratios(&outcomes, class)?)))

@@ -16,7 +16,8 @@ pub struct Score {
     pub of: usize,
     /// Number of trials with an unlisted effect that the law predicts within 1.5 times the noise, or within a tenth of the law's
     /// error.
-    pub mended: usize,
+    #[serde(rename = "mended")]
+    pub augmented: usize,
 }
 
 impl Score {
@@ -34,7 +35,7 @@ impl Score {
         Some(Self {
             right: sum("count")? + nothing - rate("false_discoveries", "count")?,
             of: sum("of")? + nothing,
-            mended: rate("unlisted_mended", "count")?,
+            augmented: rate("unlisted_mended", "count")?,
         })
     }
 }
@@ -75,7 +76,7 @@ mod tests {
         let score = Score {
             right: 23,
             of: 29,
-            mended: 4,
+            augmented: 4,
         };
         assert_eq!(Score::of(&summary), Some(score));
         assert_eq!(Score::of(&serde_json::json!({})), None);

@@ -34,11 +34,13 @@ A value comes from one of three sources:
 - `convention`: another value would do as well, or the number bounds time and memory; the text gives the reason for this one.
 - `tuned`: it was chosen for its results on the data that the text names.
   For most numbers that is the [blind trial](blind-trial.md).
+  \"The recordings of others\" are the [recordings from outside the project](errors.md#recordings-from-outside-the-project).
 
 ## How to change a number
 
 To try another value without a build, write it into a JSON file, such as `{\"identify\": {\"select\": {\"beam\": 4}}}`.
 Give the file to a command of `hil` with `--policy FILE`.
+The help does not list this option.
 
 To change the default, edit the `numbers!` block in the source file that uses the number.
 `hil study numbers` writes this page from these blocks, so don't edit the page.
@@ -63,7 +65,7 @@ pub fn table(costs: &Costs) -> String {
             costs.seeds.end.saturating_sub(1),
             default.of,
             default.right,
-            default.mended
+            default.augmented
         );
     }
     let mut part = String::new();
@@ -116,7 +118,7 @@ fn difference(score: Score, default: Score) -> String {
     format!(
         "{}, {}",
         signed(score.right, default.right),
-        signed(score.mended, default.mended)
+        signed(score.augmented, default.augmented)
     )
 }
 
@@ -156,10 +158,10 @@ mod tests {
 
     #[test]
     fn a_row_says_what_is_lost() {
-        let score = |right, mended| Score {
+        let score = |right, augmented| Score {
             right,
             of: 40,
-            mended,
+            augmented,
         };
         let path = "identify.select.beam".to_owned();
         let cost = Cost {

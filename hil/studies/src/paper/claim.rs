@@ -29,7 +29,7 @@ impl Verdict {
         match self {
             Self::Holds => "holds",
             Self::Fails => "fails",
-            Self::CannotTell => "can't be told",
+            Self::CannotTell => "cannot be decided",
         }
     }
 }

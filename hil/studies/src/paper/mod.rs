@@ -132,7 +132,7 @@ pub fn recompute(progress: &(dyn Fn(&str) + Sync)) -> Paper {
         ),
         SurfaceErrors::of("the crate's", &cells, |r, a| own.coefficients(r, a)),
         SurfaceErrors::new(
-            "the crate's, fitted without the cell",
+            "the crate's, each cell left out of the fit in turn",
             surfaces::left_out_errors(surfaces::DEGREE),
         ),
     ];

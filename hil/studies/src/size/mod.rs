@@ -79,7 +79,7 @@ pub fn measure(
 ) -> Result<Measured, InputError> {
     let path = folder.join(format!("{}-{rows}.csv", motion.name()));
     let recording = simulate(motion, rows);
-    std::fs::write(&path, recording.to_file(&path))
+    std::fs::write(&path, recording.to_file(&path)?)
         .map_err(|error| InputError::io(&path, "write", &error))?;
     let [first, .., last] = recording.time[..] else {
         return Err(InputError::new(

@@ -31,7 +31,7 @@ fn figures(errors: &HeldOut) -> [f64; 5] {
     ]
 }
 
-/// The requirement is half of one eq 13's mean error. The loops do not permit it: interpolation between those on either side, with
+/// The requirement is half of the mean error of one mixed law. The loops do not permit it: interpolation between those on either side, with
 /// the amplitude known and no law at all, leaves two thirds, and the law is nearly as good.
 #[test]
 fn the_held_out_amplitude_is_told_better_than_by_one_eq_13() {
@@ -62,7 +62,7 @@ fn the_docs_tell_these_errors() {
     }
     expected.push(("| mean |".to_owned(), figures(&at_1_hz.mean(0))));
     for (index, told) in ["1 Hz", "10 Hz"].iter().enumerate() {
-        let of = format!("| mean, fitted at 1 and 10 Hz, told at {told} |");
+        let of = format!("| mean, fitted at 1 and 10 Hz, error at {told} |");
         expected.push((of, figures(&over_frequencies.mean(index))));
     }
     for (start, errors) in expected {

@@ -21,7 +21,7 @@ impl Search<'_> {
         most: usize,
     ) -> Vec<(Term, Fitted, bool)> {
         let known = law.solution.terms();
-        // The crate does not refuse a law that was judged.
+        // The crate does not refuse a law that was scored.
         let predicted = law
             .solution
             .predicted(self.trajectories)
@@ -76,7 +76,7 @@ impl Search<'_> {
                     problem.solve_at(&base, &starts[0].shapes)
                 };
                 // A fit with coefficients that the crate refuses is no candidate.
-                Some((term, self.judged(solution).ok()?, is_fitted))
+                Some((term, self.scored(solution).ok()?, is_fitted))
             })
             .collect()
     }

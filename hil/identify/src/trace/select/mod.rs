@@ -1,4 +1,4 @@
-//! The search for missing effects: one at a time, each judged on cycles that it was not fitted to.
+//! The search for missing effects: one at a time, each compared on cycles that it was not fitted to.
 
 mod beside;
 mod nodes;
@@ -18,7 +18,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::fitted::Fitted;
 use super::ruled_out;
-use super::score::Jury;
+use super::score::ValidationSamples;
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::tones::OfMotion;
@@ -58,14 +58,14 @@ pub struct Selection {
     pub found: Fitted,
     /// All candidates, step by step, the best first.
     pub candidates: Vec<Candidate>,
-    /// The tolerated error on the judging cycles.
+    /// The tolerated error on the validation cycles.
     pub goal: f64,
 }
 
 /// The search over one set of data.
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
-    jury: Jury<'a>,
+    validation: ValidationSamples<'a>,
     roles: &'a Roles,
     rows: Rows<'a>,
     extent: Extent,
@@ -97,7 +97,7 @@ impl<'a> Search<'a> {
             .collect();
         Self {
             trajectories,
-            jury: Jury::of(trajectories, roles, Role::Judge),
+            validation: ValidationSamples::of(trajectories, roles, Role::Validation),
             roles,
             rows: Rows::gather(
                 trajectories,
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             rows: self.rows.with_nodes(nodes),
-            jury: self.jury.clone(),
+            validation: self.validation.clone(),
             roles: self.roles,
             extent: self.extent.clone(),
             terms: self.terms.clone(),
@@ -128,14 +128,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds effects while one of them clearly reduces the error on the judging cycles, then drops those that became unnecessary.
+    /// Adds effects while one of them clearly reduces the error on the validation cycles, then drops those that became unnecessary.
     /// `progress` is called before each step with a description of it.
     ///
     /// # Errors
     /// The crate refuses a fitted law.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting the law");
-        let baseline = self.judged(self.without_more())?;
+        let baseline = self.scored(self.without_more())?;
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
@@ -206,10 +206,10 @@ impl<'a> Search<'a> {
         law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
     }
 
-    /// The tolerated error on the judging cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the
+    /// The tolerated error on the validation cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the
     /// recording is quieter.
     pub fn goal(&self) -> f64 {
-        goal(self.jury.noise())
+        goal(self.validation.noise())
     }
 
     /// The same terms with coefficients of other nodes.
@@ -218,12 +218,14 @@ impl<'a> Search<'a> {
     /// The crate refuses a fitted law.
     pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
         let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
-        self.judged(problem.solve_near(&law.solution))
+        self.scored(problem.solve_near(&law.solution))
     }
 
-    fn judged(&self, solution: Solution) -> Result<Fitted, ModelError> {
+    fn scored(&self, solution: Solution) -> Result<Fitted, ModelError> {
         let model = solution.model();
-        let score = self.jury.score(|trajectory| predict(&model, trajectory))?;
+        let score = self
+            .validation
+            .score(|trajectory| predict(&model, trajectory))?;
         Ok(Fitted { solution, score })
     }
 }

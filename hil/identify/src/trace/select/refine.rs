@@ -46,7 +46,7 @@ impl Search<'_> {
                 !other.form.refines && term.form.special_cases.contains(&other.form.family)
             };
             let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
-            let rest = self.judged(found.solution.without(index - 1))?;
+            let rest = self.scored(found.solution.without(index - 1))?;
             let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
             let others = others.map(|(_, other, _)| other);
             let best = others
@@ -62,7 +62,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Drops terms without which the judging cycles are predicted equally well.
+    /// Drops terms without which the validation cycles are predicted equally well.
     pub(super) fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
         let mut found = found;
         let mut index = 0;
@@ -73,7 +73,7 @@ impl Search<'_> {
             }
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
-            let without = self.judged(problem.solve_near(&rest))?;
+            let without = self.scored(problem.solve_near(&rest))?;
             if found.score.beats(&without.score) {
                 index += 1;
             } else {

@@ -9,7 +9,7 @@ use crate::solution::Solution;
 use crate::term::Term;
 
 impl Search<'_> {
-    /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the judging cycles
+    /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the validation cycles
     /// as well as `law`: the best for each family.
     ///
     /// # Errors
@@ -17,7 +17,7 @@ impl Search<'_> {
     pub fn rivals(&self, law: &Solution, rest: &Solution) -> Result<Vec<Solution>, ModelError> {
         let refit = |known: &Solution| {
             let problem = Problem::new(&self.rows, &self.extent, &known.terms());
-            self.judged(problem.solve_near(known))
+            self.scored(problem.solve_near(known))
         };
         let (law, rest) = (refit(law)?, refit(rest)?);
         let families = law.families();

@@ -30,7 +30,7 @@ impl Search<'_> {
     pub fn rough(&self) -> Result<Rough, ModelError> {
         let fit = |terms: &[Term]| {
             let problem = Problem::new(&self.rows, &self.extent, terms);
-            self.judged(problem.solve())
+            self.scored(problem.solve())
         };
         let mut best = fit(&[])?;
         // On a slow test the mass is undetermined, and the fit may give one that the crate refuses.

@@ -23,7 +23,7 @@ pub struct Candidate {
     pub step: usize,
     /// The law with it.
     pub fitted: Fitted,
-    /// Whether the judging cycles distinguish it from the step's best.
+    /// Whether the validation cycles distinguish it from the step's best.
     pub distinguishable: bool,
     /// Whether it became the law at this step.
     pub added: bool,
@@ -139,7 +139,7 @@ impl Search<'_> {
         let is_special = |term: &Term| last.special_cases.contains(&term.form.family);
         let simpler: Vec<Term> = self.terms.iter().copied().filter(is_special).collect();
         let rest = law.solution.without(terms.len() - 1);
-        let Ok(mut rest) = self.judged(rest) else {
+        let Ok(mut rest) = self.scored(rest) else {
             return false;
         };
         for _ in 0..2 {

@@ -48,15 +48,23 @@ fn a_zero_that_steps_is_moved_back() {
             result.verdict,
             result.warnings
         );
-        let told = |warning: &String| {
+        let names_step = |warning: &String| {
             warning.contains("the zero of the force steps by") && warning.contains("at 12.10")
         };
-        assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
+        assert!(
+            result.warnings.iter().any(names_step),
+            "{:?}",
+            result.warnings
+        );
     }
     let result = traced(test(0.0, 0.1, &steps(5), 5), test(0.0, 0.0, &steps(6), 6));
     assert_eq!(result.verdict, Verdict::None, "{:?}", result.warnings);
-    let told = |warning: &String| warning.contains("the zero of the force steps by");
-    assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
+    let names_step = |warning: &String| warning.contains("the zero of the force steps by");
+    assert!(
+        result.warnings.iter().any(names_step),
+        "{:?}",
+        result.warnings
+    );
 }
 
 /// A specimen that warms up as it works softens with the swell of a modulated sine. The change has a frequency of the motion, which
@@ -124,9 +132,9 @@ fn a_mean_that_changes_with_the_amplitude_is_no_step_of_the_zero() {
     // A listed effect and an unlisted one.
     for power in [2, 1] {
         let result = traced(test(2.0, power, 1), test(2.0, power, 2));
-        let told = |warning: &String| warning.contains("the zero of the force");
+        let names_step = |warning: &String| warning.contains("the zero of the force");
         assert!(
-            !result.warnings.iter().any(told),
+            !result.warnings.iter().any(names_step),
             "{power}: {:?}",
             result.warnings
         );

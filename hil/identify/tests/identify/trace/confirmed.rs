@@ -7,15 +7,15 @@ use mesh_damper_identify::trace::trace;
 use super::{BLOCKS, OTHERS, Sample, families, record, slider, traced};
 
 /// An unlisted force: friction whose sign depends on the place of the motion and on the clock.
-fn nameless(size: f64) -> impl Fn(&Sample) -> f64 {
+fn unmodelled(size: f64) -> impl Fn(&Sample) -> f64 {
     move |&(time, y, v, _)| size * (v / 3.0).tanh() * (40.0 * y).sin() * (3.0 * time).cos()
 }
 
 #[test]
 fn a_slider_is_confirmed_beside_what_has_no_name() {
     let trace = traced(0.004, 3, || {
-        let (mut slider, nameless) = (slider(0.9, 0.03), nameless(0.02));
-        move |sample: &Sample| slider(sample) + nameless(sample)
+        let (mut slider, unmodelled) = (slider(0.9, 0.03), unmodelled(0.02));
+        move |sample: &Sample| slider(sample) + unmodelled(sample)
     });
     let result = &trace.result;
     assert_eq!(result.verdict, Verdict::Found, "{:?}", result.effects);
@@ -37,7 +37,7 @@ fn a_slider_is_confirmed_beside_what_has_no_name() {
 
 #[test]
 fn what_has_no_name_gets_none() {
-    let trace = traced(0.004, 4, || nameless(0.06));
+    let trace = traced(0.004, 4, || unmodelled(0.06));
     let result = &trace.result;
     assert_eq!(result.verdict, Verdict::Unlisted, "{:?}", result.effects);
     assert!(
@@ -53,8 +53,8 @@ fn what_has_no_name_gets_none() {
 #[test]
 fn a_dashpot_is_not_confirmed_for_a_drag() {
     let trace = traced(0.004, 5, || {
-        let nameless = nameless(0.03);
-        move |sample: &Sample| 0.004 * sample.2 * sample.2.abs() + nameless(sample)
+        let unmodelled = unmodelled(0.03);
+        move |sample: &Sample| 0.004 * sample.2 * sample.2.abs() + unmodelled(sample)
     });
     let result = &trace.result;
     assert!(!families(&trace.result).contains(&"viscous") || result.verdict == Verdict::Unlisted);
@@ -76,8 +76,8 @@ fn a_dashpot_is_not_confirmed_for_a_drag() {
 fn rivals_beside_what_has_no_name_are_told_apart_by_a_test() {
     let blocks: [(f64, f64, u32); 4] = [0.05, 0.1, 0.15, 0.2].map(|amplitude| (amplitude, 5.0, 10));
     let effect = || {
-        let nameless = nameless(0.02);
-        move |sample: &Sample| 0.03 * sample.2 + nameless(sample)
+        let unmodelled = unmodelled(0.02);
+        move |sample: &Sample| 0.03 * sample.2 + unmodelled(sample)
     };
     let fitted = record("fitted", &blocks, 0.004, 6, effect());
     let held = record("held", &blocks[1..3], 0.004, 7, effect());

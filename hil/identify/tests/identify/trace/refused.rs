@@ -38,16 +38,16 @@ fn a_turned_sign_is_turned_back_with_a_warning() {
     let elsewhere = record("elsewhere", &OTHERS, 0.004, 52, |_| 0.0);
     let turned = with_force(&elsewhere, "turned", |f| -f);
     let clean = trace(std::slice::from_ref(&one), &[elsewhere], &|_| ()).unwrap();
-    let mended = trace(std::slice::from_ref(&one), &[turned], &|_| ()).unwrap();
-    assert_eq!(mended.result.verdict, clean.result.verdict);
-    assert_eq!(mended.result.augmented, clean.result.augmented);
-    let said = "turned: sign of the force flipped";
+    let corrected = trace(std::slice::from_ref(&one), &[turned], &|_| ()).unwrap();
+    assert_eq!(corrected.result.verdict, clean.result.verdict);
+    assert_eq!(corrected.result.augmented, clean.result.augmented);
+    let start = "turned: sign of the force flipped";
     assert!(
-        mended
+        corrected
             .result
             .warnings
             .iter()
-            .any(|warning| warning.starts_with(said))
+            .any(|warning| warning.starts_with(start))
     );
     // The same motion with the force turned is the same recording again.
     let copy = with_force(&one, "copy", |f| -f);

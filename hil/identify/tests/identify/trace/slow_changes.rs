@@ -42,8 +42,8 @@ fn what_warmth_takes_of_stiffness_and_of_friction_is_told_apart() {
         let trace = traced_warm(lost);
         assert_eq!(families(&trace.result), ["temperature"], "{lost:?}");
         let parameters = &trace.result.effects[0].parameters;
-        let told = ["beta", "beta_damping"].map(|name| parameters.get(name));
-        let [Some(beta), damping] = told else {
+        let estimates = ["beta", "beta_damping"].map(|name| parameters.get(name));
+        let [Some(beta), damping] = estimates else {
             panic!("{lost:?}: {parameters:?}")
         };
         // A single number appears if both are equal.
@@ -92,12 +92,12 @@ fn what_the_cycles_take_of_stiffness_and_of_friction_is_told_apart() {
         let trace = traced_drifting(change);
         assert_eq!(families(&trace.result), ["drift"], "{change:?}");
         let parameters = &trace.result.effects[0].parameters;
-        let told = [
+        let truths = [
             ("elastic_change", change[0]),
             ("damping_change", change[1]),
             ("cycles", 12.0),
         ];
-        for (name, truth) in told {
+        for (name, truth) in truths {
             let estimate = &parameters[name];
             let off = (estimate.value - truth).abs();
             // The intervals hold in nine of ten cases.

@@ -1,11 +1,11 @@
-//! The law for recordings that no listed effect explains: possibly with a correction without a name.
+//! The law for recordings that no family explains: possibly with a residual table.
 
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
 use super::left_out::{Fit, LeftOut, Picked};
-use super::relative_error::Judged;
+use super::relative_error::BlockErrors;
 use super::rule::Rule;
 use super::wander::wanders;
 use crate::correction;
@@ -13,7 +13,7 @@ use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// When a residual table takes the place of effects.
-    MendPolicy {
+    UnexplainedPolicy {
         /// A law replaces a simpler one if its error beyond the noise is below this fraction of the other's.
         better: f64 = 0.95, Tuned("the blind trial");
         /// Where effects are named, a residual table is used only if it reduces the error beyond the noise below this fraction, on the
@@ -22,34 +22,34 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// The law for recordings that no listed effect explains.
-pub(super) struct Mended {
+/// The law for recordings that no family explains.
+pub(super) struct UnexplainedLaw {
     /// Index of the law on which it is based.
     pub law: usize,
-    /// How the correction was made, if there is one.
+    /// How the residual table was made, if there is one.
     pub choice: Option<correction::Choice>,
-    /// The variables that the correction depends on, by their names in `trace.json`.
+    /// The variables that the residual table depends on, by their names in `trace.json`.
     pub depends_on: Vec<&'static str>,
-    /// The reason for having no correction.
+    /// The reason for having no residual table.
     pub table_rejected_by: Option<Rule>,
 }
 
-/// One of `laws`, the simplest first, alone or with a correction. The choice is the law that best predicts blocks left out of its
+/// One of `laws`, the simplest first, alone or with a residual table. The choice is the law that best predicts blocks left out of its
 /// fit and also fits well. It is then fitted to all open samples.
-pub(super) fn mended(
+pub(super) fn unexplained_law(
     trajectories: &[Trajectory],
     left_out: &LeftOut,
     laws: &[Fit],
-) -> Result<Mended, ModelError> {
+) -> Result<UnexplainedLaw, ModelError> {
     let open: Picked = &|which, sample| left_out.is_open(which, sample);
     let plain: Vec<Model> = laws
         .par_iter()
         .map(|law| law(open))
         .collect::<Result<_, _>>()?;
     let alone = laws.par_iter().zip(&plain);
-    let alone = alone.map(|(law, plain)| left_out.judged(law, plain));
-    let alone: Vec<Judged> = alone.collect::<Result<_, _>>()?;
-    let law = clearly_best(alone.iter().map(Judged::both));
+    let alone = alone.map(|(law, plain)| left_out.block_errors(law, plain));
+    let alone: Vec<BlockErrors> = alone.collect::<Result<_, _>>()?;
+    let law = clearly_best(alone.iter().map(BlockErrors::both));
     let mut best = (alone[law], law, plain[law].clone(), None);
     let corrected = laws.par_iter().zip(&plain).map(|(law, plain)| {
         let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
@@ -59,8 +59,8 @@ pub(super) fn mended(
         };
         let refit =
             |picked: Picked| correction::refit(&choice, trajectories, &law(picked)?, picked);
-        let judged = left_out.judged(&refit, &model)?;
-        Ok(Some((judged, model, choice)))
+        let errors = left_out.block_errors(&refit, &model)?;
+        Ok(Some((errors, model, choice)))
     });
     let corrected: Vec<_> = corrected.collect::<Result<_, ModelError>>()?;
     let table_rejected_by = if corrected.iter().all(Option::is_none) {
@@ -69,12 +69,12 @@ pub(super) fn mended(
         Rule::TableUnknownElsewhere
     };
     for (number, corrected) in corrected.into_iter().enumerate() {
-        let Some((judged, model, choice)) = corrected else {
+        let Some((errors, model, choice)) = corrected else {
             continue;
         };
         let named = !model.effects.is_empty() || !best.2.effects.is_empty();
-        if replaces(&judged, &best.0, named) {
-            best = (judged, number, model, Some(choice));
+        if replaces(&errors, &best.0, named) {
+            best = (errors, number, model, Some(choice));
         }
     }
     let (_, law, model, choice) = best;
@@ -84,7 +84,7 @@ pub(super) fn mended(
         None if wanders(trajectories, open, &model)? => vec!["time"],
         None => Vec::new(),
     };
-    Ok(Mended {
+    Ok(UnexplainedLaw {
         law,
         choice,
         depends_on,
@@ -92,19 +92,20 @@ pub(super) fn mended(
     })
 }
 
-/// Whether a law with a correction replaces the `best` so far, if either has effects that are `named`. A law that predicts the
+/// Whether a law with a residual table replaces the `best` so far, if either has effects that are `named`. A law that predicts the
 /// left-out blocks clearly better may then also win by its error over all blocks.
-fn replaces(corrected: &Judged, best: &Judged, named: bool) -> bool {
+fn replaces(corrected: &BlockErrors, best: &BlockErrors, named: bool) -> bool {
     let outside = corrected.outside / best.outside;
     let all = corrected.both() / best.both();
-    outside < policy().mend.better && (!named || outside.min(all) < policy().mend.needed)
+    outside < policy().unexplained.better
+        && (!named || outside.min(all) < policy().unexplained.needed)
 }
 
 /// Index of the law with the smallest of these errors, starting with the preferred one: a later one has to be clearly smaller.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
     for (number, error) in errors.enumerate() {
-        if error < policy().mend.better * best.1 {
+        if error < policy().unexplained.better * best.1 {
             best = (number, error);
         }
     }
@@ -117,12 +118,12 @@ mod tests {
 
     #[test]
     fn a_correction_in_the_place_of_a_name_says_more_of_what_was_left_out() {
-        let best = Judged {
+        let best = BlockErrors {
             outside: 0.1,
             inside: 0.2,
         };
         let replaces = |outside: f64, inside: f64, named| {
-            let corrected = Judged {
+            let corrected = BlockErrors {
                 outside: outside * best.outside,
                 inside: inside * best.inside,
             };
