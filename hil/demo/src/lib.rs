@@ -1,5 +1,5 @@
 //! The whole way once, without a recording at hand: a specimen with an effect that nobody declared is tested on the
-//! simulated rig, the recording is traced, and the rig runs again with the better law.
+//! simulated rig, the recording is traced, and the rig runs again with the augmented model.
 //!
 //! ```
 //! use mesh_damper_demo::{DemoError, demo};
@@ -86,7 +86,7 @@ pub struct Demo {
     pub recording: Recording,
     /// What the trace found.
     pub trace: Trace,
-    /// The loop with eq 13 alone, on a test that was not fitted.
+    /// The loop with the mixed damping law alone, on a test that was not fitted.
     pub before: RigRun,
     /// The loop with the law that the trace ended in, on the same test.
     pub after: RigRun,
@@ -189,9 +189,9 @@ pub fn demo(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErr
     let (drawn, recording) = record(seed, Test::Protocol)?;
     let (specimen, _) = draw(seed);
     let trace = trace(std::slice::from_ref(&recording), &[], progress)?;
-    progress("running the rig again with eq 13 alone");
+    progress("running the rig again with the mixed damping law alone");
     let before = run(&specimen, &trace.baseline, Test::Check, seed)?;
-    progress("running the rig again with the better law");
+    progress("running the rig again with the augmented model");
     let after = run(&specimen, &trace.model, Test::Check, seed)?;
     Ok(Demo {
         drawn,

@@ -38,7 +38,7 @@ impl Request {
             ExportError::Active(active) => InputError::new(
                 model,
                 format!("the law is active: {active}"),
-                "check for negative damping and negative friction stiffness, or give --allow-active",
+                "check for a negative damping, a negative friction stiffness and a residual table that supplies energy, or give --allow-active",
             )
             .at(Place::Field("law".into())),
             ExportError::ResidualTable => InputError::new(

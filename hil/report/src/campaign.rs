@@ -117,13 +117,13 @@ pub fn followed(slow: &[SlowOutcome]) -> String {
         "The law's error before and after each slow change",
         &rows.collect::<Vec<Row>>(),
         &[
-            (0, "after it, a law that follows"),
-            (1, "a law that stays"),
+            (0, "after the change, with adaptation"),
+            (1, "after the change, without adaptation"),
             (2, "before the change"),
         ],
         (
-            "RMS of the law's error, part of that of the measured force",
-            "%",
+            "RMS error of the law, in % of the RMS of the measured force",
+            "",
         ),
     )
 }

@@ -42,9 +42,9 @@ pub(crate) fn gains(result: &TraceResult) -> Option<Section> {
              the effect helps, red and ▼ where it harms."
         }
         (table("Error of each condition where it was held out, with all effects and without each", head, rows))
-        ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (said(effect)) } } }
-        @if let Some(left) = &result.remainder {
-            p { "The residual is " (text::remainder(left)) "." }
+        ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (confirmation(effect)) } } }
+        @if let Some(residual) = text::residual(result) {
+            p { (residual) "." }
         }
     };
     Some(Section::new("What each effect gains", body))
@@ -93,7 +93,7 @@ pub fn held_out(condition: &HeldCondition) -> String {
 }
 
 /// Whether an effect is confirmed, with the reason if not.
-pub fn said(effect: &FoundEffect) -> String {
+pub fn confirmation(effect: &FoundEffect) -> String {
     let name = text::name(&effect.family);
     let Some(rule) = effect.unconfirmed_by else {
         return format!("{name} is confirmed");

@@ -21,7 +21,7 @@ pub fn steps(result: &TraceResult) -> Section {
     let body = html! {
         ul {
             @if !result.warnings.is_empty() {
-                li { "Read the list “About the data” in step 1. A fault of a sensor or a wrong unit can look like an effect." }
+                li { "Read the list “About the data” in part 1. A fault of a sensor or a wrong unit can look like an effect." }
             }
             @if let Some(test) = &result.separating_test {
                 li {
@@ -41,7 +41,7 @@ pub fn steps(result: &TraceResult) -> Section {
                 }
                 Conclusion::Found | Conclusion::NothingMissing => {
                     li {
-                        "Check the result on a recording that is not in step 1: "
+                        "Check the result on a recording that is not in part 1: "
                         code { "hil trace RECORDING… --held-out OTHER" } "."
                     }
                 }
@@ -52,7 +52,9 @@ pub fn steps(result: &TraceResult) -> Section {
                     "Find what the residual depends on"
                     @if !varied.is_empty() { " (here: " (text::listed(varied)) ")" }
                     ": record tests in which only one quantity changes, such as the frequency, the preload or the temperature, and trace them \
-                     together."
+                     together. Until then, the error of the model is "
+                    (text::percent(result.augmented.nrmse_held_out)) " on held-out data, and the noise "
+                    (text::percent(result.noise_floor_nrmse)) ": decide whether that suffices for your use."
                 }
             }
             @if result.rejected.is_some() || is_worse {
@@ -61,11 +63,17 @@ pub fn steps(result: &TraceResult) -> Section {
             @if !is_worse {
                 li {
                     "Predict the force for another motion: "
-                    code { "hil predict --model model.json --out predicted.csv MOTION.csv" } "."
+                    code { "hil predict --model model.json --out predicted.csv MOTION.csv" }
+                    ". Give the same --channel and --unit options as for the trace."
                 }
                 li {
                     "Put the law into firmware: "
-                    code { "hil export --model model.json --format rust --tick-rate HZ --out law.rs" }
+                    // A Rust module cannot hold a residual table.
+                    @if result.correction.is_some() {
+                        code { "hil export --model model.json --format c --tick-rate HZ --out law.c" }
+                    } @else {
+                        code { "hil export --model model.json --format rust --tick-rate HZ --out law.rs" }
+                    }
                     ". It holds within the range of the motion that was fitted; outside it the force is extrapolated."
                 }
             }

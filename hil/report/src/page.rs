@@ -1,7 +1,7 @@
 //! The report of a trace.
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::TraceResult;
+use mesh_damper_identify::trace::result::{FoundEffect, TraceResult};
 use mesh_damper_model::extrapolation::{Beyond, Extrapolation, percent};
 use mesh_damper_model::file::FittedRange;
 
@@ -102,7 +102,7 @@ fn errors(result: &TraceResult) -> Section {
             ))
         }
         (row(
-            "After: with the effects found (f64)".into(),
+            "After: the augmented model (f64)".into(),
             Some(result.augmented.nrmse_fitted),
             result.augmented.nrmse_held_out,
             true
@@ -127,7 +127,7 @@ pub fn names(result: &TraceResult) -> [(&'static str, String); 2] {
             BEFORE,
             format!("before: {}", text::law_alone(&result.baseline)),
         ),
-        (AFTER, "after: with the effects found".into()),
+        (AFTER, "after: the augmented model".into()),
     ]
 }
 
@@ -209,13 +209,24 @@ fn over_time(result: &TraceResult, series: &[Series]) -> Section {
 }
 
 fn found(result: &TraceResult) -> Section {
+    let body = html! {
+        (reasoning::concluded(result))
+        @if !result.effects.is_empty() { (effects("Effects found, with their parameters", &result.effects)) }
+        @if !result.unconfirmed.is_empty() {
+            (effects("Effects in the model that are not confirmed, with their parameters", &result.unconfirmed))
+        }
+    };
+    Section::new("4. Effects found", body)
+}
+
+fn effects(caption: &str, effects: &[FoundEffect]) -> Markup {
     let head = html! { tr {
         th scope="col" { "effect" } th.text scope="col" { "parameter" } th scope="col" { "value" }
         th scope="col" { "90 % interval" } th.text scope="col" { "unit" } th scope="col" { "held-out error without" }
         th scope="col" { "with" }
     } };
     let rows = html! {
-        @for effect in &result.effects {
+        @for effect in effects {
             @for (row, (name, estimate)) in effect.parameters.iter().enumerate() {
                 @let [low, value, high] = text::interval(estimate.low, estimate.value, estimate.high);
                 tr {
@@ -230,11 +241,7 @@ fn found(result: &TraceResult) -> Section {
             }
         }
     };
-    let body = html! {
-        (reasoning::concluded(result))
-        @if !result.effects.is_empty() { (table("Effects found, with their parameters", head, rows)) }
-    };
-    Section::new("4. Effects found", body)
+    table(caption, head, rows)
 }
 
 fn candidates(result: &TraceResult) -> Option<Section> {
@@ -256,7 +263,10 @@ fn candidates(result: &TraceResult) -> Option<Section> {
                 td { (text::percent(candidate.nrmse_held_out)) }
                 td.text {
                     @if candidate.added { "added" }
-                    @else if !candidate.admissible { "impossible: a source of energy, or a drift that does not show within blocks" }
+                    @else if !candidate.admissible {
+                        "not admissible"
+                        @if let Some(rule) = candidate.rejected_by { ": " (rule.says()) }
+                    }
                     @else if best { "the best, but without a clear gain" }
                     @else if candidate.distinguishable { "yes" } @else { "no" }
                 }

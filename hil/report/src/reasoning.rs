@@ -132,16 +132,17 @@ pub fn tried(result: &TraceResult) -> Section {
             p {
                 "Each step starts from the law with the effects of the earlier steps, and tries every family of effects. The \
                  bars are errors on the validation data, which was not fitted; the dotted line is the noise. Each \
-                 family is shown at its best. A family was fitted only if the gain predicted for it was large and the law was not yet near \
-                 the noise; the bars of the others show their starting values, which can be worse than the bar before the step. Bars \
-                 longer than twice the median are cut. A step without a clear gain adds nothing and ends the search."
+                 family is shown by its best form. A form was fitted only if its predicted gain was among the largest and the law was not \
+                 yet near the noise. For a form that was not fitted, the bar is the error at the starting values of the fit; it can be \
+                 longer than the bar before the step. Bars longer than twice the median are cut. A step without a clear gain adds nothing \
+                 and ends the search."
             }
             ul.key {
                 li { i.swatch.stood {} "before the step" }
                 li { i.swatch.won {} "added" }
                 li { i.swatch.rival {} "rival: not distinguishable from the best" }
                 li { i.swatch {} "worse" }
-                li { i.swatch.refused {} "refused: not a passive effect" }
+                li { i.swatch.refused {} "refused: not admissible, for the reason below" }
             }
             @for step in steps { (bars(step, result)) }
         }
@@ -152,7 +153,7 @@ pub fn tried(result: &TraceResult) -> Section {
 /// One step.
 fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     let number = step[0].step;
-    // The law before the step, judged in the same way; before the first step it is the law alone.
+    // The law before the step, with the error on the same samples; before the first step it is the law alone.
     let before: Vec<&Candidate> = result
         .candidates
         .iter()
@@ -298,7 +299,7 @@ pub fn concluded(result: &TraceResult) -> Markup {
             }
             Conclusion::Unlisted => {
                 p {
-                    "No family of effects explains the residual, or all of it"
+                    "No family of effects explains the whole residual"
                     @if !result.effects.is_empty() { "; the effects that reduce it most are below." }
                     @else if result.correction.is_some() { "; a residual table stands in for it." }
                     @else { "." }

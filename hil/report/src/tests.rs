@@ -367,6 +367,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         "rgba(178,24,43,0.02)",
         "▲",
         "stick-slip is confirmed",
+        "Effects in the model that are not confirmed, with their parameters",
         "delay is not confirmed: another effect in its place predicts as well (compliance)",
         "The worst conditions",
         "ring-3.csv, 0.200 mm at 5.00 Hz, error 2.00 % where it was held out",
@@ -402,7 +403,7 @@ fn what_is_left_beside_rivals_is_said() {
         beside.contains("each of the others does as well in its place"),
         "{beside}"
     );
-    let left = "1.52 % of the force's RMS on the held-out data, 3.20 times the noise; it depends on history";
+    let left = "1.52 % of the force's RMS on the held-out data, 3.20 times the noise of force and motion; it depends on history";
     assert!(beside.contains(left), "{beside}");
     let page = render(&data);
     assert!(page.contains("and a residual remains"));

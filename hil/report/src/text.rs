@@ -92,7 +92,7 @@ pub fn name(family: &str) -> String {
 /// The description of a family within a sentence.
 pub fn description(family: &str) -> String {
     let Some(family) = Family::named(family) else {
-        return "an effect without a name".into();
+        return "an unknown family of effects".into();
     };
     let mut characters = family.first().sentence.trim_end_matches('.').chars();
     characters.next().map_or_else(String::new, |first| {
@@ -206,17 +206,14 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 .map(|e| format!("{} is {}", name(&e.family), description(&e.family)))
                 .collect();
             let what = capitalised(&what.join("; "));
-            match &result.remainder {
+            match residual(result) {
                 None => (
                     format!("Found: {}", named.join(" and ")),
                     format!("{what}. {change}"),
                 ),
-                Some(left) => (
+                Some(residual) => (
                     format!("Found: {}; a residual remains", named.join(" and ")),
-                    format!(
-                        "{what}. Confirmed on every condition held out in turn. The residual is {}. {change}",
-                        remainder(left)
-                    ),
+                    format!("{what}. Confirmed on every condition held out in turn. {residual}. {change}"),
                 ),
             }
         }
@@ -226,12 +223,11 @@ fn concluded(result: &TraceResult) -> (String, String) {
         ),
         Conclusion::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
-            match &result.remainder {
+            match residual(result) {
                 None => format!("The recordings cannot tell these apart. {change}"),
-                Some(left) => format!(
+                Some(residual) => format!(
                     "The first helps on every condition held out in turn, and each of the others does as well in its place: the recordings \
-                     cannot tell which it is. The residual is {}. {change}",
-                    remainder(left)
+                     cannot tell which it is. {residual}. {change}"
                 ),
             },
         ),
@@ -274,9 +270,9 @@ fn correction(named: &[String], depends_on: &[String]) -> String {
 }
 
 /// The size of a remainder, and the variables that it depends on.
-pub fn remainder(left: &Remainder) -> String {
+fn remainder(left: &Remainder) -> String {
     format!(
-        "{} of the force's RMS{}, {} times the noise{}",
+        "{} of the force's RMS{}, {} times the noise of force and motion{}",
         percent(left.nrmse),
         if left.held_out {
             " on the held-out data"
@@ -286,6 +282,18 @@ pub fn remainder(left: &Remainder) -> String {
         number(left.times_noise),
         over(&left.depends_on)
     )
+}
+
+/// What a residual is of: the augmented model, or its law and effects without the residual table.
+pub fn residual(result: &TraceResult) -> Option<String> {
+    let left = result.remainder.as_ref()?;
+    let is_of_table = !left.held_out && result.correction.is_some();
+    let of = if is_of_table {
+        "Without the residual table, the residual"
+    } else {
+        "The residual"
+    };
+    Some(format!("{of} is {}", remainder(left)))
 }
 
 fn over(depends_on: &[String]) -> String {

@@ -40,8 +40,9 @@ fn filled(data: &ReportData, blocks: &[BlockFigures<'_>]) -> Markup {
     let waterfall = waterfall::picture(blocks);
     html! {
         p {
-            "K′ (storage stiffness) is the part of the force's fundamental in phase with the displacement over the displacement's, K″ (loss \
-             stiffness) the part a quarter of a cycle ahead of it, and η = K″/K′. A block's figures are the medians of its cycles."
+            "K′ (storage stiffness) and K″ (loss stiffness) compare the fundamentals of force and displacement: K′ is the force \
+             component in phase with the displacement, divided by the displacement amplitude; K″ is the component a quarter of a cycle \
+             ahead, divided by the same amplitude. η = K″/K′. The figures of a block are medians over its cycles."
         }
         h3 { "Backbone" }
         (picture::key(&backbones, &names))
@@ -64,7 +65,7 @@ fn by_condition(pictures: Option<&[Picture]>, over: &str) -> Markup {
     html! {
         @match pictures {
             Some(pictures) => {
-                p { "Marks are measured; lines are the law after." }
+                p { "Marks: measured. Lines: augmented model." }
                 (picture::key(pictures, &[]))
                 div.grid { @for picture in pictures { (figure(html! { (picture.panels[0].y.name) }, picture)) } }
             }
@@ -77,9 +78,9 @@ fn results(blocks: &[BlockFigures<'_>]) -> Markup {
     let head = html! {
         tr {
             th scope="col" { "block" } th scope="col" { "cycles" }
-            th scope="col" { "K′, kN/mm" } th scope="col" { "law after" }
-            th scope="col" { "K″, kN/mm" } th scope="col" { "law after" }
-            th scope="col" { "η" } th scope="col" { "law after" }
+            th scope="col" { "K′, kN/mm" } th scope="col" { "augmented model" }
+            th scope="col" { "K″, kN/mm" } th scope="col" { "augmented model" }
+            th scope="col" { "η" } th scope="col" { "augmented model" }
         }
     };
     let rows = html! {
@@ -94,7 +95,7 @@ fn results(blocks: &[BlockFigures<'_>]) -> Markup {
         }
     };
     html! {
-        (table("Per-block results, measured and of the law after", head, rows))
+        (table("Per-block results, measured and of the augmented model", head, rows))
         @if blocks.len() > MOST_ROWS {
             p { "The first " (MOST_ROWS) " of " (blocks.len()) " blocks." }
         }

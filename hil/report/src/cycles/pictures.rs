@@ -171,7 +171,7 @@ fn over(
         if levels.is_empty() {
             // With many levels no line joins the points of a level.
             layers.push(Layer::new(
-                "law after",
+                "augmented model",
                 Colour::After,
                 Look::Marks(Mark::Cross),
                 points(2, None),

@@ -21,7 +21,7 @@ pub fn render(paper: &Paper) -> String {
         div.verdict {
             p.heading { strong {
                 (paper.claims.len()) " claims: " (count(Verdict::Holds)) " hold, " (count(Verdict::Fails)) " fail, "
-                (count(Verdict::CannotTell)) " can't be told"
+                (count(Verdict::CannotTell)) " cannot be decided"
             } }
             p {
                 "Of " em { "Simulation of the Dynamic Response to Sinusoidal Excitation of the Elastic Porous Metal Mesh \

@@ -16,9 +16,9 @@ pub fn surfaces(paper: &Paper) -> Markup {
         p {
             "The crate's surfaces are of the elastic force at the amplitude, the cubic's share in it, the damping force at the largest \
              speed, and α. By their form alone k1, k3 and c are above 0, α is within 0…1, and neither force falls where the amplitude \
-             rises. The stiffness is not made to rise with density: that of the tables falls from 2.5 to 3.0 g/cm³ at 0.15 mm \
-             and above. A cell's error without it in the fit is what the surfaces are worth between cells; in the first and last row \
-             it is of an amplitude beyond all others."
+             rises. The fit does not force the stiffness to rise with density: that of the tables falls from 2.5 to 3.0 g/cm³ at \
+             0.15 mm and above. The error of a cell that was left out of the fit measures the surfaces between cells. In the first and \
+             last row it is an extrapolation over amplitude."
         }
         @for one in &paper.surface_errors { (errors(one)) }
     }
@@ -67,15 +67,15 @@ fn head(first: &str) -> Markup {
 pub fn misprints(paper: &Paper) -> Markup {
     html! {
         p {
-            "Eqs 17–19 are least-squares fits. Of a fit nothing is left in the span of its terms; what is left beyond rounding says \
-             that the fitted table was another. One cell is let free in turn: the one that alone explains it is printed with another \
-             value than was fitted."
+            "Eqs 17–19 are least-squares fits. The residual of such a fit has no part in the span of its terms. A part larger than \
+             rounding shows that the paper fitted a table other than the printed one. Each cell in turn is made a free parameter. If \
+             one free cell removes that part, the printed value of that cell differs from the fitted one."
         }
         (table("The fits of eqs 17–19 to their tables", html! { tr {
             th scope="col" { "surface" } th scope="col" { "R²" } th scope="col" { "best R² of its terms" }
-            th scope="col" { "left in the span" } th scope="col" { "by rounding, RMS (most)" }
-            th.text scope="col" { "cell that leaves least when free" } th scope="col" { "printed" } th scope="col" { "as fitted" }
-            th scope="col" { "left then" } th scope="col" { "with the next cell" }
+            th scope="col" { "part in the span" } th scope="col" { "part by rounding, RMS (largest)" }
+            th.text scope="col" { "best free cell" } th scope="col" { "printed" } th scope="col" { "as fitted" }
+            th scope="col" { "part with that cell free" } th scope="col" { "part with the next cell free" }
         } }, html! {
             @for fit in &paper.fits {
                 @let cell = &fit.free[0];

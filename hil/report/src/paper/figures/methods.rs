@@ -143,8 +143,8 @@ pub(super) fn errors(paper: &Paper) -> Figure {
             ],
         ),
         seen: format!(
-            "Samples below {:.0} % of the loop's largest force are left out, without which eq 21 is set by the few beside the \
-             passages through 0.{}",
+            "Samples below {:.0} % of the loop's largest force are left out: otherwise the few samples near zero force would dominate \
+             eq 21.{}",
             100.0 * GUARDS[JUDGED],
             without_elements(&comparison.by_density)
         ),
@@ -195,8 +195,8 @@ pub(super) fn compared_dynamics(
         ),
         seen: if conditions[0].density == conditions[1].density {
             format!(
-                "The tables' stiffness stays and then doubles: at 2.0 g/cm³ they don't show what is described. That of finite elements \
-                 rises a little with the strain, and their loss factor is nearly the same at every amplitude.{}",
+                "The tables' stiffness stays and then doubles: at 2.0 g/cm³ the tables do not show the described trend. The stiffness by \
+                 finite elements rises a little with the strain, and their loss factor is nearly the same at every amplitude.{}",
                 without_elements(conditions)
             )
         } else {
