@@ -67,16 +67,16 @@ fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
     }
 }
 
-/// Calls `seen` with the force in kN and the effects' state at every sample of `trajectory`, and collects its results.
+/// Calls `observe` with the force in kN and the effects' state at every sample of `trajectory`, and collects its results.
 ///
 /// # Errors
 /// A model that the crate refuses.
 pub fn run<T>(
     model: &Model,
     trajectory: &Trajectory,
-    seen: impl Fn(f64, &AugmentedState<f64>) -> T,
+    observe: impl Fn(f64, &AugmentedState<f64>) -> T,
 ) -> Result<Vec<T>, ModelError> {
-    run_by(trajectory.tick, model, trajectory, seen)
+    run_by(trajectory.tick, model, trajectory, observe)
 }
 
 /// As [`run`], in steps of `step` s: either the recording's step, or half of it with one more step between each two samples.
@@ -84,7 +84,7 @@ fn run_by<T>(
     step: f64,
     model: &Model,
     trajectory: &Trajectory,
-    seen: impl Fn(f64, &AugmentedState<f64>) -> T,
+    observe: impl Fn(f64, &AugmentedState<f64>) -> T,
 ) -> Result<Vec<T>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
     let mut law = model.augmented::<f64>(amplitude, step)?;
@@ -101,7 +101,7 @@ fn run_by<T>(
                 law.force(&mut state, &halfway(&before, &now, trajectory.tick));
             }
             let force = law.force(&mut state, &now);
-            Ok(seen(force, &state))
+            Ok(observe(force, &state))
         })
         .collect()
 }

@@ -96,7 +96,7 @@ impl DemoCommand {
             done.trace.clone(),
         );
         let recording = self.out.join("recording.csv.gz");
-        outputs.add(&recording, done.recording.to_file(&recording));
+        outputs.add(&recording, done.recording.to_file(&recording)?);
         outputs.add_document(self.out.join("trace.json"), &done.trace.result)?;
         outputs.add_document(self.out.join("model.json"), &done.trace.model_file())?;
         outputs.add(self.out.join("report.html"), report::render(&report));

@@ -27,7 +27,8 @@ const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil trace demo-out/rec
 
 /// Test metal mesh dampers on a rig, find what a force law lacks, and predict forces
 ///
-/// Exit codes: 0: done. 1: the work is done, but a check failed or the rig tripped. 2: bad usage or bad input.
+/// Exit codes: 0: done. 1: the work is done, but a check failed, the rig tripped, some recordings could not be traced, or no density
+/// was found. 2: bad usage or bad input.
 #[derive(Debug, Parser)]
 #[command(
     name = "hil",
@@ -65,7 +66,7 @@ impl Cli {
             #[cfg(feature = "full")]
             Command::Full(command) => command.run(),
         }?;
-        match UNSAID.get() {
+        match OUTPUT_ERROR.get() {
             Some(error) => {
                 let name = std::path::Path::new("standard output");
                 Err(InputError::io(name, "write", error).into())
@@ -100,7 +101,7 @@ impl Failure {
 }
 
 /// The first error of standard output.
-static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
+static OUTPUT_ERROR: OnceLock<std::io::Error> = OnceLock::new();
 
 /// Prints results to standard output. A reader that closed the pipe has seen enough. For any other error [`Cli::run`] fails.
 fn say(text: &str) {
@@ -108,7 +109,7 @@ fn say(text: &str) {
     match writeln!(output, "{text}").and_then(|()| output.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             // The first error counts.
-            let _ = UNSAID.set(error);
+            let _ = OUTPUT_ERROR.set(error);
         }
         _ => {}
     }

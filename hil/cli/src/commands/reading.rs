@@ -45,7 +45,7 @@ pub struct RecordingFiles {
 
 impl RecordingFiles {
     /// The user's statements about the files.
-    pub fn said(&self) -> files::Reading {
+    pub fn stated(&self) -> files::Reading {
         files::Reading {
             limit: self.reading.limit,
             channels: self.channels.clone(),
@@ -77,7 +77,7 @@ impl RecordingFiles {
 
     /// Reads the channels of a recording, and prints the guesses.
     pub fn channels(&self, path: &Path) -> Result<Recording, InputError> {
-        let recording = Recording::read_channels(path, &self.said())?;
+        let recording = Recording::read_channels(path, &self.stated())?;
         say_guesses(recording.named_guesses());
         Ok(recording)
     }

@@ -2,14 +2,14 @@
 
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_report::conditions;
-use mesh_damper_report::text::{interval, law_alone, percent, remainder, verdict};
+use mesh_damper_report::text::{interval, law_alone, percent, residual, verdict};
 
 use super::say;
 
 /// Prints the verdict, the effects with their parameters, the error before and after, and warnings.
 pub fn print(result: &TraceResult) {
     say(&verdict(result).0);
-    for effect in &result.effects {
+    for effect in result.effects.iter().chain(&result.unconfirmed) {
         for (name, estimate) in &effect.parameters {
             let [low, value, high] = interval(estimate.low, estimate.value, estimate.high);
             let unit = &estimate.unit;
@@ -21,11 +21,11 @@ pub fn print(result: &TraceResult) {
     }
     for effect in result.effects.iter().chain(&result.unconfirmed) {
         if effect.unconfirmed_by.is_some() {
-            say(&format!("  {}", conditions::said(effect)));
+            say(&format!("  {}", conditions::confirmation(effect)));
         }
     }
-    if let Some(left) = &result.remainder {
-        say(&format!("Residual: {}", remainder(left)));
+    if let Some(residual) = residual(result) {
+        say(&residual);
     }
     let before = format!("before: {}", law_alone(&result.baseline));
     say("Error of the force, RMS over RMS            fitted     held out");
@@ -36,7 +36,7 @@ pub fn print(result: &TraceResult) {
             result.baseline.nrmse_held_out,
         ),
         (
-            "after: with the effects found, f64",
+            "after: the augmented model, f64",
             Some(result.augmented.nrmse_fitted),
             result.augmented.nrmse_held_out,
         ),

@@ -13,7 +13,7 @@ fn a_bad_model_is_refused() {
         (
             "\"version\": 1",
             "\"version\": 2",
-            "field version: 2 is unknown",
+            "field version: version 2 is not supported",
         ),
         (
             "0.3 }",
@@ -181,7 +181,10 @@ fn a_bad_programme_or_specimen_is_refused_by_run() {
         ),
         (&["--density", "9"], "--density: 9 g/cm³ is outside"),
         (&["--tick-rate", "0"], "tick_rate = 0 is outside"),
-        (&["--model", "model.json"], "field version: 7 is unknown"),
+        (
+            &["--model", "model.json"],
+            "field version: version 7 is not supported",
+        ),
     ] {
         refuses(root.path(), &[&["run"], arguments].concat(), &[said]);
     }

@@ -155,7 +155,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     };
     assert!((stiffness(&after) - stiffness(&there)).abs() > 0.05 * stiffness(&there));
 
-    // A pack of another tick rate is refused, and the law in force stays.
+    // A pack of another tick rate is refused, and the running law stays.
     let other = [
         "export",
         "--model",

@@ -155,7 +155,7 @@ fn what_cannot_be_is_refused_before_the_rig_moves() {
         (&["--mqtt", "http://lab:geheim@localhost"][..], "--mqtt"),
         (
             &["--mqtt", "mqtts://lab:geheim@localhost"],
-            "TLS is not built in",
+            "TLS is not supported",
         ),
         (&["--mqtt", "mqtt://localhost/a/b"], "the rig's name"),
         (&["--live", &port], &format!("--live {port}")),

@@ -121,7 +121,10 @@ fn a_file_that_may_not_grow_is_said() {
     let root = tempfile::tempdir().unwrap();
     // In blocks of 512 bytes. The signal for the limit is ignored, which children of the shell inherit.
     let output = shell(root.path(), &format!("trap '' XFSZ; ulimit -f 8; {RUN}"));
-    said_once(&output, "it would be larger than a file may be");
+    said_once(
+        &output,
+        "the file would exceed the largest size that the system allows",
+    );
 }
 
 #[test]

@@ -205,7 +205,7 @@ fn the_docs_tell_how_many_claims_hold_and_what_the_surfaces_are_worth() {
             .count()
     };
     let said = format!(
-        "Of {} claims {} hold, {} fail and {} can't be told",
+        "Of {} claims {} hold, {} fail and {} cannot be decided",
         claims().len(),
         count("holds"),
         count("fails"),

@@ -31,7 +31,7 @@ fn record(path: &Path, blocks: &[(f64, f64)]) {
     }
     let name = path.display().to_string();
     let recording = Recording::new(name, time, displacement, force).unwrap();
-    fs::write(path, recording.to_file(path)).unwrap();
+    fs::write(path, recording.to_file(path).unwrap()).unwrap();
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn both_say_the_same_of_a_recording_with_faults() {
     for (name, force) in recordings {
         let (time, y) = (whole.time.clone(), whole.displacement.clone());
         let recording = Recording::new(name, time, y, force).unwrap();
-        fs::write(at(name), recording.to_file(&at(name))).unwrap();
+        fs::write(at(name), recording.to_file(&at(name)).unwrap()).unwrap();
         hil(
             root.path(),
             &["trace", "rec.csv", "--held-out", name, "--out", "out"],

@@ -94,8 +94,8 @@ pub enum LinkError {
     /// The rig on the image does not start.
     #[error("the image's rig does not start: {0}")]
     Start(StartRefused),
-    /// The rig on the image does not clear its fault.
-    #[error("the image's rig does not clear its fault: {0}")]
+    /// The rig on the image does not clear its trip.
+    #[error("the image's rig does not clear its trip: {0}")]
     Clear(ClearRefused),
     /// The programme has more blocks than the image holds.
     #[error("the image holds {MAX_BLOCKS} blocks, and the programme has {0}")]
@@ -294,7 +294,7 @@ impl<W: Wire> Image<W> {
     /// between.
     ///
     /// # Errors
-    /// A pack that the image refuses: the law in force then stays.
+    /// A pack that the image refuses: the running law then stays.
     pub fn send_pack(&mut self, pack: &[u8]) -> Result<(), LinkError> {
         self.send_parts(pack)?;
         while !self.check_pack()? {}

@@ -95,7 +95,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
 }
 
 /// A pack for another rate than the rig's, of either version: at set-up, where it came before the rig's rate was known, and while the
-/// rig runs. The law in force stays.
+/// rig runs. The running law stays.
 #[test]
 fn a_pack_for_another_rate_is_refused() {
     const OLD: &[u8] = include_bytes!("../../../../tests/wire/packs/version-6-effects.mdcp");

@@ -36,7 +36,7 @@ fn header(name: &str, info: &PackInfo, controls: &[Control], length: usize) -> S
         format!("uint8_t {name}_pack[{upper}_PACK_LENGTH]"),
     );
     array(
-        "Which model it is of.",
+        "Identity of the model.",
         format!("uint8_t {name}_identity[8]"),
     );
     for (field, of, _) in numbers(info) {
@@ -53,7 +53,7 @@ fn header(name: &str, info: &PackInfo, controls: &[Control], length: usize) -> S
     for (place, control) in controls.iter().enumerate() {
         let _ = writeln!(
             inputs,
-            "/* What stands at place {place} of the controls of a motion, with its unit. */\n#define {upper}_CONTROL_{place} {}",
+            "/* Control input at index {place} of the controls of a motion, with its unit. */\n#define {upper}_CONTROL_{place} {}",
             self::quoted(&control.name)
         );
     }
@@ -64,7 +64,7 @@ fn header(name: &str, info: &PackInfo, controls: &[Control], length: usize) -> S
          #include <stdint.h>\n\n\
          /* Name of the model. */\n\
          #define {upper}_NAME {quoted}\n\
-         /* Of this export. */\n\
+         /* Revision of this export. */\n\
          #define {upper}_REVISION {revision}u\n\
          /* Ticks per second that the law is for, Hz. */\n\
          #define {upper}_TICK_RATE {tick_rate:?}f\n\

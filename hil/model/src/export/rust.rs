@@ -84,12 +84,16 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
     constant("Name of the model.", "pub const NAME: &str", name);
     let identity = format!("{:?}", info.stamp.identity.0);
     constant(
-        "Which model it is, as a pack says it.",
+        "Identity of the model, as in a pack.",
         "pub const IDENTITY: [u8; 8]",
         identity,
     );
     let revision = info.stamp.revision.to_string();
-    constant("Of this export.", "pub const REVISION: u32", revision);
+    constant(
+        "Revision of this export.",
+        "pub const REVISION: u32",
+        revision,
+    );
     let tick_rate = format!("{:?}", info.stamp.tick_rate);
     constant(
         "Ticks per second that the law is for, Hz.",
@@ -128,7 +132,7 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
         .collect();
     if !controls.is_empty() {
         constant(
-            "What stands at which place of `Motion::controls`, with its unit.",
+            "Control inputs by their index in `Motion::controls`, with their units.",
             &format!("pub const CONTROLS: [&str; {}]", controls.len()),
             format!("{controls:?}"),
         );
@@ -141,7 +145,7 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
     for (description, values) in effects {
         constant(
             &format!(
-                "Of the effect {}: {}.",
+                "Parameters of the effect {}: {}.",
                 description.name,
                 parameters(description)
             ),
@@ -166,7 +170,7 @@ fn constants(export: &Export, effects: &[Parametrized], text: &mut String) {
         .map(|row| format!("    {row:?},\n"))
         .collect();
     constant(
-        "What c·|v|^α is tabulated from, computed in f64 on the host.",
+        "Seed of the table of c·|v|^α, computed in f64 on the host.",
         &format!("const OCTAVE: [[f32; 4]; {}]", seed.octave().len()),
         format!("[\n{octave}]"),
     );
@@ -237,7 +241,7 @@ fn composed(effects: &[Parametrized], text: &mut String) {
          \x20   let seed = const {{\n\
          \x20       match PowerSeed::from_parts(OCTAVE, SCALE) {{\n\
          \x20           Ok(seed) => seed,\n\
-         \x20           Err(_) => panic!(\"the numbers are not those that were exported\"),\n\
+         \x20           Err(_) => panic!(\"OCTAVE or SCALE was changed: export the model again\"),\n\
          \x20       }}\n\
          \x20   }};\n\
          {built}\

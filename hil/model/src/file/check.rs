@@ -61,10 +61,16 @@ impl ModelFile {
         }
         for (index, control) in self.controls.iter().enumerate() {
             let others = &self.controls[..index];
-            if control.name.is_empty() || others.iter().any(|each| each.name == control.name) {
+            if control.name.is_empty() {
                 return refused(
                     format!("controls[{index}].name"),
-                    format!("{:?} is empty or used twice", control.name),
+                    "the name is empty".into(),
+                );
+            }
+            if others.iter().any(|each| each.name == control.name) {
+                return refused(
+                    format!("controls[{index}].name"),
+                    format!("the name {:?} is used twice", control.name),
                 );
             }
             let [low, high] = control.range;
@@ -78,7 +84,10 @@ impl ModelFile {
         if self.controls.len() > CONTROLS {
             return refused(
                 "controls".into(),
-                format!("{} are more than {CONTROLS}", self.controls.len()),
+                format!(
+                    "{} control inputs are given, at most {CONTROLS} are possible",
+                    self.controls.len()
+                ),
             );
         }
         let unnamed = |effect: &AddedEffect| {

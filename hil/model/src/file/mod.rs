@@ -195,10 +195,15 @@ impl ModelFile {
         match value.get("version") {
             Some(version) if version.as_u64() == Some(VERSION) => {}
             other => {
-                let found = other.map_or("none".into(), ToString::to_string);
+                let problem = match other {
+                    Some(found) => format!(
+                        "version {found} is not supported; this program reads version {VERSION}"
+                    ),
+                    None => "the version is missing".into(),
+                };
                 return Err(refused(
                     "version",
-                    format!("{found} is unknown, this program reads version {VERSION}"),
+                    problem,
                     "trace the recordings again with this program",
                 ));
             }

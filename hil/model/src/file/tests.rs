@@ -114,11 +114,11 @@ fn a_zero_is_kept_and_changes_neither_older_files_nor_the_identity() {
 fn refuses_naming_the_field() {
     for (said, error) in [
         (
-            "m.json: field version: 2 is unknown",
+            "m.json: field version: version 2 is not supported",
             read_changed(|v| v["version"] = 2.into()),
         ),
         (
-            "m.json: field version: none is unknown",
+            "m.json: field version: the version is missing",
             read_changed(|v| drop(v.as_object_mut().unwrap().remove("version"))),
         ),
         (

@@ -82,56 +82,65 @@ impl Excitation {
     /// the model.
     pub(super) fn check(&self, model: &Model) -> Result<(), RespondError> {
         let (Drive::Force(samples) | Drive::Base(samples)) = &self.drive;
-        let wrong = |field, value, problem: &str, remedy| {
-            Err(RespondError::Value {
+        let wrong = |field: String, problem: String, remedy| {
+            Err(RespondError::Excitation {
                 field,
-                value,
-                problem: problem.into(),
+                problem,
                 remedy,
             })
         };
+        let control = |place: usize| match model.controls.get(place) {
+            Some(control) => format!("control input {}", control.name),
+            None => format!("control input {place}"),
+        };
         if samples.len() < 2 {
-            let count = samples.len() as f64;
-            return wrong("samples", count, "are no motion", "give two or more");
+            return wrong(
+                "excitation".into(),
+                format!("has {} samples", samples.len()),
+                "give at least 2",
+            );
         }
         if !(1e-6..=1e3).contains(&self.tick) {
             return wrong(
-                "tick",
-                self.tick,
-                "is outside 1e-6…1000 s",
+                "tick".into(),
+                format!("{} s is outside 1e-6…1000 s", self.tick),
                 "give the time between samples in s",
             );
         }
-        if self.controls.len() < model.controls.len() {
+        let (given, needed) = (self.controls.len(), model.controls.len());
+        if given < needed {
             return wrong(
-                "control",
-                self.controls.len() as f64,
-                "inputs are fewer than the model depends on",
-                "give a value of each at every sample",
+                "excitation".into(),
+                format!("{given} control inputs are given, the model needs {needed}"),
+                "give each with --control NAME=VALUE or a column",
             );
         }
-        if let Some(short) = self
-            .controls
-            .iter()
-            .find(|each| each.len() != samples.len())
-        {
-            let count = short.len() as f64;
-            return wrong(
-                "control",
-                count,
-                "samples do not match the number of samples of the excitation",
-                "give each control input as many",
-            );
+        for (place, values) in self.controls.iter().enumerate() {
+            if values.len() != samples.len() {
+                return wrong(
+                    control(place),
+                    format!(
+                        "{} samples, the excitation has {}",
+                        values.len(),
+                        samples.len()
+                    ),
+                    "give one per sample",
+                );
+            }
         }
-        let channels = self.controls.iter().flatten();
-        match samples
-            .iter()
-            .chain(channels)
-            .find(|value| !value.is_finite())
-        {
-            Some(&value) => wrong("sample", value, "is not finite", "correct the sample"),
-            None => Ok(()),
+        let controls = self.controls.iter().enumerate();
+        let controls = controls.map(|(place, values)| (control(place), values));
+        for (field, values) in std::iter::once(("excitation".to_owned(), samples)).chain(controls) {
+            let mut values = values.iter().enumerate();
+            if let Some((index, value)) = values.find(|(_, value)| !value.is_finite()) {
+                return wrong(
+                    field,
+                    format!("sample {index} (counted from 0) is {value}, which is not finite"),
+                    "correct the sample",
+                );
+            }
         }
+        Ok(())
     }
 
     /// With `substeps` steps between each two samples.

@@ -69,6 +69,16 @@ pub enum RespondError {
         /// The remedy.
         remedy: &'static str,
     },
+    /// The excitation cannot drive the model.
+    #[error("{field}: {problem}; {remedy}")]
+    Excitation {
+        /// The excitation or one of its control inputs.
+        field: String,
+        /// The error.
+        problem: String,
+        /// The remedy.
+        remedy: &'static str,
+    },
     /// The model cannot be built.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -97,8 +107,18 @@ impl RespondError {
                     return InputError::new(model, problem, *remedy)
                         .at(Place::Field((*field).into()));
                 }
-                InputError::new(format!("--{field}"), problem, *remedy)
+                // The state at the start has no option; the names of options have no blank.
+                let field = match field.contains(' ') {
+                    true => (*field).to_owned(),
+                    false => format!("--{field}"),
+                };
+                InputError::new(field, problem, *remedy)
             }
+            Self::Excitation {
+                field,
+                problem,
+                remedy,
+            } => InputError::new(field.as_str(), problem.as_str(), *remedy),
             Self::Model(error) => model_error(model, error),
             Self::NoBalance { time } => InputError::new(
                 model,
@@ -257,17 +277,17 @@ pub fn respond_in_steps(
 impl Settings {
     fn check(&self) -> Result<(), RespondError> {
         let values = [
-            ("tolerance", self.tolerance, 1e-12, 1.0),
-            ("start displacement", self.start[0], -1e4, 1e4),
-            ("start velocity", self.start[1], -1e6, 1e6),
+            ("tolerance", self.tolerance, 1e-12, 1.0, ""),
+            ("start displacement", self.start[0], -1e4, 1e4, " mm"),
+            ("start velocity", self.start[1], -1e6, 1e6, " mm/s"),
         ];
-        for (field, value, low, high) in values {
+        for (field, value, low, high, unit) in values {
             if !(low..=high).contains(&value) {
                 return Err(RespondError::Value {
                     field,
                     value,
-                    problem: format!("is outside {low}…{high}"),
-                    remedy: "give one within",
+                    problem: format!("is outside {low}…{high}{unit}"),
+                    remedy: "give a value within this range",
                 });
             }
         }

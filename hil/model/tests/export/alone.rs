@@ -11,9 +11,9 @@ use mesh_damper::static_law::StaticLaw;
 
 /// Name of the model.
 pub const NAME: &str = "alone";
-/// Which model it is, as a pack says it.
+/// Identity of the model, as in a pack.
 pub const IDENTITY: [u8; 8] = [41, 207, 163, 12, 70, 148, 228, 154];
-/// Of this export.
+/// Revision of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
 pub const TICK_RATE: f32 = 2000.0;
@@ -27,7 +27,7 @@ pub const AMPLITUDE: Option<f32> = None;
 pub const DENSITY: Option<f32> = Some(3.0);
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.0539, 10.5, 0.1114, 0.3969];
-/// What c·|v|^α is tabulated from, computed in f64 on the host.
+/// Seed of the table of c·|v|^α, computed in f64 on the host.
 const OCTAVE: [[f32; 4]; 8] = [
     [0.42942026, 0.79898447, -0.28311235, 0.054707695],
     [0.39898214, 0.6640341, -0.2104952, 0.036392607],
@@ -62,7 +62,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let seed = const {
         match PowerSeed::from_parts(OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("the numbers are not those that were exported"),
+            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
         }
     };
     law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, ());

@@ -12,9 +12,9 @@ use mesh_damper::static_law::StaticLaw;
 
 /// Name of the model.
 pub const NAME: &str = "first";
-/// Which model it is, as a pack says it.
+/// Identity of the model, as in a pack.
 pub const IDENTITY: [u8; 8] = [138, 132, 221, 193, 238, 129, 37, 79];
-/// Of this export.
+/// Revision of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
 pub const TICK_RATE: f32 = 2000.0;
@@ -28,25 +28,25 @@ pub const AMPLITUDE: Option<f32> = None;
 pub const DENSITY: Option<f32> = Some(3.0);
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.0539, 10.5, 0.1114, 0.3969];
-/// Of the effect offset: force in kN.
+/// Parameters of the effect offset: force in kN.
 pub const OFFSET: [f64; 1] = [0.05];
-/// Of the effect asymmetry: k2 in kN/mm^2.
+/// Parameters of the effect asymmetry: k2 in kN/mm^2.
 pub const ASYMMETRY: [f64; 1] = [2.0];
-/// Of the effect hardening: k5 in kN/mm^5.
+/// Parameters of the effect hardening: k5 in kN/mm^5.
 pub const HARDENING: [f64; 1] = [90.0];
-/// Of the effect viscous: c1 in kN*s/mm.
+/// Parameters of the effect viscous: c1 in kN*s/mm.
 pub const VISCOUS: [f64; 1] = [0.02];
-/// Of the effect inertia: mass in kg.
+/// Parameters of the effect inertia: mass in kg.
 pub const INERTIA: [f64; 1] = [50.0];
-/// Of the effect load_friction: load in 1/mm.
+/// Parameters of the effect load_friction: load in 1/mm.
 pub const LOAD_FRICTION: [f64; 1] = [4.0];
-/// Of the effect directional: difference.
+/// Parameters of the effect directional: difference.
 pub const DIRECTIONAL: [f64; 1] = [0.3];
-/// Of the effect temperature: beta in 1/degC, reference in degC, beta_damping in 1/degC.
+/// Parameters of the effect temperature: beta in 1/degC, reference in degC, beta_damping in 1/degC.
 pub const TEMPERATURE: [f64; 3] = [0.005, 20.0, -0.002];
 /// One tick, s.
 const TICK: f64 = 0.0005;
-/// What c·|v|^α is tabulated from, computed in f64 on the host.
+/// Seed of the table of c·|v|^α, computed in f64 on the host.
 const OCTAVE: [[f32; 4]; 8] = [
     [0.42942026, 0.79898447, -0.28311235, 0.054707695],
     [0.39898214, 0.6640341, -0.2104952, 0.036392607],
@@ -81,7 +81,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let seed = const {
         match PowerSeed::from_parts(OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("the numbers are not those that were exported"),
+            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (

@@ -12,9 +12,9 @@ use mesh_damper::static_law::StaticLaw;
 
 /// Name of the model.
 pub const NAME: &str = "second";
-/// Which model it is, as a pack says it.
+/// Identity of the model, as in a pack.
 pub const IDENTITY: [u8; 8] = [46, 31, 103, 105, 234, 66, 252, 72];
-/// Of this export.
+/// Revision of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
 pub const TICK_RATE: f32 = 2000.0;
@@ -26,29 +26,29 @@ pub const VELOCITY: [f32; 2] = [-6.3, 6.5];
 pub const AMPLITUDE: Option<f32> = Some(0.1);
 /// Density of the specimen, g/cm³; none where it is not known.
 pub const DENSITY: Option<f32> = Some(3.0);
-/// What stands at which place of `Motion::controls`, with its unit.
+/// Control inputs by their index in `Motion::controls`, with their units.
 pub const CONTROLS: [&str; 1] = ["current_A"];
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.2, 10.5, 0.1114, 0.3969];
-/// Of the effect drift: cycles, stiffness in kN/mm, elastic_change, damping_change.
+/// Parameters of the effect drift: cycles, stiffness in kN/mm, elastic_change, damping_change.
 pub const DRIFT: [f64; 4] = [30.0, 0.2, 0.1, -0.3];
-/// Of the effect stick_slip: stiffness in kN/mm, slip_limit in mm, of each element.
+/// Parameters of the effect stick_slip: stiffness in kN/mm, slip_limit in mm, of each element.
 pub const STICK_SLIP: [f64; 12] = [0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09];
-/// Of the effect relaxation: stiffness in kN/mm, time in s, of each element.
+/// Parameters of the effect relaxation: stiffness in kN/mm, time in s, of each element.
 pub const RELAXATION: [f64; 2] = [0.8, 0.05];
-/// Of the effect stop: stiffness in kN/mm, gap in mm, of each element.
+/// Parameters of the effect stop: stiffness in kN/mm, gap in mm, of each element.
 pub const STOP: [f64; 4] = [2.0, 0.06, 3.0, -0.08];
-/// Of the effect bouc_wen: stiffness in kN/mm, slip_limit in mm, sharpness.
+/// Parameters of the effect bouc_wen: stiffness in kN/mm, slip_limit in mm, sharpness.
 pub const BOUC_WEN: [f64; 3] = [0.9, 0.02, 1.5];
-/// Of the effect hardening_friction: stiffness in kN/mm, stretch_limit in mm, sharpness, hardening, loss.
+/// Parameters of the effect hardening_friction: stiffness in kN/mm, stretch_limit in mm, sharpness, hardening, loss.
 pub const HARDENING_FRICTION: [f64; 5] = [0.9, 0.4, 1.0, 2.0, 10.0];
-/// Of the effect yielding: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, time in s.
+/// Parameters of the effect yielding: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, time in s.
 pub const YIELDING: [f64; 4] = [2.0, 0.04, 0.3, 0.02];
-/// Of the effect control_input: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, viscosity in kN*s/mm, lag in s, saturation, input.
+/// Parameters of the effect control_input: stiffness in kN/mm, yield_stretch in mm, rate in mm/s, viscosity in kN*s/mm, lag in s, saturation, input.
 pub const CONTROL_INPUT: [f64; 7] = [2.0, 0.04, 0.3, 0.01, 0.02, 1.5, 0.0];
 /// One tick, s.
 const TICK: f64 = 0.0005;
-/// What c·|v|^α is tabulated from, computed in f64 on the host.
+/// Seed of the table of c·|v|^α, computed in f64 on the host.
 const OCTAVE: [[f32; 4]; 8] = [
     [0.42942026, 0.79898447, -0.28311235, 0.054707695],
     [0.39898214, 0.6640341, -0.2104952, 0.036392607],
@@ -83,7 +83,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let seed = const {
         match PowerSeed::from_parts(OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("the numbers are not those that were exported"),
+            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (

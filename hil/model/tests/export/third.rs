@@ -12,9 +12,9 @@ use mesh_damper::static_law::StaticLaw;
 
 /// Name of the model.
 pub const NAME: &str = "third";
-/// Which model it is, as a pack says it.
+/// Identity of the model, as in a pack.
 pub const IDENTITY: [u8; 8] = [202, 62, 129, 204, 250, 47, 3, 61];
-/// Of this export.
+/// Revision of this export.
 pub const REVISION: u32 = 4;
 /// Ticks per second that the law is for, Hz.
 pub const TICK_RATE: f32 = 2000.0;
@@ -28,25 +28,25 @@ pub const AMPLITUDE: Option<f32> = None;
 pub const DENSITY: Option<f32> = Some(3.0);
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.0539, 10.5, 0.1114, 0.3969];
-/// Of the effect backlash: stiffness in kN/mm, slip_limit in mm, slack in mm.
+/// Parameters of the effect backlash: stiffness in kN/mm, slip_limit in mm, slack in mm.
 pub const BACKLASH: [f64; 3] = [2.0, 0.02, 0.04];
-/// Of the effect degradation: stiffness in kN/mm, softening in mm, pinching.
+/// Parameters of the effect degradation: stiffness in kN/mm, softening in mm, pinching.
 pub const DEGRADATION: [f64; 3] = [1.5, 0.08, 0.3];
-/// Of the effect weakening: stiffness in kN/mm, slip_limit in mm, loss, energy in J.
+/// Parameters of the effect weakening: stiffness in kN/mm, slip_limit in mm, loss, energy in J.
 pub const WEAKENING: [f64; 4] = [2.0, 0.03, 0.6, 0.2];
-/// Of the effect periodic: amplitude in kN, frequency in Hz, phase in rad, of each element.
+/// Parameters of the effect periodic: amplitude in kN, frequency in Hz, phase in rad, of each element.
 pub const PERIODIC: [f64; 3] = [0.02, 50.0, 0.3];
-/// Of the effect delay: time in s.
+/// Parameters of the effect delay: time in s.
 pub const DELAY: [f64; 1] = [0.0012];
-/// Of the effect force_filter: corner in Hz.
+/// Parameters of the effect force_filter: corner in Hz.
 pub const FORCE_FILTER: [f64; 1] = [200.0];
-/// Of the effect gap: half_width in mm, damps_inside.
+/// Parameters of the effect gap: half_width in mm, damps_inside.
 pub const GAP: [f64; 2] = [0.01, 0.0];
-/// Of the effect compliance: stiffness in kN/mm.
+/// Parameters of the effect compliance: stiffness in kN/mm.
 pub const COMPLIANCE: [f64; 1] = [20.0];
 /// One tick, s.
 const TICK: f64 = 0.0005;
-/// What c·|v|^α is tabulated from, computed in f64 on the host.
+/// Seed of the table of c·|v|^α, computed in f64 on the host.
 const OCTAVE: [[f32; 4]; 8] = [
     [0.42942026, 0.79898447, -0.28311235, 0.054707695],
     [0.39898214, 0.6640341, -0.2104952, 0.036392607],
@@ -81,7 +81,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let seed = const {
         match PowerSeed::from_parts(OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("the numbers are not those that were exported"),
+            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (

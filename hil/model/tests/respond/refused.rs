@@ -67,13 +67,16 @@ fn a_tolerance_and_a_start_out_of_range_are_refused() {
 fn an_excitation_that_is_none_is_refused() {
     let model = law(1.0, 0.0, 0.1, 0.5);
     for (excitation, said) in [
-        (Excitation::force(1e-3, vec![]), "samples = 0 "),
-        (Excitation::base(1e-3, vec![0.1]), "samples = 1 "),
-        (Excitation::force(0.0, vec![0.1; 9]), "tick = 0 "),
-        (Excitation::force(f64::NAN, vec![0.1; 9]), "tick = NaN "),
+        (Excitation::force(1e-3, vec![]), "excitation: has 0 samples"),
+        (
+            Excitation::base(1e-3, vec![0.1]),
+            "excitation: has 1 samples",
+        ),
+        (Excitation::force(0.0, vec![0.1; 9]), "tick: 0 s "),
+        (Excitation::force(f64::NAN, vec![0.1; 9]), "tick: NaN s "),
         (
             Excitation::base(1e-3, vec![0.1, f64::NAN, 0.2]),
-            "sample = NaN ",
+            "excitation: sample 1 (counted from 0) is NaN",
         ),
     ] {
         let error = respond(&model, &excitation, &Settings::new(1.0)).unwrap_err();

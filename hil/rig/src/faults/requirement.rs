@@ -152,7 +152,7 @@ fn of_attacks(attacks: &AttackSummary) -> Vec<Check> {
     checks.push(
         Check::new("forged settings", taken == 0, || {
             format!(
-                "{taken} of {} settings that are none were taken",
+                "{taken} of {} invalid settings were accepted",
                 attacks.forgeries.len()
             )
         })

@@ -16,8 +16,9 @@ use crate::commands::{Failure, say};
 /// Fit an amplitude-independent law to force loops of the paper's tables
 ///
 /// Fits the loops at 0.05, 0.10, 0.20 and 0.25 mm. Prints the error at 0.15 mm, which is not fitted, and compares it with three others:
-/// one set of coefficients of eq 13, the tables interpolated between their rows, and the paper's surfaces. With --out it writes a model
-/// for each density, which `hil predict` and `hil run` read, and a picture of the loops at 0.15 mm.
+/// one set of coefficients of the mixed damping law k1·y + k3·y³ + c·|v|^α·sgn v (eq 13), the tables interpolated between their rows,
+/// and the paper's surfaces. With --out it writes a model for each density, which `hil predict` and `hil run` read, and a picture of
+/// the loops at 0.15 mm.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil amplitude-free\n  \
     hil amplitude-free --frequencies 1 --out free-out\n  \
@@ -101,7 +102,7 @@ fn picture_name(frequency: f64) -> String {
 fn print(study: &Study) {
     let structure = &study.structure;
     say(&format!(
-        "The law: eq 13{}, up to {} elements of stick-slip",
+        "The law: the mixed damping law k1·y + k3·y³ + c·|v|^α·sgn v (eq 13){}, up to {} elements of stick-slip",
         if structure.load_friction {
             " with friction that grows with |y|"
         } else {
@@ -112,7 +113,8 @@ fn print(study: &Study) {
     say("Error at 0.15 mm, held out, in % of the force's RMS:");
     for (index, frequency) in study.frequencies.iter().enumerate() {
         say(&format!(
-            "\n{frequency} Hz    one eq 13   tables between   surfaces   this law   (loops between)"
+            "\n{:7}  one mixed law   interpolated tables   surfaces   this law   (interpolated loops)",
+            format!("{frequency} Hz")
         ));
         for one in &study.densities {
             row(&format!("{:.1}", one.density), &one.held_out[index]);
@@ -123,7 +125,7 @@ fn print(study: &Study) {
 
 fn row(name: &str, errors: &HeldOut) {
     say(&format!(
-        "{name:7}  {:8.1}   {:14.1}   {:8.1}   {:8.1}   {:15.1}",
+        "{name:7}  {:13.1}   {:19.1}   {:8.1}   {:8.1}   {:20.1}",
         100.0 * errors.equation_13,
         100.0 * errors.tables,
         100.0 * errors.surfaces,
@@ -150,8 +152,8 @@ fn picture(study: &Study, frequency: f64) -> Result<String, mesh_damper_model::M
             format!("{:.1} g/cm³", one.density),
             vec![
                 curve("measured", &forces.measured),
-                curve("one eq 13", &forces.equation_13),
-                curve("tables between", &forces.tables),
+                curve("one mixed law", &forces.equation_13),
+                curve("interpolated tables", &forces.tables),
                 curve("surfaces", &forces.surfaces),
                 curve("without amplitude", &forces.law),
             ],

@@ -74,7 +74,7 @@ impl BatchCommand {
             list,
             settings: Settings {
                 sought: self.seeking.sought(limit)?,
-                reading: self.files.said(),
+                reading: self.files.stated(),
                 reports: self.reports,
             },
             reads: self.seeking.law().map(Path::to_owned).into_iter().collect(),

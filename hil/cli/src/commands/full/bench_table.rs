@@ -53,7 +53,7 @@ fn sections() -> [Section; 7] {
             title: "a whole tick: generator, law, cycle",
             rows: vec![
                 row("tick/whole", "steady", "steady"),
-                row("tick/whole", "spread", "  same tick, by other data"),
+                row("tick/whole", "spread", "  the same tick with other data"),
                 row("tick/whole", "cycle-end", "at a cycle's end"),
                 row("tick/whole", "swap", "after a swap of coefficients"),
                 row("tick/whole", "ramp", "in a ramp"),
@@ -82,7 +82,7 @@ fn sections() -> [Section; 7] {
             core: Core::CortexM4f,
             title: "the law with stick-slip, 1 element",
             rows: vec![
-                row("one_effect/static", "call", "whose type names it"),
+                row("one_effect/static", "call", "effects named in the type"),
                 row("one_effect/pack", "call", "read from a pack"),
             ],
         },
@@ -106,7 +106,7 @@ fn sections() -> [Section; 7] {
             core: Core::CortexM4f,
             title: "the rig",
             rows: vec![
-                row("rig/tick", "steady", "tick, its bus answered from memory"),
+                row("rig/tick", "steady", "one tick, bus replies from memory"),
                 row("rig/tick", "cycle-end", "  at a cycle's end"),
                 row("rig/unmonitored", "steady", "  without its monitor"),
                 row("crossing/update", "steady", "cycle of a measured motion"),
@@ -196,7 +196,7 @@ pub fn print(results: &Results) {
             rate.name, rate.per_second, rate.times_real_time
         ));
     }
-    say(&format!("{:40} {:>10}   asked for", "limits", "figure"));
+    say(&format!("{:40} {:>10}   required", "limits", "figure"));
     for verdict in &results.limits {
         print_verdict(verdict);
     }

@@ -10,7 +10,7 @@ use mesh_damper_recording::output::{Outputs, Plan};
 use mesh_damper_rig::check::failures;
 use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
-use super::junit::{Case, Junit};
+use super::junit::{Case, Junit, judged};
 use super::motions;
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
@@ -19,8 +19,8 @@ use crate::commands::{Failure, is_free_for_text, say};
 /// Trace specimens with hidden effects drawn by seed, and count how often the trace is right
 ///
 /// Prints the rates, the error ratios and the confusion matrix. In every 50 seeds, 10 hide no effect, 18 hide one effect of a known
-/// family, 9 hide two of them, and 13 hide an effect of no family. A seed counts in the rates if eq 13, fitted at each amplitude
-/// separately, has a residual of at least 3 times the noise.
+/// family, 9 hide two of them, and 13 hide an effect of no family. A seed counts in the rates if the mixed damping law
+/// k1·y + k3·y³ + c·|v|^α·sgn v (eq 13), fitted at each amplitude separately, has a residual of at least 3 times the noise.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil blind --seeds 3\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 3"
@@ -43,7 +43,7 @@ pub struct BlindCommand {
     /// The other trials simulate their effects with separate code.
     #[arg(long)]
     described: bool,
-    /// Hide only effects of no family; seeds are counted among these
+    /// Hide only effects of no family; --first and --seeds count these trials only
     #[arg(long, conflicts_with = "described")]
     unlisted: bool,
     /// Use other motions and sensors instead of blocks of sines: random, stepped, slow, swept, with pauses
@@ -73,7 +73,15 @@ impl BlindCommand {
             return motions::run(seeds, &self.json, &self.junit, self.check);
         }
         let mut outputs = Plan::new().writes(&self.json).writes(&self.junit).begin()?;
-        let mut junit = Junit::of("blind");
+        judged(
+            "blind",
+            self.junit.as_deref(),
+            &mut outputs,
+            |junit, outputs| self.trials(junit, outputs),
+        )
+    }
+
+    fn trials(&self, mut junit: Junit, outputs: &mut Outputs) -> Result<(), Failure> {
         let progress = Progress::of(self.seeds);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
@@ -97,7 +105,7 @@ impl BlindCommand {
             let reason = "no test shows the effect that this seed hides".to_owned();
             junit.case("seed", &format!("seed {seed}"), Case::Skipped(reason), None);
         }
-        junit.add(&mut outputs, self.junit.as_deref())?;
+        junit.add(outputs, self.junit.as_deref())?;
         outputs.write()?;
         if is_free_for_text([&self.json, &self.junit]) {
             print(&summary);
@@ -129,7 +137,7 @@ impl BlindCommand {
             &mut outputs,
             self.out.as_deref(),
             [&trial.training, &trial.held_out],
-        );
+        )?;
         outputs.write()?;
         let progress = Progress::steps();
         progress.step("tracing");
@@ -146,7 +154,7 @@ impl BlindCommand {
         ));
         for hidden in &secret.effects {
             say(&format!(
-                "{}: {}; {:.1} times the noise, {:.1} of it beyond eq 13",
+                "{}: {}; {:.1} times the noise, {:.1} of it beyond the mixed damping law",
                 hidden.effect.family(),
                 in_words(&hidden.effect.parameters()),
                 hidden.size,
@@ -181,12 +189,17 @@ pub fn recordings(out: Option<&Path>) -> Result<Outputs, InputError> {
 }
 
 /// Adds both recordings of a trial, if they were requested.
-pub fn add_recordings(outputs: &mut Outputs, out: Option<&Path>, both: [&Recording; 2]) {
-    let Some(out) = out else { return };
+pub fn add_recordings(
+    outputs: &mut Outputs,
+    out: Option<&Path>,
+    both: [&Recording; 2],
+) -> Result<(), InputError> {
+    let Some(out) = out else { return Ok(()) };
     for (name, recording) in RECORDINGS.into_iter().zip(both) {
         let path = out.join(name);
-        outputs.add(&path, recording.to_file(&path));
+        outputs.add(&path, recording.to_file(&path)?);
     }
+    Ok(())
 }
 
 /// Parameters of an effect, each with name, value and unit.
@@ -277,14 +290,17 @@ fn print(summary: &Summary) {
         ),
         ("two effects, both named", summary.pairs),
         ("the same, or named among several", summary.pairs_or_among),
-        ("an effect of no family, called unlisted", summary.unlisted),
+        (
+            "an effect of no family, verdict unmodelled",
+            summary.unlisted,
+        ),
         (
             "an effect of no family, given the name of a family",
             summary.unlisted_named,
         ),
         (
             "an effect of no family, the law augmented",
-            summary.unlisted_mended,
+            summary.unlisted_augmented,
         ),
     ] {
         say(&rate_line(what, rate));

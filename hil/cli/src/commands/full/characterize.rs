@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use mesh_damper_characterize::{
     DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
 };
@@ -21,6 +21,7 @@ use crate::commands::{Failure, say, warn};
 /// curve, after it subtracts a preload or a sensor offset. --dynamic reads cycles. It gives dynamic stiffness and loss factor of each
 /// cycle, and of the averaged cycle of every block of equal cycles.
 #[derive(Args, Debug)]
+#[command(group(ArgGroup::new("kind").required(true).args(["of_curves", "of_cycles"])))]
 #[command(after_help = "Examples:\n  hil demo --seed 4\n  \
     hil characterize demo-out/recording.csv.gz --dynamic --out loops-out")]
 pub struct CharacterizeCommand {
@@ -28,11 +29,7 @@ pub struct CharacterizeCommand {
     #[arg(value_name = "FILE")]
     recording: PathBuf,
     /// Static: load–unload curves, eqs 1 and 2
-    #[arg(
-        long = "static",
-        required_unless_present = "of_cycles",
-        conflicts_with = "of_cycles"
-    )]
+    #[arg(long = "static")]
     of_curves: bool,
     /// Dynamic: cycles, eqs 3–7
     #[arg(long = "dynamic")]

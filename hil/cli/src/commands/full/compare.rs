@@ -174,21 +174,6 @@ fn title(one: &ParameterChange) -> String {
     }
 }
 
-/// The conclusion about the specimen.
-fn heading(comparison: &Comparison) -> &'static str {
-    let nothing_known = comparison.forces.iter().any(|one| one.p.is_none());
-    match (comparison.changed, comparison.undecided.is_empty()) {
-        (true, _) => "The specimen changed.",
-        (false, false) => {
-            "Undecided: an effect differs, but the conditions shared by all models do not show it."
-        }
-        (false, true) if nothing_known => {
-            "Undecided: the uncertainty of the force is unknown for some models."
-        }
-        (false, true) => "No change beyond the intervals.",
-    }
-}
-
 /// The conditions under which all models were compared.
 fn common(motion: &CommonMotion) -> String {
     let [low, high] = motion.displacement_mm.map(text::number);
@@ -221,7 +206,7 @@ fn common(motion: &CommonMotion) -> String {
 }
 
 fn print(comparison: &Comparison) {
-    say(heading(comparison));
+    say(comparison.conclusion.sentence());
     for one in &comparison.undecided {
         say(&format!(
             "  {} with model {}: {} would show it",

@@ -135,7 +135,7 @@ impl DriveOptions {
                 (random.motion(grid)?, 0.0)
             }
             None => {
-                let recording = Recording::read_motion(drive, &files.said())?;
+                let recording = Recording::read_motion(drive, &files.stated())?;
                 say_guesses(recording.named_guesses());
                 let recorded = recorded(&recording, self.scale, self.shift, grid)?;
                 (recorded.motion, recorded.left_out)

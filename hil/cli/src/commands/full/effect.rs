@@ -54,10 +54,12 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
     if effect.is_admissible() {
         Ok(effect)
     } else {
-        Err(refused(format!(
-            "{}: no specimen can have that",
-            quoted(text)
-        )))
+        let remedy = match family {
+            "unlisted" => "give finite values, lengths, times and rates above 0, an order between 0 and 1, and a damping of at least 0".to_owned(),
+            _ => format!("see docs/effects/{family}.md for the ranges"),
+        };
+        let problem = format!("{}: a parameter is outside its range", quoted(text));
+        Err(InputError::new(OPTION, problem, remedy))
     }
 }
 
@@ -111,7 +113,10 @@ mod tests {
             ("viscous:c=1,d=2", "unknown field `d`"),
             ("viscous:c", "is not name=value"),
             ("viscous:c=much", "invalid type"),
-            ("relaxation:stiffness=1,time=0", "no specimen can have that"),
+            (
+                "relaxation:stiffness=1,time=0",
+                "a parameter is outside its range; see docs/effects/relaxation.md",
+            ),
         ] {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(told), "{text}: {error}");

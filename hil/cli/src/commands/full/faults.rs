@@ -8,7 +8,7 @@ use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::Image;
 use mesh_damper_link::lockstep::{run_attack_on, run_trial_on};
 use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Outputs, Plan};
 use mesh_damper_report::campaign;
 use mesh_damper_rig::SetupError;
 use mesh_damper_rig::check::failures;
@@ -20,7 +20,7 @@ use mesh_damper_sources::Sources;
 
 use super::faults_attacks;
 use super::image::{IMAGES, On, say_where};
-use super::junit::Junit;
+use super::junit::{Junit, judged};
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
@@ -156,9 +156,6 @@ impl FaultsCommand {
     }
 
     pub fn run(self) -> Result<(), Failure> {
-        let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
-        let (found, followed) = (picture("faults.svg"), picture("following.svg"));
-        let attacked = picture("attacks.svg");
         let mut outputs = Plan::new()
             .fills(
                 self.out.as_deref(),
@@ -167,7 +164,18 @@ impl FaultsCommand {
             .writes(&self.json)
             .writes(&self.junit)
             .begin()?;
-        let mut junit = Junit::of("faults");
+        judged(
+            "faults",
+            self.junit.as_deref(),
+            &mut outputs,
+            |junit, outputs| self.campaign(junit, outputs),
+        )
+    }
+
+    fn campaign(&self, mut junit: Junit, outputs: &mut Outputs) -> Result<(), Failure> {
+        let picture = |name: &str| self.out.as_ref().map(|out| out.join(name));
+        let (found, followed) = (picture("faults.svg"), picture("following.svg"));
+        let attacked = picture("attacks.svg");
         let summary = self.summary()?;
         if let Some(found) = found.filter(|_| !summary.outcomes.is_empty()) {
             outputs.add(found, campaign::found(&summary));
@@ -187,7 +195,7 @@ impl FaultsCommand {
         junit.property("attack trials", summary.attacks.trials());
         junit.property("healthy cycles", summary.healthy_cycles);
         junit.checks("requirement", checks.iter().cloned());
-        junit.add(&mut outputs, self.junit.as_deref())?;
+        junit.add(outputs, self.junit.as_deref())?;
         outputs.write()?;
         if is_free_for_text([&self.json, &self.junit]) {
             print(&summary);
@@ -301,9 +309,9 @@ fn print_slow(summary: &Summary) {
         "\nSlow changes over {CHANGING} cycles, then a break; the adaptation follows up to {:.0} %:",
         100.0 * FOLLOW
     ));
-    say("                           error of the law, %               of its energy, %");
+    say("                             error of the law, %             of its energy, %");
     say(
-        "  changing  by %  g/cm3    before  stays  follows          stays  follows   named at; the break after",
+        "  changing  by %  g/cm3    before  fixed law  adapted      fixed law  adapted   reported at; break",
     );
     for one in &summary.slow {
         let change = &one.change;
@@ -316,7 +324,7 @@ fn print_slow(summary: &Summary) {
             |(_, cause, come_to)| format!("{:+.1} %: {cause}", 100.0 * come_to),
         );
         say(&format!(
-            "{:>10} {:>+5.0} {:>6} {:>9.2} {:>6.2} {:>8.2} {:>14.2} {:>8.2}   {named}",
+            "{:>10} {:>+5.0} {:>6} {:>9.2} {:>10.2} {:>8.2} {:>14.2} {:>8.2}   {named}",
             format!("{:?}", change.changing),
             100.0 * change.size,
             change.density,

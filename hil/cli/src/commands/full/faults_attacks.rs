@@ -145,7 +145,8 @@ fn print_totals(attacks: &AttackSummary) {
             say(&row(name, counts));
             let hazards = &counts.hazards;
             say(&format!(
-                "{:>36} {} of them behind a drifting gain. Hazardous, but not to be observed or stopped: {} behind a constant gain, {} behind a channel that was just lost, {} with the enable line stuck high, {} while the controller was not called. {} false alarms before an attack",
+                "{:>36} {} of the hazardous trials had a drifting gain. Hazards that the rig cannot observe or stop: {} constant gain, \
+                 {} channel lost just before, {} enable line stuck high, {} controller not called. False alarms before an attack: {}",
                 "",
                 hazards.drifting_gain,
                 hazards.constant_gain,
@@ -172,7 +173,7 @@ fn print_totals(attacks: &AttackSummary) {
         } = loss;
         let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
         say(&format!(
-            "{channel:?} lost {trials} times: {stopped} stops, after {} cycles in the middle and {} at most",
+            "{channel:?} lost {trials} times: {stopped} trips, after {} cycles in the median and {} at most",
             cycles(*median_cycles),
             cycles(*worst_cycles)
         ));
@@ -180,7 +181,7 @@ fn print_totals(attacks: &AttackSummary) {
     if !attacks.forgeries.is_empty() {
         let refused = attacks.forgeries.iter().filter(|one| one.refused).count();
         say(&format!(
-            "{refused} of {} settings that are none were refused",
+            "{refused} of {} invalid settings were refused",
             attacks.forgeries.len()
         ));
     }

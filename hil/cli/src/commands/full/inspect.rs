@@ -132,12 +132,12 @@ const MOST_READ: usize = 64;
 impl InspectCommand {
     pub fn run(self) -> Result<(), Failure> {
         let mut outputs = Plan::new().reads(&self.paths).writes(&self.json).begin()?;
-        let said = self.files.said();
+        let stated = self.files.stated();
         let options = self.files.as_options();
         let mut inspected = Vec::new();
         let mut failed = None;
         for path in &self.paths {
-            match inspect(path, &said, &options) {
+            match inspect(path, &stated, &options) {
                 Ok((file, problem)) => {
                     inspected.push(file);
                     failed = failed.or(problem);
@@ -161,30 +161,30 @@ impl InspectCommand {
 /// Inspects one file, and returns the defect of its samples. An open question is no error.
 fn inspect(
     path: &Path,
-    said: &Reading,
+    stated: &Reading,
     options: &[String],
 ) -> Result<(Inspected, Option<InputError>), InputError> {
     let name = path.display().to_string();
-    let mut said = said.clone();
+    let mut stated = stated.clone();
     let mut questions = Vec::new();
-    let (format, opened) = match files::open(path, &said) {
+    let (format, opened) = match files::open(path, &stated) {
         Ok(opened) => opened,
         Err(error) => {
             // This question comes before the columns are known.
-            if said.decimal.is_some() {
+            if stated.decimal.is_some() {
                 return Err(error);
             }
-            said.decimal = Some('.');
-            let opened = files::open(path, &said).map_err(|_| error.clone())?;
+            stated.decimal = Some('.');
+            let opened = files::open(path, &stated).map_err(|_| error.clone())?;
             questions.push(error);
             opened
         }
     };
     let tables = opened.tables().to_vec();
     drop(opened);
-    let chosen = columns::choose(&name, &tables, &said, &Needs::default());
+    let chosen = columns::choose(&name, &tables, &stated, &Needs::default());
     if let Err(question) = &chosen {
-        questions.extend(asked(&name, &tables, &said, question));
+        questions.extend(asked(&name, &tables, &stated, question));
     }
     // No option makes the file right.
     let mut problem = (questions
@@ -205,11 +205,11 @@ fn inspect(
     for (index, table) in tables.iter().enumerate() {
         file.tables.push(match &chosen {
             Ok(chosen) => of(table, Some(chosen).filter(|chosen| chosen.table == index)),
-            Err(_) => open(table, &said),
+            Err(_) => open(table, &stated),
         });
     }
     if questions.is_empty() && problem.is_none() {
-        match Recording::read_channels(path, &said) {
+        match Recording::read_channels(path, &stated) {
             Ok(recording) => {
                 file.notes = recording.guesses().to_vec();
                 file.recording = Some(like(&recording));
@@ -222,7 +222,7 @@ fn inspect(
         |chosen| chosen.table,
     );
     // Values that cannot be read are the problem if there is no other.
-    problem = problem.or(count(path, &said, index, &mut file).err());
+    problem = problem.or(count(path, &stated, index, &mut file).err());
     file.problem = problem.as_ref().map(words::question);
     Ok((file, problem))
 }
@@ -230,10 +230,16 @@ fn inspect(
 fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
     match chosen {
         Some(chosen) => chosen.guesses.clone(),
-        None => tables
-            .iter()
-            .flat_map(|table| table.guesses.clone())
-            .collect(),
+        // A note about the whole file is one of each table.
+        None => {
+            let mut notes: Vec<String> = Vec::new();
+            for note in tables.iter().flat_map(|table| &table.guesses) {
+                if !notes.contains(note) {
+                    notes.push(note.clone());
+                }
+            }
+            notes
+        }
     }
 }
 
@@ -250,10 +256,10 @@ fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
 }
 
 /// A table while a question is open: nothing is used yet.
-fn open(table: &Table, said: &Reading) -> InspectedTable {
+fn open(table: &Table, stated: &Reading) -> InspectedTable {
     table_with(table, |_, column| {
-        let stated = (said.channels.iter()).find(|(_, name)| *name == column.name);
-        let taken_for = match stated {
+        let column_of = (stated.channels.iter()).find(|(_, name)| *name == column.name);
+        let taken_for = match column_of {
             Some((quantity, _)) => format!("{quantity}, as you stated"),
             None => words::why_not(column, true),
         };
@@ -298,7 +304,7 @@ fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
         let how = match used.rank {
             Rank::Unit => ", by its unit alone",
             Rank::Weak => ", by a short word with its unit",
-            Rank::Said => ", as you stated",
+            Rank::Stated => ", as you stated",
             Rank::Word | Rank::Own => "",
         };
         return Some(format!(
@@ -317,11 +323,11 @@ fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
 /// Counts the values of the numeric columns, and finds their ranges.
 fn count(
     path: &Path,
-    said: &Reading,
+    stated: &Reading,
     index: usize,
     file: &mut Inspected,
 ) -> Result<(), InputError> {
-    let (_, opened) = files::open(path, said)?;
+    let (_, opened) = files::open(path, stated)?;
     let Some(table) = opened.tables().get(index) else {
         return Ok(());
     };

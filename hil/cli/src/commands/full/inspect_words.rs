@@ -39,7 +39,7 @@ pub fn of(file: &Inspected) -> String {
     let how = if file.questions.is_empty() {
         "next"
     } else {
-        "next, with your answers for the words in capitals"
+        "next; replace the words in capitals by your answers"
     };
     lines.push(format!("  {how}: {}", file.command));
     lines.join("\n")
@@ -160,7 +160,7 @@ pub fn why_not(column: &Column, is_open: bool) -> String {
         Some(what) if is_open => return format!("could be {what}"),
         Some(what) => return format!("could be {what}; not used"),
         None if !column.is_numeric => "it holds text",
-        None => "its name names no channel",
+        None => "its name does not match any channel",
     };
     if is_open {
         why.into()

@@ -268,12 +268,12 @@ impl Live {
             );
             std::thread::sleep(self.hold);
         }
-        let seen = page.close(TO_THE_END);
-        if seen.missed > 0 {
+        let delivered = page.close(TO_THE_END);
+        if delivered.missed > 0 {
             warn(&format!(
                 "{} of {} samples were dropped for pages that were too slow",
-                seen.missed,
-                seen.missed + seen.samples
+                delivered.missed,
+                delivered.missed + delivered.samples
             ));
         }
     }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use mesh_damper_recording::output::Plan;
+use mesh_damper_recording::output::{Outputs, Plan};
 use mesh_damper_rig::check::failures;
 use mesh_damper_studies::blind::motions::{self, FLOORS, Mark, Outcome, Row, Summary};
 
 use super::blind::{add_recordings, in_words, recordings};
-use super::junit::{Case, Junit};
+use super::junit::{Case, Junit, judged};
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
@@ -23,7 +23,17 @@ pub fn run(
     check: bool,
 ) -> Result<(), Failure> {
     let mut outputs = Plan::new().writes(json).writes(junit).begin()?;
-    let mut tests = Junit::of("blind");
+    judged("blind", junit.as_deref(), &mut outputs, |tests, outputs| {
+        trials(seeds, (json, junit), check, (tests, outputs))
+    })
+}
+
+fn trials(
+    seeds: Range<u64>,
+    (json, junit): (&Option<PathBuf>, &Option<PathBuf>),
+    check: bool,
+    (mut tests, outputs): (Junit, &mut Outputs),
+) -> Result<(), Failure> {
     tests.property("specimens", "Motions");
     tests.property("first seed", seeds.start);
     tests.property("seeds", seeds.end - seeds.start);
@@ -45,7 +55,7 @@ pub fn run(
         let time = Duration::from_secs_f64(outcome.seconds);
         tests.case("seed", &name, case_of(outcome), Some(time));
     }
-    tests.add(&mut outputs, junit.as_deref())?;
+    tests.add(outputs, junit.as_deref())?;
     outputs.write()?;
     if is_free_for_text([json, junit]) {
         print(&summary);
@@ -97,10 +107,12 @@ fn print(summary: &Summary) {
         say(&row_of(row));
     }
     say(
-        "\nmedian, 9 in 10: held-out error of the embedded law over that of the true law. seconds: of the median trace,\n\
-         with as many at once as there are processors; time: the longest trace over its recordings.\n\
-         intervals: of the law's 90 % intervals, the part that holds. velocity: error of the estimated one over that of cubics alone; covered: \n\
-         the part of its samples within their 90 % interval.",
+        "\nmedian, 9 in 10: held-out error of the embedded law over that of the true law\n\
+         seconds: duration of the median trace, with as many traces at a time as the machine has processors\n\
+         time: largest ratio of a trace's duration to the duration of its recordings\n\
+         intervals: part of the law's 90 % intervals that contain the true value\n\
+         velocity: error of the estimated velocity over that of an estimate by cubics alone\n\
+         covered: part of the velocity samples within their 90 % intervals",
     );
 }
 
@@ -108,7 +120,7 @@ fn print(summary: &Summary) {
 pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
     let mut outputs = recordings(out)?;
     let trial = motions::draw(seed);
-    add_recordings(&mut outputs, out, [&trial.training, &trial.held_out]);
+    add_recordings(&mut outputs, out, [&trial.training, &trial.held_out])?;
     outputs.write()?;
     say(&line(&motions::judge(&trial)));
     for effect in &trial.hidden {

@@ -125,15 +125,15 @@ fn verdict(variance: &Variance) -> Vec<String> {
             "error: the columns without a factor, {freedom} degrees of freedom, if no interaction falls into them"
         ),
         ErrorSource::SmallestColumn => {
-            "error: four factors in nine runs leave none; the smallest column is used instead, and p takes this choice into \
-             account"
+            "error: with four factors, nine runs leave no column for it; the smallest column is used instead, and p accounts for \
+             this choice"
                 .into()
         }
         ErrorSource::None => "error: none, because the results do not scatter".into(),
     }];
     if let Some(p) = variance.p_largest {
         lines.push(format!(
-            "probability that error alone gives a column as large as the largest: p = {}",
+            "if all scatter is error: probability p = {} of a largest column at least as large",
             text::number(p)
         ));
     }

@@ -53,15 +53,15 @@ impl PaperCommand {
 fn print(paper: &Paper) {
     for claim in &paper.claims {
         let verdict = claim.verdict.in_words();
-        say(&format!("{verdict:13}  {}: {}", claim.place, claim.says));
-        say(&format!("{:15}{}", "", claim.reason));
+        say(&format!("{verdict:17}  {}: {}", claim.place, claim.says));
+        say(&format!("{:19}{}", "", claim.reason));
     }
     let count = |verdict| {
         let of = |claim: &&Claim| claim.verdict == verdict;
         paper.claims.iter().filter(of).count()
     };
     say(&format!(
-        "\n{} claims: {} hold, {} fail, {} can't be told",
+        "\n{} claims: {} hold, {} fail, {} cannot be decided",
         paper.claims.len(),
         count(Verdict::Holds),
         count(Verdict::Fails),

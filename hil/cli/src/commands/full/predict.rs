@@ -142,7 +142,7 @@ pub(in crate::commands) struct Summary<'a> {
 
 /// The motion that the law was given at each sample of the uniform time base, and its force.
 #[derive(JsonSchema, Serialize)]
-pub(in crate::commands) struct Seen<'a> {
+pub(in crate::commands) struct LawMotion<'a> {
     /// Where the law was evaluated.
     on: On,
     /// Time between two samples, s.
@@ -174,7 +174,7 @@ struct Input<'a> {
     values: &'a [f64],
 }
 
-impl<'a> Seen<'a> {
+impl<'a> LawMotion<'a> {
     fn new(on: On, trajectory: &'a Trajectory, force: &'a [f64]) -> Self {
         let motion = &trajectory.motion;
         let temperature = (0..trajectory.len()).map(|sample| trajectory.temperature_at(sample));
@@ -208,7 +208,7 @@ impl Predict {
         WriteAs::of(&self.out)?;
         let file = ModelFile::read_within(&self.model, self.files.reading.limit)?;
         let (recording, no_force) =
-            Recording::read_even_without_force(&self.recording, &self.files.said())?;
+            Recording::read_even_without_force(&self.recording, &self.files.stated())?;
         if let Some(error) = no_force {
             warn(&format!(
                 "{}: predicted from the motion alone: {}",
@@ -253,7 +253,7 @@ impl Predict {
             })
         });
         if let Some(path) = &self.motion {
-            outputs.add_document(path, &Seen::new(self.on.clone(), &trajectory, &force))?;
+            outputs.add_document(path, &LawMotion::new(self.on.clone(), &trajectory, &force))?;
         }
         let [force, band] = [force, band].map(|values| uniform.at_samples_of(&repaired, &values));
 
@@ -299,7 +299,7 @@ impl Predict {
         };
         outputs.add(
             &self.out,
-            recording.to_file_with_prediction(&self.out, &force, &band),
+            recording.to_file_with_prediction(&self.out, &force, &band)?,
         );
         if let Some(json) = &self.json {
             outputs.add_document(json, &summary)?;

@@ -68,7 +68,7 @@ pub struct RecordCommand {
     /// Density of the specimen in g/cm³, 2 to 4; it selects the paper's law
     #[arg(long, value_name = "G_PER_CM3", default_value_t = 3.0)]
     density: f64,
-    /// Full scale of the force channel, kN
+    /// Full scale of the force channel, kN; required unless --join is given
     #[arg(long, value_name = "KN", required_unless_present = "join")]
     force_range: Option<f64>,
     /// Full scale of the displacement channel, mm
@@ -118,7 +118,7 @@ pub struct RecordCommand {
     json: Option<PathBuf>,
     #[command(flatten)]
     live: LiveOptions,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Files")]
     reading: Reading,
 }
 
@@ -298,7 +298,11 @@ impl RecordCommand {
                 .into_iter()
                 .fold(recording, Recording::with_comment)
         })?;
-        outputs.add(&self.out, written.to_file(&self.out));
+        let bytes = written.to_file(&self.out);
+        outputs.add(
+            &self.out,
+            bytes.map_err(|error| with_journal(error, &journal))?,
+        );
         if let Some(json) = &self.json {
             outputs.add_document(json, &summary)?;
         }

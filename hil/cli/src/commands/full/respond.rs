@@ -8,6 +8,7 @@ use mesh_damper_model::file::ModelFile;
 use mesh_damper_model::respond::{
     EnergyBalance, Excitation, LeftOut, Moment, Response, Settings, respond,
 };
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::faults::Channel;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_recording::output::Plan;
@@ -178,7 +179,7 @@ impl RespondCommand {
             Drive::Force => Channel::Force,
             Drive::Base => Channel::Displacement,
         };
-        let input = InputSignal::read(path, channel, &self.files.said())?;
+        let input = InputSignal::read(path, channel, &self.files.stated())?;
         say_guesses(
             input
                 .guesses
@@ -238,7 +239,7 @@ impl RespondCommand {
             outside_operating_range: outside,
             left_out: &response.left_out,
         };
-        outputs.add(&self.out, to_file(&self.out, &input, drive, &response));
+        outputs.add(&self.out, to_file(&self.out, &input, drive, &response)?);
         if let Some(json) = &self.json {
             outputs.add_document(json, &summary)?;
         }
@@ -251,7 +252,12 @@ impl RespondCommand {
 }
 
 /// Writes the damper's motion and force in the columns of a recording, and the motion of the mass in further columns.
-fn to_file(out: &Path, input: &InputSignal, drive: Drive, response: &Response) -> Vec<u8> {
+fn to_file(
+    out: &Path,
+    input: &InputSignal,
+    drive: Drive,
+    response: &Response,
+) -> Result<Vec<u8>, InputError> {
     let of = |channel: fn(&Moment) -> f64| response.moments.iter().map(channel).collect();
     let driving = match drive {
         Drive::Force => "applied_force_kN",
@@ -259,7 +265,7 @@ fn to_file(out: &Path, input: &InputSignal, drive: Drive, response: &Response) -
     };
     let time = (0..response.moments.len()).map(|index| input.start + index as f64 * input.tick);
     let comments =
-        ["displacement, velocity and force are the damper's, as its channels would show them"];
+        ["displacement, velocity and force of the damper, as its sensors would measure them"];
     table(
         out,
         &comments.map(String::from),

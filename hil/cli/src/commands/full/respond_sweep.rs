@@ -6,6 +6,7 @@ use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
+use mesh_damper_recording::error::InputError;
 use mesh_damper_recording::output::Plan;
 use mesh_damper_recording::read_limit::ReadLimit;
 use mesh_damper_recording::{WriteAs, table};
@@ -122,7 +123,7 @@ impl SweepOptions {
         });
         let outside = Extrapolation::of_motions(&file.fitted_range(), motions);
         warn_of_range(model, &outside, "motions");
-        outputs.add(out, to_file(out, &found.points));
+        outputs.add(out, to_file(out, &found.points)?);
         if let Some(path) = &self.picture {
             outputs.add(path, picture(&found.points));
         }
@@ -144,7 +145,7 @@ impl SweepOptions {
     }
 }
 
-fn to_file(out: &Path, points: &[SweepPoint]) -> Vec<u8> {
+fn to_file(out: &Path, points: &[SweepPoint]) -> Result<Vec<u8>, InputError> {
     let of = |value: fn(&SweepPoint) -> f64| points.iter().map(value).collect();
     table(
         out,

@@ -105,7 +105,7 @@ documents! {
         demo::Summary<'_>, "hil demo --json";
     }
     predict::Summary<'_>, "predict" by Format, "hil predict --json";
-    predict::Seen<'_>, "motion" by Format, "hil predict --motion";
+    predict::LawMotion<'_>, "motion" by Format, "hil predict --motion";
     respond::Summary<'_>, "respond" by Format, "hil respond --json";
     respond_sweep::Summary<'_>, "transmissibility" by Format, "hil respond --sweep --json";
     mesh_damper_export::Summary, "export" by Document, "hil export --json";

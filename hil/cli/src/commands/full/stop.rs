@@ -38,7 +38,7 @@ impl StopCommand {
             }
             State::Idle if before.state == State::Running => "The rig has stopped".to_owned(),
             State::Idle | State::Done => "The rig did not run".to_owned(),
-            State::Faulted(fault) => format!("The rig had stopped before: {}", in_words(fault)),
+            State::Faulted(fault) => format!("The rig had already tripped: {}", in_words(fault)),
         });
         Ok(())
     }

@@ -136,7 +136,7 @@ impl NumbersCommand {
 
     fn measure(&self, tuned: &[Number], costs: &mut Costs) -> Result<(), Failure> {
         let progress = Progress::of(2 * tuned.len() as u64 + 1);
-        progress.step("the numbers as they are");
+        progress.step("the default values");
         if costs.default.is_none() {
             costs.default = self.score(&Policies::default())?;
         }
@@ -185,13 +185,17 @@ impl NumbersCommand {
 fn print(costs: &Costs) {
     let in_words = |score: Option<Score>| {
         score.map_or("-".to_owned(), |score| {
-            format!("{} of {}, {}", score.right, score.of, score.mended)
+            format!("{} of {}, {}", score.right, score.of, score.augmented)
         })
     };
-    say(&format!(
-        "as they are: right {}, mended",
-        in_words(costs.default)
-    ));
+    say(&match costs.default {
+        Some(score) => format!(
+            "default values: right {} of {}, law augmented {}",
+            score.right, score.of, score.augmented
+        ),
+        None => "default values: not measured".to_owned(),
+    });
+    say("each number halved and doubled: right of all that count, law augmented");
     for (path, cost) in &costs.costs {
         say(&format!(
             "{path:45} halved {:>14}   doubled {:>14}",

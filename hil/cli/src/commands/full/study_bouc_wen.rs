@@ -57,7 +57,7 @@ impl BoucWenCommand {
                 .zip([&records.training].into_iter().chain(tests))
             {
                 let path = out.join(name);
-                outputs.add(&path, recording.to_file(&path));
+                outputs.add(&path, recording.to_file(&path)?);
             }
             outputs.add_document(out.join(FILES[3]), &found.model_file())?;
         }
@@ -81,9 +81,9 @@ fn print(result: &BoucWenResult) {
     ));
     match result.mass {
         Some(mass) => say(&format!("mass {mass:.4} kg, true 2 kg")),
-        None => say("mass: none was named, true 2 kg"),
+        None => say("mass: not found (true: 2 kg)"),
     }
-    say("test        force NRMSE, %   displacement, mm RMS   simulated off by, m RMS");
+    say("test        force NRMSE, %   displacement, mm RMS   simulation error, m RMS");
     for score in &result.scores {
         let error = match (&score.displacement_error, &score.refused) {
             (Some(error), _) => format!("{error:.3e}"),

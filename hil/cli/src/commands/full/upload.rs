@@ -147,7 +147,7 @@ impl Uploaded {
         };
         if self.in_force {
             format!(
-                "The law of {file} is in force {:.3} s after its last byte; {late}",
+                "The rig began to use the law of {file} {:.3} s after the upload ended; {late}",
                 self.seconds
             )
         } else {
