@@ -11,7 +11,7 @@ use crate::power::{PowerSeed, PowerTable, ROWS};
 use crate::real::Real;
 use crate::tick_law::TickLaw;
 
-/// Eq 13, up to `N` added effects, and the seed of the damping table.
+/// The mixed damping law, up to `N` added effects, and the seed of the damping table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FastLaw<const N: usize> {
     pub(crate) augmented: AugmentedLaw<f32, N>,
@@ -33,14 +33,14 @@ impl<const N: usize> FastLaw<N> {
         }
     }
 
-    /// Replaces eq 13 and keeps the effects, for coefficients that are tabulated over the amplitude when the amplitude changes.
-    /// Computes 64 powers in f64.
+    /// Replaces the mixed damping law and keeps the effects, for coefficients that are tabulated over the amplitude when the
+    /// amplitude changes. Computes 64 powers in f64.
     pub fn set_law(&mut self, law: Law<f32>) {
         self.damping = seed(&law);
         self.augmented.set_law(law);
     }
 
-    /// Eq 13 and the effects.
+    /// The mixed damping law and the effects.
     pub fn augmented(&self) -> &AugmentedLaw<f32, N> {
         &self.augmented
     }
@@ -64,7 +64,7 @@ enum Waiting {
     OtherEffects,
 }
 
-/// Relative difference of each coefficient between the law in force and the law as given: a slow change of the specimen to which
+/// Relative difference of each coefficient between the running law and the law as given: a slow change of the specimen to which
 /// the rig has adapted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -122,16 +122,16 @@ pub(crate) fn parts(
 #[repr(C)]
 pub struct RunningLaw<const N: usize> {
     table: PowerTable,
-    /// Eq 13 with the adaptation applied, and the factor on the tabulated damping.
+    /// The mixed damping law with the adaptation applied, and the factor on the tabulated damping.
     in_force: Law<f32>,
     damping_part: f32,
     followed: Adaptation,
     state: AugmentedState<f32>,
     laws: [FastLaw<N>; 2],
-    /// The second law is in force.
+    /// The second law runs.
     second: bool,
     waiting: Waiting,
-    /// Number of rows filled for the law in force, and one further row, which the last velocity needed.
+    /// Number of rows filled for the running law, and one further row, which the last velocity needed.
     filled: usize,
     needed: usize,
     /// The table is filled, and the law has no stages.
@@ -171,7 +171,7 @@ impl<const N: usize> RunningLaw<N> {
         }
     }
 
-    /// The law in force, as given.
+    /// The running law, as given.
     pub fn law(&self) -> &FastLaw<N> {
         let [first, second] = &self.laws;
         if self.second { second } else { first }
@@ -187,7 +187,7 @@ impl<const N: usize> RunningLaw<N> {
         self.followed = followed;
     }
 
-    /// Ends the adaptation: the law in force is the law as given.
+    /// Ends the adaptation: the running law is the law as given.
     #[inline]
     pub(crate) fn follow_nothing(&mut self) {
         self.in_force = *self.law().augmented.law();
@@ -195,12 +195,12 @@ impl<const N: usize> RunningLaw<N> {
         self.followed = Adaptation::default();
     }
 
-    /// Relative difference between the law in force and the law as given.
+    /// Relative difference between the running law and the law as given.
     pub fn followed(&self) -> Adaptation {
         self.followed
     }
 
-    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as given, kN, each as its effects change it. The law in force adds the
+    /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as given, kN, each as its effects change it. The running law adds the
     /// corresponding part of [`Adaptation`] of each. 0 where a stage lies between the specimen and the measurement. Not for every
     /// tick.
     #[inline]
@@ -242,7 +242,7 @@ impl<const N: usize> RunningLaw<N> {
             .map(|_| ())
     }
 
-    /// [`RunningLaw::swap_with`] for a law that is written slice by slice, between ticks that continue with the law in force.
+    /// [`RunningLaw::swap_with`] for a law that is written slice by slice, between ticks that continue with the running law.
     /// `write` is called with the same slot each time until it returns something; then the law waits.
     ///
     /// # Errors
@@ -299,7 +299,7 @@ impl<const N: usize> RunningLaw<N> {
         self.state = self.law().augmented.at_rest();
     }
 
-    /// Force in kN on this tick: that of eq 13 and of every effect. Call it once per tick.
+    /// Force in kN on this tick: that of the mixed damping law and of every effect. Call it once per tick.
     #[inline]
     pub fn force(&mut self, motion: &Motion<f32>) -> f32 {
         if !self.settled {

@@ -24,10 +24,9 @@
 //! | stiffness and energy differ much from the law's from the start | a factor | [`HealthCause::LawMismatch`], [`HealthCause::SensorReversed`] |
 //! | the response to the demanded motion changes | limit on its distance from the learned one | [`HealthCause::ActuatorDead`], [`HealthCause::ActuatorLagging`], [`HealthCause::ActuatorSaturated`] |
 //!
-//! A cycle in which a channel or the actuator was at fault says nothing about the specimen and is left out. Damage from that time
-//! is found afterwards. If a fault lasts for more than 16 cycles, the specimen is learned again with the fault present and watched
-//! further, and learned once more when the fault is gone. A single outlier is a fault of its cycle only if a close look took that
-//! sample.
+//! The monitor leaves out a cycle with a channel or actuator fault. It finds damage from that time afterwards. If such a fault lasts
+//! more than 16 cycles, the monitor learns the specimen again with the fault present, and once more when the fault ends. An outlier
+//! excludes its cycle only if it is one of the 32 samples that the monitor examines per cycle (*close looks*).
 //!
 //! An [`Event`] carries its evidence and stays until it is cleared. Memory is constant, and the work of a cycle is spread over the
 //! ticks after its end. The monitor takes every condition that is present while it learns as normal.

@@ -9,7 +9,7 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
-/// The four coefficients of eq 13, validated.
+/// The four coefficients of the mixed damping law, validated.
 ///
 /// The paper's Tables 6–9 hold k1 0.22…9.35 kN/mm, k3 4.7…186 kN/mm³, c 0.024…0.66 kN·(s/mm)^α, α 0.16…0.56.
 #[derive(Clone, Copy, Debug, PartialEq)]

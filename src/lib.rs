@@ -108,6 +108,9 @@ struct Firmware;
 #[cfg(doctest)]
 #[doc = include_str!("../docs/export.md")]
 struct Export;
+#[cfg(doctest)]
+#[doc = include_str!("../docs/monitor.md")]
+struct Monitor;
 
 /// Former name of [`fast_law`].
 #[deprecated(note = "use fast_law::{FastLaw, RunningLaw, Adaptation}")]

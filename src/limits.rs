@@ -1,7 +1,7 @@
 //! Limits to which inputs are clamped, so that every force stays finite.
 //!
-//! They are far beyond any rig, and small enough for `f32`: the largest force of eq 13 is below 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN,
-//! and that of the highest power, k5·y⁵, is 1e29 kN.
+//! They are far beyond any rig, and small enough for `f32`: the largest force of the mixed damping law (eq 13) is below
+//! 1e9·(1e4 + 1e12 + 1e6) ≈ 1e21 kN, and that of the highest power, k5·y⁵, is 1e29 kN.
 
 /// Displacements beyond ±this many mm are clamped.
 pub const DISPLACEMENT: f64 = 1e4;

@@ -195,7 +195,7 @@ pub struct About {
     pub law_waits: bool,
     /// Ticks that were not in time.
     pub late_ticks: u32,
-    /// Identity of the pack received last: that of the waiting law, or of the law in force. Identity and revision are 0 before the
+    /// Identity of the pack received last: that of the waiting law, or of the running law. Identity and revision are 0 before the
     /// first pack, and for a pack without a stamp.
     pub identity: Identity,
     /// Revision of the same pack.

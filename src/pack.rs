@@ -13,7 +13,7 @@
 //! The host makes a pack with [`encode`]. The rig collects it with an [`Upload`], which returns a law only when every byte is
 //! present and correct and the pack meets the rig's [`Expectation`]. [`crate::rig::RigController::swap_law_with`] writes that law
 //! into a second slot and switches to it at the end of a cycle. With two slots, an upload that breaks off or arrives damaged never
-//! touches the law in force.
+//! touches the running law.
 
 mod check;
 mod info;
@@ -52,7 +52,7 @@ const SILENT_RATE: f32 = 1e4;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
-/// Why a pack was refused. The law in force stays as it was.
+/// Why a pack was refused. The running law stays as it was.
 ///
 /// A log of defmt takes it as the [`Refusal`](crate::message::Refusal) into which it is converted. A separate format made the
 /// firmware's image, which is optimized as a whole, 0.7 KiB larger.
@@ -120,7 +120,10 @@ pub enum PackError {
 impl fmt::Display for PackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Magic => write!(f, "these bytes are no coefficient pack"),
+            Self::Magic => write!(
+                f,
+                "these bytes are not a coefficient pack: export the model as one"
+            ),
             Self::Version { found } => write!(
                 f,
                 "the pack is of version {found}, and versions {OLDEST} to {VERSION} are read: export the model for this one"
@@ -146,33 +149,45 @@ impl fmt::Display for PackError {
                         "identity: the pack is of version {OLDEST} and does not say its model"
                     )?,
                 }
-                write!(f, ", and {expected} is required")
+                write!(
+                    f,
+                    ", and {expected} is required: give the pack of that model"
+                )
             }
             Self::Revision { newer_than, found } => {
                 match found {
                     Some(found) => write!(f, "revision: the pack has {found}")?,
                     None => write!(f, "revision: the pack is of version {OLDEST} and has none")?,
                 }
-                write!(f, ", and one above {newer_than} is required")
+                write!(
+                    f,
+                    ", and one above {newer_than} is required: export the model with a higher one"
+                )
             }
             Self::Length { expected, found } => {
-                write!(f, "the pack has {found} bytes instead of {expected}")
+                write!(
+                    f,
+                    "the pack has {found} bytes instead of {expected}: copy or export it again"
+                )
             }
             Self::Order { expected, found } => {
                 write!(
                     f,
-                    "a part for byte {found} came where byte {expected} was due"
+                    "a part for byte {found} came where byte {expected} was due: send the parts again in their order"
                 )
             }
-            Self::Checksum => write!(f, "the pack's checksum does not match"),
-            Self::Body => write!(f, "the pack's body cannot be read"),
+            Self::Checksum => write!(
+                f,
+                "the pack's checksum does not match: copy or export it again"
+            ),
+            Self::Body => write!(f, "the pack's body cannot be read: export the model again"),
             Self::Active {
                 amplitude,
                 frequency,
             } => write!(
                 f,
                 "law: it gives more energy than it takes in a cycle of {amplitude} mm at {frequency} Hz, and a passive one is required: \
-                 see to its damping and to stiffnesses of friction below 0, or allow an active law"
+                 correct a damping or a friction stiffness below 0, or allow an active law"
             ),
             Self::Refused(error) => error.fmt(f),
         }

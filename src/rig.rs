@@ -24,12 +24,12 @@
 //! [`VERIFY_TICKS`] ticks the DAC is read back, which takes 72 bits more.
 //!
 //! # Supervision
-//! Each tick takes the reading of a clock. A tick that is late, missing or called twice stops a running test, see
+//! Each tick takes the reading of a clock. A tick that is late, missing or called twice trips a running controller, see
 //! [`Controller::tick`]. [`WithTrip`] adds an external stop input, [`WithReadBack`] a check of the enable line's level, and
 //! [`WithAlive`] a signal for an external watchdog. The DAC is read back, and a clear sets up both converters again.
 //!
-//! # Stopping
-//! Each of these stops the rig: a limit exceeded, a failure of sensors or actuator, a channel at the end of its range, stuck or
+//! # Trips
+//! Each of these trips the rig: a limit exceeded, a failure of sensors or actuator, a channel at the end of its range, stuck or
 //! dropped out, a cycle without response, a number that is not finite, a late tick, a lost link. The enable line drops in that very
 //! tick. The command goes linearly to 0 within [`RigSettings::stop_ticks`] plus one. The cause stays as [`State::Faulted`] until
 //! [`Controller::clear`]. The transitions between the states are:
@@ -130,19 +130,19 @@ pub struct RigSettings {
     pub force_limit: f64,
     /// Largest difference between the measured and the demanded displacement, mm, 1e-6…1e4.
     pub tracking_limit: f64,
-    /// Trip time: number of ticks beyond one of these limits until the rig stops, 1…1e6. They need not be in a row: a tick within
-    /// the limit takes back only an eighth of one beyond it, so that a limit exceeded for more than a ninth of the time stops the
+    /// Trip time: number of ticks beyond one of these limits until the rig trips, 1…1e6. They need not be in a row: a tick within
+    /// the limit takes back only an eighth of one beyond it, so that a limit exceeded for more than a ninth of the time trips the
     /// rig. A quarter of the trip time is enough for an excess of more than a tenth.
     pub trip_ticks: u32,
-    /// Number of ticks in which the command goes to 0 after a stop, 1…1e7.
+    /// Number of ticks in which the command goes to 0 after a stop or a trip, 1…1e7.
     pub stop_ticks: u32,
-    /// Number of ticks without an exchange over the link after which the rig stops, see [`Controller::exchange`], 0…1e7; 0 without
+    /// Number of ticks without an exchange over the link after which the rig trips, see [`Controller::exchange`], 0…1e7; 0 without
     /// a link.
     pub link_ticks: u32,
-    /// Rate of the counter whose reading each tick takes, Hz: 0, or from the tick rate to 4e9 and to 2e9 times the tick rate. With
-    /// 0 the counter counts the timer's ticks, one each. A clock that is independent of the timer, such as a second timer, also
-    /// detects a timer at a wrong rate; it needs at least 10 counts per tick. It must not be the cycle counter (DWT) of a processor
-    /// that sleeps in `wfi`, because that counter stands still in sleep. See [`Controller::tick`].
+    /// Rate of the counter whose reading each tick takes, Hz: 0, or at least the tick rate, at most 4e9, and at most 2e9 times the tick
+    /// rate. With 0 the counter counts the timer's ticks, one each. A clock that is independent of the timer, such as a second
+    /// timer, also detects a timer at a wrong rate; it needs at least 10 counts per tick. It must not be the cycle counter (DWT) of
+    /// a processor that sleeps in `wfi`, because that counter stands still in sleep. See [`Controller::tick`].
     pub clock_rate: f64,
     /// Bandwidth of the observer, Hz, 1e-3 to a tenth of the tick rate.
     pub observer_bandwidth: f64,
@@ -150,9 +150,9 @@ pub struct RigSettings {
     pub observer_damping: f64,
     /// Part of the error of amplitude and phase that is corrected at the end of each cycle, 0…1.
     pub correction_gain: f64,
-    /// Largest growth of the command within a block by the amplitude correction, once it has settled, as a part of the command,
-    /// 0.01…10; twice that before. More stops the rig, because it means that the displacement channel shows too little, or that the
-    /// actuator becomes weak.
+    /// Largest relative growth of the command by the amplitude correction within a block, 0.01…10. It applies after the correction
+    /// has settled; before that, twice this value applies. A larger growth trips the rig: the displacement channel shows too little,
+    /// or the actuator has become weak.
     pub correction_limit: f64,
     /// Initial lead, s, 0…0.1: the known lag of the actuator.
     pub lead: f64,
@@ -306,7 +306,8 @@ pub struct Telemetry {
     /// The cycle that ended with this tick; always `None` for a stream.
     pub report: Option<CycleReport>,
     /// Event of the health monitor found at this tick, or shortly before together with another one. Each cause is reported once,
-    /// until events are cleared. A damper emulation reports only implausible temperatures.
+    /// until events are cleared. A damper emulation has no monitor, and reports only implausible temperatures, each time that they
+    /// begin.
     pub event: Option<Event>,
 }
 
@@ -339,7 +340,7 @@ pub struct CycleReport {
     /// RMS of the law's error divided by the RMS of the measured force; 0 where there was no force, [`f32::MAX`] where the error's
     /// square exceeds a float.
     pub nrmse: f32,
-    /// Adaptation to slow changes of the specimen: relative difference between the law in force and the law as given. 0 without
+    /// Adaptation to slow changes of the specimen: relative difference between the running law and the law as given. 0 without
     /// adaptation, and in a damper emulation.
     pub followed: Adaptation,
 }

@@ -151,7 +151,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         }
     }
 
-    /// The law in force.
+    /// The running law.
     pub fn law(&self) -> &FastLaw<0> {
         self.law.law()
     }
@@ -376,14 +376,14 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         }
     }
 
-    /// P and g at phase 0 for the law in force.
+    /// P and g at phase 0 for the running law.
     fn begin_cycle(&mut self) {
         let half_rate = 0.5 * self.law.law().augmented().law().k1() * self.steady.stroke;
         self.steady.beginning = [self.law.damping_force(self.walk.speed), half_rate];
         self.steady.law_taken = false;
     }
 
-    /// The law in force for the block's amplitude.
+    /// The running law for the block's amplitude.
     fn take_law(&mut self) {
         let law = self.law.law().augmented().law();
         let amplitude = self.steady.amplitude;

@@ -24,7 +24,7 @@ pub trait TickLaw {
     /// From now on k1, k3 and c differ from the law as given by these parts, clamped to −1…1.
     fn follow(&mut self, followed: Adaptation);
 
-    /// Relative difference between the law in force and the law as given.
+    /// Relative difference between the running law and the law as given.
     fn followed(&self) -> Adaptation;
 
     /// k1·y, k3·y³ and c·|v|^α·sgn v of the law as given, kN, each as its effects change it. 0 where a stage lies between the

@@ -70,7 +70,8 @@ impl<R: Real> Equations<R> for Backlash<R> {
         outside: Growth::Saturates,
         supplies_energy: false,
         scales_law: false,
-        sentence: "Friction with elastic pre-sliding that is felt through a play: after a reversal the motion is free for a way.",
+        sentence: "Friction with elastic pre-sliding behind free play: after each reversal the damper moves through the play before \
+                   friction holds it.",
     };
     const NONE: Self = Self {
         stiffness: R::ZERO,

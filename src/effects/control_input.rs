@@ -159,7 +159,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         outside: Growth::AtMostLinear,
         supplies_energy: false,
         scales_law: false,
-        sentence: "A spring and a dashpot that yields, and a dashpot beside them, all as strong as a control input makes them, late if need be.",
+        sentence: "A yielding branch and a dashpot, whose strength follows a control input, optionally with a lag.",
     };
     const NONE: Self = Self {
         branch: Yielding::<R>::NONE,

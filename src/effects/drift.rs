@@ -7,7 +7,7 @@ use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
 /// F = (1 − e^(−n/N))·(k·y + a·F_elastic + b·F_damping), n the cycles since the test began. In the end the stiffness has changed by
-/// k, eq 13's elastic force by the fraction a of itself, and its damping force by b.
+/// k, the elastic force of the mixed damping law (eq 13) by the fraction a of itself, and its damping force by b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift<R> {
     stiffness: R,

@@ -1,12 +1,12 @@
-//! Physical effects in addition to eq 13, one per file, and the law that holds a set of them.
+//! Physical effects in addition to the mixed damping law (eq 13), one per file, and the law that holds a set of them.
 //!
 //! Every effect has a configuration (validated, shared, swappable at a cycle boundary) and a state. All are generic over the float:
 //! identification runs them in `f64`, the firmware in `f32`.
 //!
-//! Most add a force to eq 13's. Four are stages between the specimen and the measurement, through which a tick passes:
+//! Most add a force to that of the law. Four are stages between the specimen and the measurement, through which a tick passes:
 //!
 //! ```text
-//! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ eq 13 and every effect that adds a force ─▶ whole ticks ─▶ low-pass ─▶ force
+//! motion ─▶ part of a tick ─▶ gap ─▶ compliance ─▶ law and every effect that adds a force ─▶ whole ticks ─▶ low-pass ─▶ force
 //! ```
 
 pub mod description;
@@ -259,7 +259,7 @@ effects! {
     compliance: Compliance,
 }
 
-/// Eq 13 and up to `N` added effects, one of each kind.
+/// The mixed damping law and up to `N` added effects, one of each kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AugmentedLaw<R, const N: usize> {
     law: Law<R>,
@@ -288,7 +288,7 @@ impl<const N: usize> AugmentedLaw<f32, N> {
         self.effects.check(number)
     }
 
-    /// Whether it is still being written by this upload; no law in force is.
+    /// Whether it is still being written by this upload; no running law is.
     pub(crate) fn is_unfinished(&self) -> bool {
         self.effects.has(UNFINISHED)
     }
@@ -402,12 +402,13 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.effects.add(effect)
     }
 
-    /// Replaces eq 13 and keeps the effects, for coefficients that are tabulated over the amplitude when the amplitude changes.
+    /// Replaces the mixed damping law and keeps the effects, for coefficients that are tabulated over the amplitude when the
+    /// amplitude changes.
     pub fn set_law(&mut self, law: Law<R>) {
         self.law = law;
     }
 
-    /// Eq 13 alone.
+    /// The mixed damping law alone.
     pub fn law(&self) -> &Law<R> {
         &self.law
     }

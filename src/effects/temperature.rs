@@ -6,8 +6,8 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): per °C above T0 eq 13's elastic force falls by the fraction β, and its
-/// damping force by β_damping.
+/// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): per °C above T0 the elastic force of the mixed damping
+/// law (eq 13) falls by the fraction β, and its damping force by β_damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Temperature<R> {
     beta: R,

@@ -1,7 +1,7 @@
 //! Adaptation: follows slow changes of k1, k3 and c from cycle to cycle by recursive least squares; α stays.
 //!
 //! Let e = (k1·y, k3·y³, c·|v|^α·sgn v) be the parts of the law as given, r the measured force minus that law's, and θ the relative
-//! difference of k1, k3 and c between the law in force and the law as given:
+//! difference of k1, k3 and c between the running law and the law as given:
 //!
 //! - S ← λ·S + Σe·eᵀ, z ← λ·z + Σe·r over the looks of a cycle
 //! - θ* = (S + μ·tr S·I)⁻¹·z, least squares that leave a coefficient with hardly any force as given. A part that would exceed its
@@ -152,7 +152,7 @@ impl Adapter {
         Adaptation { k1, k3, c }
     }
 
-    /// Force in kN that the law in force has in addition to the law as given, whose parts are `parts`.
+    /// Force in kN that the running law has in addition to the law as given, whose parts are `parts`.
     pub(super) fn share(&self, [a, b, c]: [f32; 3]) -> f32 {
         let [of_k1, of_k3, of_c] = self.followed;
         of_k1 * a + of_k3 * b + of_c * c

@@ -19,7 +19,7 @@ pub(crate) struct Look {
     pub(crate) measured: f32,
     /// Demanded displacement and velocity, mm and mm/s.
     pub(crate) demand: (f32, f32),
-    /// Measured force and that of the law in force, kN.
+    /// Measured force and that of the running law, kN.
     pub(crate) force: f32,
     pub(crate) law: f32,
     /// [`crate::fast_law::RunningLaw::parts`] with adaptation, 0 otherwise.

@@ -45,10 +45,10 @@ const TEMPERATURE_GAIN: f32 = 0.25;
 /// Results of one cycle that do not come from [`CycleSums`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleNumbers {
-    /// Energy of the measured force and of the law in force, J.
+    /// Energy of the measured force and of the running law, J.
     pub(super) energy: f32,
     pub(super) law_energy: f32,
-    /// Mean of the measured force minus that of the law in force, kN.
+    /// Mean of the measured force minus that of the running law, kN.
     pub(super) mean: f32,
     /// Mean of the command, mm.
     pub(super) command: f32,

@@ -1,7 +1,7 @@
 //! Sums over a cycle for its statistics. 32 samples are enough, because the sums are over whole cycles.
 
 /// Sums over one cycle's samples of displacement y, velocity v, force f of the law as given, residual r of the measured force, and
-/// share s: the force of the law in force minus f.
+/// share s: the force of the running law minus f.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CycleSums {
     samples: f32,
@@ -28,7 +28,7 @@ pub(super) struct Sample {
     pub(super) measured: f32,
     /// Force of the law as given, kN.
     pub(super) given: f32,
-    /// Force of the law in force minus that, kN.
+    /// Force of the running law minus that, kN.
     pub(super) share: f32,
 }
 
@@ -80,7 +80,7 @@ impl CycleSums {
         if ratio.is_finite() { ratio } else { 0.0 }
     }
 
-    /// Energy of the law as given, as a part of that of the law in force: Σv·f divided by Σv·(f + s).
+    /// Energy of the law as given, as a part of that of the running law: Σv·f divided by Σv·(f + s).
     pub(super) fn given_energy(&self) -> f32 {
         if self.vs == 0.0 {
             1.0

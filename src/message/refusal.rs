@@ -45,7 +45,7 @@ pub enum Refusal<'a> {
     Restarted,
     /// The rig does not start.
     Start(StartRefused),
-    /// The rig does not clear its fault.
+    /// The rig does not clear its trip.
     Clear(ClearRefused),
 }
 
@@ -93,7 +93,7 @@ fn start_of_state(state: State) -> Option<StartRefused> {
     }
 }
 
-/// The reason why a rig does not clear its fault, in the same way: without a fault it is [`State::Done`].
+/// The reason why a rig does not clear its trip, in the same way: without a trip it is [`State::Done`].
 fn state_of_clear(refused: ClearRefused) -> State {
     match refused {
         ClearRefused::Moving => State::Idle,

@@ -25,7 +25,7 @@ pub trait AsyncSensors {
     /// Reads displacement, force and control inputs.
     ///
     /// # Errors
-    /// Any error of the reading. The controller stops with [`TripCause::AdcBus`].
+    /// Any error of the reading. The controller trips with [`TripCause::AdcBus`].
     fn read(&mut self) -> impl Future<Output = Result<Reading, Self::Error>>;
 
     /// As [`super::Sensors::is_tripped`].
@@ -53,19 +53,19 @@ pub trait AsyncActuator {
     /// Drives `value`, in mm, or in kN of a damper emulation.
     ///
     /// # Errors
-    /// The actuator keeps the previous value. The controller stops with [`TripCause::DacBus`].
+    /// The actuator keeps the previous value. The controller trips with [`TripCause::DacBus`].
     fn drive(&mut self, value: f32) -> impl Future<Output = Result<(), Self::Error>>;
 
     /// Sets the enable line.
     ///
     /// # Errors
-    /// Its level is unknown. The controller stops with [`TripCause::EnableLine`].
+    /// Its level is unknown. The controller trips with [`TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> impl Future<Output = Result<(), Self::Error>>;
 
     /// As [`super::Actuator::verify_drive`].
     ///
     /// # Errors
-    /// The output differs, or cannot be read back. The controller stops with [`TripCause::DacBus`].
+    /// The output differs, or cannot be read back. The controller trips with [`TripCause::DacBus`].
     fn verify_drive(&mut self) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }
@@ -73,7 +73,7 @@ pub trait AsyncActuator {
     /// As [`super::Actuator::verify_enable`].
     ///
     /// # Errors
-    /// The level differs, or cannot be read back. The controller stops with [`TripCause::EnableLine`].
+    /// The level differs, or cannot be read back. The controller trips with [`TripCause::EnableLine`].
     fn verify_enable(&mut self, _on: bool) -> impl Future<Output = Result<(), Self::Error>> {
         ready(Ok(()))
     }

@@ -66,10 +66,10 @@ pub trait Controller {
     /// Starts from the beginning.
     ///
     /// # Errors
-    /// Why it does not start. It continues as before.
+    /// Why it does not start. It continues as before, or trips if it must not start.
     fn start(&mut self) -> Result<(), StartRefused>;
 
-    /// Stops without a trip cause.
+    /// Stops without a trip cause. A controller that does not run continues as before.
     fn stop(&mut self);
 
     /// Whether [`Controller::clear`] would succeed now, for callers with work to do before the fault is cleared.
@@ -78,7 +78,7 @@ pub trait Controller {
     /// Why it would be refused.
     fn may_clear(&self) -> Result<(), ClearRefused>;
 
-    /// Clears the fault.
+    /// Clears the trip.
     ///
     /// # Errors
     /// Why it does not. It continues as before.
@@ -87,36 +87,36 @@ pub trait Controller {
     /// The other end of the link was heard: call it each time.
     fn exchange(&mut self);
 
-    /// The owner of the timer has found a tick late or missing: stops with [`super::TripCause::TickOverrun`].
+    /// The owner of the timer has found a tick late or missing: trips with [`super::TripCause::TickOverrun`].
     fn overrun(&mut self);
 
-    /// An external stop input is active: stops with [`super::TripCause::External`], in any state without a fault, also at rest.
+    /// An external stop input is active: trips with [`super::TripCause::External`], in any state except [`State::Faulted`], also at rest.
     fn external_trip(&mut self);
 
     /// Ticks since construction that were not in time, as [`Controller::tick`] finds them; wraps. They are counted in every state,
     /// and a clear keeps the count.
     fn late_ticks(&self) -> u32;
 
-    /// Runs one tick: see [`super`] for its deadline. `reading` is `None` if the sensors failed: the controller then stops, and
+    /// Runs one tick: see [`super`] for its deadline. `reading` is `None` if the sensors failed: the controller then trips, and
     /// continues with the last reading.
     ///
     /// `clock` is the reading of a free-running counter at this tick, which wraps at 2³², at
-    /// [`clock_rate`](super::RigSettings::clock_rate): for example cycles of the processor, or the number of ticks that the timer
-    /// has given. If less than half a tick or more than one and a half has passed since the tick before, a running controller stops
-    /// with
-    /// [`super::TripCause::TickOverrun`]. This happens after a stall, for a tick that is missing or called twice, and, if the clock is
-    /// independent, with a timer at a wrong rate. The first tick after construction is not checked. Ticks continue at rest too.
+    /// [`clock_rate`](super::RigSettings::clock_rate): for example a second timer, or a count of the tick timer's periods that
+    /// hardware makes. A variable that the tick itself increments shows no missing tick. If less than half a tick or more than one
+    /// and a half has passed since the tick before, a running controller trips with [`super::TripCause::TickOverrun`]. This happens
+    /// after a stall, for a tick that is missing or called twice, and, if the clock is independent, with a timer at a wrong rate.
+    /// The first tick after construction is not checked. Ticks continue at rest too.
     fn tick(&mut self, reading: Option<Reading>, clock: u32) -> Telemetry;
 
-    /// The actuator did not accept the command of the last tick: stops with [`super::TripCause::DacBus`], and assumes that the
+    /// The actuator did not accept the command of the last tick: trips with [`super::TripCause::DacBus`], and assumes that the
     /// output is still the command before.
     fn command_failed(&mut self);
 
-    /// The output as read back is not the command: stops with [`super::TripCause::DacBus`]. A command on its way back to 0
+    /// The output as read back is not the command: trips with [`super::TripCause::DacBus`]. A command on its way back to 0
     /// continues.
     fn command_unverified(&mut self);
 
-    /// The enable line could not be set, or reads back at another level: stops with [`super::TripCause::EnableLine`].
+    /// The enable line could not be set, or reads back at another level: trips with [`super::TripCause::EnableLine`].
     fn enable_failed(&mut self);
 
     /// State of the controller.

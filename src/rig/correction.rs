@@ -16,7 +16,7 @@
 //!
 //! If a displacement channel shows too little, C grows, and the true amplitude with it. Therefore |C|² = p² + ω²·q² may grow within
 //! a block by [`super::RigSettings::correction_limit`] relative to its value after the first cycles, and during these relative to 1
-//! by twice that. A larger growth is a fault.
+//! by twice that. A larger growth trips the rig.
 
 use super::fault::TripCause;
 use crate::error::ConfigError;

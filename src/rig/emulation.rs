@@ -362,7 +362,7 @@ impl<L> EmulationController<L> {
         self.law.borrow_mut().swap(law);
     }
 
-    /// The law in force.
+    /// The running law.
     pub fn law<const N: usize>(&self) -> &FastLaw<N>
     where
         L: Borrow<RunningLaw<N>>,

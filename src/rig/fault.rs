@@ -4,7 +4,7 @@ use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::{Real, in_range};
 
-/// Trip cause: why a rig stopped.
+/// Trip cause: why a rig tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -61,9 +61,9 @@ pub(super) struct Limits {
 }
 
 /// Increase of a count by a tick beyond its limit; a tick within it decreases the count by 1. A limit exceeded for more than a
-/// ninth of the time thus stops the rig, whatever the other ticks show: a bad contact, ringing, a channel that drops out.
+/// ninth of the time thus trips the rig, whatever the other ticks show: a bad contact, ringing, a channel that drops out.
 const BEYOND: u32 = 8;
-/// Part of a limit above which a tick counts [`MORE`] times. Noise does not reach it. A value that does must stop the rig before
+/// Part of a limit above which a tick counts [`MORE`] times. Noise does not reach it. A value that does must trip the rig before
 /// the lag of the channels, or a channel that shows it in only one tick of three, lengthens the trip time.
 const CLEARLY: f32 = 1.1;
 const MORE: u32 = 4;

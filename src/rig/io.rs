@@ -52,11 +52,11 @@ pub trait Sensors {
     /// Reads displacement, force and control inputs.
     ///
     /// # Errors
-    /// Any error of the reading. The controller stops with [`super::TripCause::AdcBus`].
+    /// Any error of the reading. The controller trips with [`super::TripCause::AdcBus`].
     fn read(&mut self) -> Result<Reading, Self::Error>;
 
     /// Whether an external stop input is active: an emergency stop, a guard, a second controller. It is read at each tick, at a
-    /// start and at a clear. While it is active, start and clear are refused, and the controller stops with
+    /// start and at a clear. While it is active, start and clear are refused, and the controller trips with
     /// [`super::TripCause::External`], a trip cause that stays when the input ends. By default there is no input.
     ///
     /// # Errors
@@ -84,20 +84,20 @@ pub trait Actuator {
     /// Drives `value`, in mm, or in kN of a damper emulation.
     ///
     /// # Errors
-    /// The actuator keeps the previous value. The controller stops with [`super::TripCause::DacBus`].
+    /// The actuator keeps the previous value. The controller trips with [`super::TripCause::DacBus`].
     fn drive(&mut self, value: f32) -> Result<(), Self::Error>;
 
     /// Sets the enable line.
     ///
     /// # Errors
-    /// Its level is unknown. The controller stops with [`super::TripCause::EnableLine`].
+    /// Its level is unknown. The controller trips with [`super::TripCause::EnableLine`].
     fn enable(&mut self, on: bool) -> Result<(), Self::Error>;
 
     /// Reads back the output, without changing it, and checks that it is the last command. Called every [`super::VERIFY_TICKS`]
     /// ticks, after the tick's command. By default the output is assumed to be correct.
     ///
     /// # Errors
-    /// The output differs, or cannot be read back. The controller stops with [`super::TripCause::DacBus`].
+    /// The output differs, or cannot be read back. The controller trips with [`super::TripCause::DacBus`].
     #[inline]
     fn verify_drive(&mut self) -> Result<(), Self::Error> {
         Ok(())
@@ -107,7 +107,7 @@ pub trait Actuator {
     /// [`Actuator::enable`]. By default the level is assumed to be correct.
     ///
     /// # Errors
-    /// The level differs, or cannot be read back. The controller stops with [`super::TripCause::EnableLine`].
+    /// The level differs, or cannot be read back. The controller trips with [`super::TripCause::EnableLine`].
     #[inline]
     fn verify_enable(&mut self, _on: bool) -> Result<(), Self::Error> {
         Ok(())

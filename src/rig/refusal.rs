@@ -1,11 +1,11 @@
-//! Why a controller does not start, or does not clear its fault.
+//! Why a controller does not start, or does not clear its trip.
 
 use core::fmt;
 
 use super::fault::TripCause;
 use super::state::State;
 
-/// Why a controller does not start. It continues as before.
+/// Why a controller does not start. It continues as before, or trips if it must not start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -14,7 +14,8 @@ pub enum StartRefused {
     Running,
     /// It has stopped, and the command is not yet back at 0.
     Moving,
-    /// It has stopped for this cause, which was not cleared; or the enable line did not rise.
+    /// It has tripped for this cause, which was not cleared, or trips at this start: the stop input is active, the last reading
+    /// does not permit a start, or the enable line did not rise.
     Faulted(TripCause),
 }
 
@@ -35,7 +36,10 @@ impl fmt::Display for StartRefused {
             Self::Running => f.write_str("it is running: stop it first"),
             Self::Moving => f.write_str(MOVING),
             Self::Faulted(cause) => {
-                write!(f, "it is stopped by {cause:?}: mend that, then clear it")
+                write!(
+                    f,
+                    "it has tripped ({cause:?}): remove the cause, then clear the trip"
+                )
             }
         }
     }
@@ -43,16 +47,16 @@ impl fmt::Display for StartRefused {
 
 impl core::error::Error for StartRefused {}
 
-/// Why a controller does not clear its fault.
+/// Why a controller does not clear its trip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ClearRefused {
-    /// There is no fault.
+    /// It has not tripped.
     NoFault,
     /// The command is not yet back at 0.
     Moving,
-    /// It stays stopped for this reason: the external trip is active, the enable line does not drop, or a part cannot be set up
+    /// It stays tripped for this cause: the external trip is active, the enable line does not drop, or a part cannot be set up
     /// again. The trip cause stays.
     Faulted(TripCause),
 }
@@ -70,9 +74,12 @@ impl ClearRefused {
 impl fmt::Display for ClearRefused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoFault => f.write_str("there is no fault: start it"),
+            Self::NoFault => f.write_str("it has not tripped, so there is nothing to clear"),
             Self::Moving => f.write_str(MOVING),
-            Self::Faulted(cause) => write!(f, "it stays stopped by {cause:?}: mend that first"),
+            Self::Faulted(cause) => write!(
+                f,
+                "the trip cause {cause:?} is still present: remove it, then clear again"
+            ),
         }
     }
 }
@@ -98,15 +105,15 @@ mod tests {
         );
         assert_eq!(
             StartRefused::Faulted(TripCause::ForceLimit).to_string(),
-            "it is stopped by ForceLimit: mend that, then clear it"
+            "it has tripped (ForceLimit): remove the cause, then clear the trip"
         );
         assert_eq!(
             ClearRefused::NoFault.to_string(),
-            "there is no fault: start it"
+            "it has not tripped, so there is nothing to clear"
         );
         assert_eq!(
             ClearRefused::Faulted(TripCause::EnableLine).to_string(),
-            "it stays stopped by EnableLine: mend that first"
+            "the trip cause EnableLine is still present: remove it, then clear again"
         );
         let moving = StartRefused::Moving.to_string();
         assert!(moving.contains("after stop_ticks and one"), "{moving}");

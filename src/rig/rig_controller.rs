@@ -39,7 +39,7 @@ fn trip_of(channel: Channel) -> TripCause {
 
 /// The [`Controller`] of a rig with up to `N` effects in its law, driven by the [`Exciter`] `X`.
 ///
-/// It owns programme and law, or borrows them. Sixteen blocks take 2 KiB and a law 6 KiB, too much for a small stack, so firmware
+/// It owns programme and law, or borrows them. Sixteen blocks take 2.6 KiB and a law 8 KiB, too much for a small stack, so firmware
 /// keeps them in statics.
 #[derive(Debug)]
 // The fields of every tick come first, within the offset of a load. In the compiler's order a tick takes up to 40 instructions more
@@ -143,7 +143,7 @@ where
         &mut self.exciter
     }
 
-    /// The first event of each cause since [`RigController::clear_events`].
+    /// The first event of each cause since [`RigController::clear_events`]. Neither a start nor a clear drops events.
     pub fn events(&self) -> &[Event] {
         self.health.events()
     }
@@ -166,7 +166,7 @@ where
     /// [`RigController::swap_law`] with a law that `write` writes in place, so that it need not pass through the stack.
     ///
     /// # Errors
-    /// The error of `write`; no law waits then, and the one in force stays.
+    /// The error of `write`; no law waits then, and the running one stays.
     pub fn swap_law_with<F>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<(), F>,
@@ -177,7 +177,7 @@ where
     /// [`RunningLaw::swap_in_slices`]: [`RigController::swap_law`] with a law that is written slice by slice, between ticks.
     ///
     /// # Errors
-    /// The error of `write`; no law waits then, and the one in force stays.
+    /// The error of `write`; no law waits then, and the running one stays.
     pub fn swap_law_in_slices<T, F>(
         &mut self,
         write: impl FnOnce(&mut FastLaw<N>) -> Result<Option<T>, F>,
@@ -185,7 +185,7 @@ where
         self.law.borrow_mut().swap_in_slices(write)
     }
 
-    /// The law in force, as given.
+    /// The running law, as given.
     pub fn law(&self) -> &FastLaw<N> {
         self.law.borrow().law()
     }
@@ -195,7 +195,7 @@ where
         self.law.borrow().is_waiting()
     }
 
-    /// Adaptation to slow changes of the specimen: relative difference between the law in force and the law as given.
+    /// Adaptation to slow changes of the specimen: relative difference between the running law and the law as given.
     pub fn followed(&self) -> Adaptation {
         self.law.borrow().followed()
     }
@@ -362,7 +362,8 @@ where
 {
     /// Begins the programme or the motion from its start, once the piston is there. The piston goes there from its position within
     /// [`RigSettings::stop_ticks`], while a stream does not wait for it. Before the first tick, and between a clear and the next
-    /// tick, the position is unknown: the servo takes the piston to 0, and the rig starts from the position of the first tick.
+    /// tick, the position is unknown: the servo takes the piston to 0, and the rig starts from the position of the first tick. The
+    /// checks below are not made then, so run a tick before the start.
     ///
     /// A piston that is further away than [`RigSettings::tracking_limit`] gives [`TripCause::TrackingLimit`]: move it nearer by
     /// hand. A force beyond its limit, a channel at an end of its range and a way that begins beyond the command's range also stop

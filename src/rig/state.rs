@@ -3,9 +3,9 @@
 //! The diagram is at [`super`].
 //!
 //! Moving is the return of the command to 0, which ends after `stop_ticks` whatever happens meanwhile. The enable line is high
-//! while running and low in every other state, from the very tick of the event. Only an explicit clear leaves a fault, and only at
-//! rest. An event for which a state has no arrow changes nothing: a trip while faulted keeps the first cause, and a start while
-//! moving is refused.
+//! while running and low in every other state, from the very tick of the event. Only an explicit clear ends the state
+//! [`State::Faulted`], and only at rest. An event for which a state has no arrow changes nothing: a trip while faulted keeps the
+//! first cause, and a start while moving is refused.
 
 use super::fault::TripCause;
 
@@ -20,7 +20,7 @@ pub enum State {
     Running,
     /// The programme is over; otherwise as [`State::Idle`].
     Done,
-    /// Stopped for this cause, until cleared; otherwise as [`State::Idle`].
+    /// Tripped by this cause, until cleared; otherwise as [`State::Idle`].
     Faulted(TripCause),
 }
 
@@ -37,7 +37,7 @@ pub(super) enum Happening {
     Trip(TripCause),
     /// The command is back at 0.
     AtRest,
-    /// Request to clear the fault.
+    /// Request to clear the trip.
     Clear,
 }
 

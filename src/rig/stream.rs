@@ -10,7 +10,7 @@
 //!   rig with [`TripCause::DemandLimit`].
 //! - If the next knot does not arrive in time, the demand slows down to a hold: v = v₀·(1 − s)² over the part s of `hold_ticks`.
 //!   This has no step in velocity, and goes v₀·`hold_ticks`/3 further. A knot that arrives meanwhile is followed from there. If
-//!   none has arrived by then, the rig stops with [`TripCause::LinkLost`].
+//!   none has arrived by then, the rig trips with [`TripCause::LinkLost`].
 //!
 //! While the rig follows a stream it counts as being in a ramp: it learns no correction of amplitude and phase and gives no results
 //! of cycles, and its monitor watches the channels but neither specimen nor response, because all of these need cycles that repeat.

@@ -107,11 +107,11 @@ fn a_pack_of_version_6_is_read_and_does_not_know_its_rate() {
         );
         assert_eq!(
             refused(&identity(MODEL)),
-            "identity: the pack is of version 6 and does not say its model, and deadbeef00010203 is required"
+            "identity: the pack is of version 6 and does not say its model, and deadbeef00010203 is required: give the pack of that model"
         );
         assert_eq!(
             refused(&newer_than(0)),
-            "revision: the pack is of version 6 and has none, and one above 0 is required"
+            "revision: the pack is of version 6 and has none, and one above 0 is required: export the model with a higher one"
         );
         let cut = pack::decode(&pack[..pack.len() - 1], &mut slot, &Expectation::default());
         assert!(matches!(cut, Err(PackError::Length { .. })));
@@ -132,22 +132,22 @@ fn each_refusal_names_the_field_and_both_values() {
         (
             &good,
             identity(Identity([0; 8])),
-            "identity: the pack is of the model deadbeef00010203, and 0000000000000000 is required",
+            "identity: the pack is of the model deadbeef00010203, and 0000000000000000 is required: give the pack of that model",
         ),
         (
             &good,
             newer_than(7),
-            "revision: the pack has 7, and one above 7 is required",
+            "revision: the pack has 7, and one above 7 is required: export the model with a higher one",
         ),
         (
             &good,
             newer_than(8),
-            "revision: the pack has 7, and one above 8 is required",
+            "revision: the pack has 7, and one above 8 is required: export the model with a higher one",
         ),
         (
             &good[..good.len() - 1],
             Expectation::default(),
-            "the pack has 357 bytes instead of 358",
+            "the pack has 357 bytes instead of 358: copy or export it again",
         ),
         (
             &newer,
@@ -265,7 +265,7 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
     let good = packed(&info());
     let name = good.len() - law_alone() - 7;
     assert_eq!(&good[name..name + 7], b"mount 4");
-    let body = "the pack's body cannot be read";
+    let body = "the pack's body cannot be read: export the model again";
     // Header, stamp and length are 29 bytes. The last two bytes of a NaN are 0xc0 and 0x7f.
     for (place, value, said) in [
         (name, &[0xff][..], body),

@@ -1,4 +1,4 @@
-//! A pack that is checked slice by slice, between ticks that continue with the law in force.
+//! A pack that is checked slice by slice, between ticks that continue with the running law.
 
 use mesh_damper::effects::residual_table::{CELLS, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualTable};
@@ -43,7 +43,7 @@ fn upload(pack: &[u8]) -> Upload {
     upload
 }
 
-/// One slice for the pending law, next to the law in force.
+/// One slice for the pending law, next to the running law.
 fn slice(
     running: &mut RunningLaw<EFFECTS>,
     upload: &mut Upload,
@@ -63,7 +63,7 @@ fn motion(tick: usize) -> Motion<f32> {
     }
 }
 
-/// Every cycle that ends before the last slice finds no pending law, and every force is that of the law in force.
+/// Every cycle that ends before the last slice finds no pending law, and every force is that of the running law.
 #[test]
 fn no_law_waits_before_it_is_complete() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
@@ -137,7 +137,7 @@ fn a_check_that_is_broken_off_leaves_the_law_in_force() {
 }
 
 proptest! {
-    /// For any order of checks in slices, swaps of whole laws, and ends of cycles: the law in force is always a law that was swapped
+    /// For any order of checks in slices, swaps of whole laws, and ends of cycles: the running law is always a law that was swapped
     /// in whole, or that of the pack.
     #[test]
     fn what_comes_into_force_is_a_whole_law(steps in prop::collection::vec(0..20u8, 1..600)) {

@@ -513,11 +513,11 @@ typedef struct md_emulation_settings {
   // Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
   // `trip_ticks`.
   double force_limit;
-  // Number of ticks beyond the limit of a measured quantity until the stop, 1...1e6. A tick within takes back an eighth of one.
+  // Number of ticks beyond the limit of a measured quantity until the trip, 1...1e6. A tick within takes back an eighth of one.
   uint32_t trip_ticks;
-  // Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
+  // Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop or a trip, 1...1e7.
   uint32_t stop_ticks;
-  // Number of ticks without `md_emulation_exchange` after which it stops, 0...1e7; 0 without a link.
+  // Number of ticks without `md_emulation_exchange` after which it trips, 0...1e7; 0 without a link.
   uint32_t link_ticks;
   // Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
   // tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
@@ -629,11 +629,11 @@ typedef struct md_rig_settings {
   double force_limit;
   // Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
   double tracking_limit;
-  // Number of ticks beyond one of these limits until the rig stops, 1...1e6. A tick within takes back an eighth of one.
+  // Number of ticks beyond one of these limits until the rig trips, 1...1e6. A tick within takes back an eighth of one.
   uint32_t trip_ticks;
-  // Number of ticks in which the command goes to 0 after a stop, 1...1e7.
+  // Number of ticks in which the command goes to 0 after a stop or a trip, 1...1e7.
   uint32_t stop_ticks;
-  // Number of ticks without `md_rig_exchange` after which the rig stops, 0...1e7; 0 without a link.
+  // Number of ticks without `md_rig_exchange` after which the rig trips, 0...1e7; 0 without a link.
   uint32_t link_ticks;
   // Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
   // tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
@@ -997,7 +997,7 @@ md_error md_emulation_enable_failed(struct md_emulation *emulation);
 // `emulation` is null or points to an `md_emulation`.
 md_error md_emulation_overrun(struct md_emulation *emulation);
 
-// Reports that an external stop input is active: the emulation trips, unless it is stopped by a trip already. Then set the enable
+// Reports that an external stop input is active: the emulation trips, unless it has tripped already. Then set the enable
 // line low: otherwise it stays high until the next tick, whose telemetry reports it. Check the input before each start and clear
 // too. Returns the codes of `md_emulation_stop`.
 //
@@ -1093,7 +1093,7 @@ md_error md_rig_tick(struct md_rig *rig, uint32_t clock, struct md_telemetry *te
 // `rig` is null or points to an `md_rig`.
 md_error md_rig_overrun(struct md_rig *rig);
 
-// Reports that an external stop input is active: the rig trips, unless it is stopped by a trip already, and the enable line drops.
+// Reports that an external stop input is active: the rig trips, unless it has tripped already, and the enable line drops.
 // Returns the codes of `md_rig_stop`.
 //
 // # Safety

@@ -42,11 +42,11 @@ pub struct EmulationSettings {
     /// Largest force in either direction, kN, 1e-6...1e9. A force of the law beyond it stops at once, a measured one after
     /// `trip_ticks`.
     pub force_limit: f64,
-    /// Number of ticks beyond the limit of a measured quantity until the stop, 1...1e6. A tick within takes back an eighth of one.
+    /// Number of ticks beyond the limit of a measured quantity until the trip, 1...1e6. A tick within takes back an eighth of one.
     pub trip_ticks: u32,
-    /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop, 1...1e7.
+    /// Number of ticks in which the force rises to its full value after a start, and goes to 0 after a stop or a trip, 1...1e7.
     pub stop_ticks: u32,
-    /// Number of ticks without `md_emulation_exchange` after which it stops, 0...1e7; 0 without a link.
+    /// Number of ticks without `md_emulation_exchange` after which it trips, 0...1e7; 0 without a link.
     pub link_ticks: u32,
     /// Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
     /// tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
@@ -290,7 +290,7 @@ pub unsafe extern "C" fn md_emulation_overrun(emulation: *mut Emulation) -> Erro
     code(unsafe { held(emulation) }.map(|emulation| emulation.overrun()))
 }
 
-/// Reports that an external stop input is active: the emulation trips, unless it is stopped by a trip already. Then set the enable
+/// Reports that an external stop input is active: the emulation trips, unless it has tripped already. Then set the enable
 /// line low: otherwise it stays high until the next tick, whose telemetry reports it. Check the input before each start and clear
 /// too. Returns the codes of `md_emulation_stop`.
 ///

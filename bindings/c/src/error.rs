@@ -245,7 +245,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::PackMagic,
         c"MD_ERROR_PACK_MAGIC",
-        c"these bytes are no coefficient pack: pass the array of the exported .c file",
+        c"these bytes are not a coefficient pack: pass the array of the exported .c file",
     ),
     (
         Error::PackVersion,
@@ -290,7 +290,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::PackActive,
         c"MD_ERROR_PACK_ACTIVE",
-        c"the law gives more energy than it takes in a cycle of md_problem's value in mm: see to its damping and to stiffnesses of friction below 0, or set allow_active",
+        c"the law gives more energy than it takes in a cycle of md_problem's value in mm: correct a damping or a friction stiffness below 0, or set allow_active",
     ),
     (
         Error::NonFinite,
@@ -335,12 +335,12 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::Faulted,
         c"MD_ERROR_FAULTED",
-        c"it is stopped by a trip, which md_problem names: mend that, then clear it",
+        c"it has tripped; md_problem names the cause: remove it, then clear the trip",
     ),
     (
         Error::NoFault,
         c"MD_ERROR_NO_FAULT",
-        c"there is no trip to clear: start it",
+        c"it has not tripped, so there is nothing to clear",
     ),
     (
         Error::Other,

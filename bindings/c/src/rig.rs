@@ -176,11 +176,11 @@ pub struct RigSettings {
     pub force_limit: f64,
     /// Largest difference between measured and demanded displacement, mm, 1e-6...1e4.
     pub tracking_limit: f64,
-    /// Number of ticks beyond one of these limits until the rig stops, 1...1e6. A tick within takes back an eighth of one.
+    /// Number of ticks beyond one of these limits until the rig trips, 1...1e6. A tick within takes back an eighth of one.
     pub trip_ticks: u32,
-    /// Number of ticks in which the command goes to 0 after a stop, 1...1e7.
+    /// Number of ticks in which the command goes to 0 after a stop or a trip, 1...1e7.
     pub stop_ticks: u32,
-    /// Number of ticks without `md_rig_exchange` after which the rig stops, 0...1e7; 0 without a link.
+    /// Number of ticks without `md_rig_exchange` after which the rig trips, 0...1e7; 0 without a link.
     pub link_ticks: u32,
     /// Rate of the clock whose reading is given at each tick, Hz: 0, or from the tick rate to the smaller of 4e9 and 2e9 times the
     /// tick rate. At 0 it counts the ticks of the timer, one each. A clock independent of the timer also detects a timer with a
@@ -438,7 +438,7 @@ pub unsafe extern "C" fn md_rig_overrun(rig: *mut Rig) -> Error {
     code(unsafe { held(rig) }.map(|rig| rig.overrun()))
 }
 
-/// Reports that an external stop input is active: the rig trips, unless it is stopped by a trip already, and the enable line drops.
+/// Reports that an external stop input is active: the rig trips, unless it has tripped already, and the enable line drops.
 /// Returns the codes of `md_rig_stop`.
 ///
 /// # Safety

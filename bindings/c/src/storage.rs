@@ -28,8 +28,14 @@ const SLACK: usize = 16;
 /// Fails to compile if `S` is too small, aligned too loosely, or wastes memory.
 pub(crate) const fn assert_fits<S: Storage>() {
     let (needed, given) = (size_of::<Held<S::Inner>>(), size_of::<S>());
-    assert!(needed <= given, "the size constant is too small");
-    assert!(given - needed < SLACK, "the size constant is too large");
+    assert!(
+        needed <= given,
+        "the size constant is too small: raise it by 8 until this compiles; 32-bit targets have a constant of their own"
+    );
+    assert!(
+        given - needed < SLACK,
+        "the size constant is too large: lower it by 8 until this compiles; 32-bit targets have a constant of their own"
+    );
     assert!(
         align_of::<Held<S::Inner>>() <= align_of::<S>(),
         "the alignment constant is too small"

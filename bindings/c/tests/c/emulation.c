@@ -36,7 +36,7 @@ static void rest(uint32_t stop_ticks)
     CHECK(seen.command == 0.0f && !seen.enabled);
 }
 
-/* Another law while it runs: the law in force continues until its cycle ends, and then the other law takes over. */
+/* Another law while it runs: the running law continues until its cycle ends, and then the other law takes over. */
 static void check_load(void)
 {
     const md_expected expected = {.tick_rate = LINEAR_TICK_RATE};

@@ -1,4 +1,4 @@
-/* A valid pack is loaded; each kind of invalid pack has its own error, and never changes the law in force. */
+/* A valid pack is loaded; each kind of invalid pack has its own error, and never changes the running law. */
 #include "check.h"
 
 static md_law law;
@@ -47,7 +47,7 @@ static void is_no_law(md_law *fresh)
     CHECK(md_rig_init(&rig, &rig_settings, &programme, &wiring, &io, &law, &problem) == MD_ERROR_NONE);
 }
 
-/* Loading `length` bytes of `pack` is refused with `error`, and the law in force gives the same force as before. */
+/* Loading `length` bytes of `pack` is refused with `error`, and the running law gives the same force as before. */
 static void is_refused(const uint8_t *pack, size_t length, const md_expected *expected, md_error error, md_problem *problem)
 {
     md_law fresh;
