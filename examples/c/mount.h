@@ -6,7 +6,7 @@
 
 /* Name of the model. */
 #define MOUNT_NAME "mount"
-/* Of this export. */
+/* Revision of this export. */
 #define MOUNT_REVISION 0u
 /* Ticks per second that the law is for, Hz. */
 #define MOUNT_TICK_RATE 10000.0f
@@ -19,7 +19,7 @@ extern "C" {
 
 /* The coefficient pack. */
 extern const uint8_t mount_pack[MOUNT_PACK_LENGTH];
-/* Which model it is of. */
+/* Identity of the model. */
 extern const uint8_t mount_identity[8];
 /* Displacement in mm of the motion that it was fitted on: least and largest. */
 extern const float mount_displacement[2];

@@ -117,18 +117,25 @@ fn controller(wiring: &Wiring, law: &'static mut Law) -> Result<Controller, Conf
 async fn tick(mut rig: Rig) {
     const PERIOD: Duration = Duration::from_hz(TICK_RATE);
 
-    // If the line does not rise, this is a fault, which the first tick reports.
-    let _ = rig.start().await;
     let mut stopped = false;
     let mut due = Instant::now();
     let mut ticker = Ticker::every(PERIOD);
+    // A tick before the start, which then knows where the piston is. A start that is refused trips the rig, and the next tick reports
+    // the cause.
+    ticker.next().await;
+    due += PERIOD;
+    rig.tick(Instant::now().as_ticks() as u32).await;
+    let _ = rig.start().await;
     loop {
         // ANCHOR: tick
         ticker.next().await;
         due += PERIOD;
         // It wraps, as the rig takes it.
         let seen = rig.tick(Instant::now().as_ticks() as u32).await;
-        if let Some(report) = seen.report {
+        // In a ramp the amplitude changes within the cycle: its stiffness is not that of the block.
+        if let Some(report) = seen.report
+            && !report.ramp
+        {
             let _ = SAID.try_send(Said::Cycle(report));
         }
         if let State::Faulted(cause) = seen.state

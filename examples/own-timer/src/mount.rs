@@ -12,9 +12,9 @@ use mesh_damper::static_law::StaticLaw;
 
 /// Name of the model.
 pub const NAME: &str = "mount";
-/// Which model it is, as a pack says it.
+/// Identity of the model, as in a pack.
 pub const IDENTITY: [u8; 8] = [204, 236, 216, 91, 161, 129, 55, 107];
-/// Of this export.
+/// Revision of this export.
 pub const REVISION: u32 = 0;
 /// Ticks per second that the law is for, Hz.
 pub const TICK_RATE: f32 = 10000.0;
@@ -28,11 +28,11 @@ pub const AMPLITUDE: Option<f32> = None;
 pub const DENSITY: Option<f32> = None;
 /// k1 in kN/mm, k3 in kN/mm³, c in kN·(s/mm)^α, and α.
 pub const LAW: [f32; 4] = [1.2, 30.0, 0.1, 0.3];
-/// Of the effect stick_slip: stiffness in kN/mm, slip_limit in mm, of each element.
+/// Parameters of the effect stick_slip: stiffness in kN/mm, slip_limit in mm, of each element.
 pub const STICK_SLIP: [f64; 2] = [1.2, 0.03];
 /// One tick, s.
 const TICK: f64 = 0.0001;
-/// What c·|v|^α is tabulated from, computed in f64 on the host.
+/// Seed of the table of c·|v|^α, computed in f64 on the host.
 const OCTAVE: [[f32; 4]; 8] = [
     [0.54508185, 0.66045636, -0.2561416, 0.050603464],
     [0.50100243, 0.54300565, -0.18839642, 0.033300836],
@@ -67,7 +67,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let seed = const {
         match PowerSeed::from_parts(OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("the numbers are not those that were exported"),
+            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (

@@ -42,6 +42,8 @@ const DENSITY: f32 = 3.0;
 const TRAVEL: f64 = 0.5;
 /// Force at either end of the ADC's range and of the DAC's, kN.
 const FORCE: f64 = 5.0;
+/// Half width of the band in which the displacement is at rest, mm: four steps of the ADC's 12 bits.
+const REST_BAND: f64 = 4.0 * 2.0 * TRAVEL / 4096.0;
 
 /// 4 KiB, most of it the table of |v|^α. It stays in a static and is filled there.
 type DamperLaw = StaticLaw<Effects>;
@@ -104,6 +106,7 @@ fn main() -> ! {
     let settings = DamperEmulationSettings {
         tick_rate: TICK_RATE.into(),
         clock_rate: CLOCK_RATE.into(),
+        rest_band: REST_BAND,
         ..DamperEmulationSettings::default()
     };
     let controller = EmulationController::new(&settings, &wiring, LAW);
