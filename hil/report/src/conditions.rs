@@ -39,7 +39,8 @@ pub(crate) fn gains(result: &TraceResult) -> Option<Section> {
         p {
             "Each condition was held out in turn, and the law was fitted to the others. The first column is the error of the law with all \
              effects on that condition; darker is larger. The other columns are its error without one effect: blue and ▲ where \
-             the effect helps, red and ▼ where it harms."
+             the effect helps, red and ▼ where it harms. Samples count less where the estimated motion is uncertain, so that these errors \
+             can be far smaller than in part 6."
         }
         (table("Error of each condition where it was held out, with all effects and without each", head, rows))
         ul { @for effect in result.effects.iter().chain(&result.unconfirmed) { li { (confirmation(effect)) } } }

@@ -134,7 +134,8 @@ pub fn tried(result: &TraceResult) -> Section {
                  bars are errors on the validation data, which was not fitted; the dotted line is the noise. Each \
                  family is shown by its best form. A form was fitted only if its predicted gain was among the largest and the law was not \
                  yet near the noise. For a form that was not fitted, the bar is the error at the starting values of the fit; it can be \
-                 longer than the bar before the step. Bars longer than twice the median are cut. A step without a clear gain adds nothing \
+                 longer than the bar before the step. Samples count less where the estimated motion is uncertain, so that the errors can be \
+                 far smaller than in part 6. Bars longer than twice the median are cut. A step without a clear gain adds nothing \
                  and ends the search."
             }
             ul.key {

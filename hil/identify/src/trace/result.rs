@@ -201,7 +201,7 @@ pub struct HeldCondition {
     pub amplitude: Option<f64>,
     /// Frequency of the condition, Hz; null for a motion without blocks.
     pub frequency: Option<f64>,
-    /// NRMSE of the law with all effects.
+    /// NRMSE of the law with all effects. A sample counts less where the estimated motion is uncertain.
     pub nrmse_with: f64,
     /// NRMSE without the effects of each family.
     pub nrmse_without: BTreeMap<String, f64>,
@@ -270,7 +270,8 @@ pub struct Candidate {
     /// law.
     #[serde(default)]
     pub rejected_by: Option<Rule>,
-    /// NRMSE on the validation cycles, by which the candidates were compared.
+    /// NRMSE on the validation cycles, by which the candidates were compared. A sample counts less where the estimated motion is
+    /// uncertain.
     pub nrmse_judged: f64,
 }
 
