@@ -16,7 +16,6 @@ from typing import Any
 
 import mesh_damper
 
-
 #: Settings of every trace, as `mesh_damper.trace` takes them: `{"units": {"force": "kN"}}`.
 SETTINGS: dict[str, Any] = {}
 
