@@ -307,6 +307,24 @@ fn the_step_of_a_mat_file_may_be_called_ts() {
 }
 
 #[test]
+fn a_number_that_our_own_format_does_not_take_is_written_anew() {
+    let row = |n: i32| format!("0.{n:02},{}.25,{}.5\n", n % 7, n % 5);
+    let rows: String = (10..40).map(row).collect();
+    for cell in ["0.013D4", "1.5d-3"] {
+        let text = format!("Time (s),Disp (mm),Load (N)\n{rows}0.40,0.5,{cell}\n");
+        let recording = read(&text);
+        let written = recording.to_file("a.csv".as_ref()).unwrap();
+        let again = Recording::from_bytes("a.csv".as_ref(), written).unwrap();
+        for (one, other) in recording.force.iter().zip(&again.force) {
+            assert!(
+                (one - other).abs() <= 1e-8 * one.abs(),
+                "{cell}: {one} {other}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_rate_that_contradicts_the_times_is_said() {
     let times: Vec<f64> = (0..60).map(|n| 0.005 * f64::from(n)).collect();
     let said = "the times are those of column \"time_s\" in s; the number sample_rate = 500 Hz contradicts them and is not used";

@@ -10,7 +10,7 @@ use super::numbers::{Cell, Sign, sign_of};
 use super::own::grow;
 use super::rows::{RowKind, kind_of};
 use super::stamps::{Since, Stamp};
-use crate::csv_text::CsvText;
+use crate::csv_text::{CsvText, is_blank, number};
 use crate::error::{InputError, Place, quoted};
 use crate::files::{Kept, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
@@ -282,6 +282,9 @@ impl<'r> Reader<'r> {
             let cell = cells.get(wanted.column).copied().unwrap_or_default();
             match self.value(wanted.column, cell, &mut taken.stamps[index]) {
                 Ok(value) => {
+                    if taken.cells.is_some() && !is_own(&unescaped(cell), value) {
+                        taken.cells = None;
+                    }
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
                     };
@@ -369,5 +372,15 @@ fn unescaped(cell: &str) -> Cow<'_, str> {
         cell.replace("\"\"", "\"").into()
     } else {
         cell.into()
+    }
+}
+
+/// Whether our own format reads `value` from the cell as well. It takes no number such as Fortran's `0.013D4`, and no other words for
+/// a missing sample than `NaN`.
+fn is_own(cell: &str, value: f64) -> bool {
+    if value.is_nan() {
+        is_blank(cell)
+    } else {
+        number(cell).is_ok()
     }
 }
