@@ -7,7 +7,6 @@ use std::thread;
 use mesh_damper_batch::compare::{Moment, compare};
 use mesh_damper_batch::table::{Table, Values, outcomes, parameters};
 use mesh_damper_batch::{Batch, List, Progress, Row, Settings, Task};
-use mesh_damper_identify::trace::Sought;
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::error::InputError;
@@ -18,7 +17,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::error::{refused, refused_of};
 use crate::model::{Model, json};
 use crate::recording::Reading;
-use crate::trace::{base_law, named};
+use crate::trace::sought;
 use crate::work::beside;
 
 /// Settings of all traces in a batch.
@@ -37,20 +36,8 @@ impl BatchSettings {
         law: Option<PyRef<'_, Model>>,
         reports: bool,
     ) -> PyResult<Self> {
-        let known = match &law {
-            Some(model) => {
-                Sought::beside(&model.inner, &model.name).map_err(|error| refused(&error))?
-            }
-            None => Sought::default(),
-        };
-        let sought = Sought {
-            families: named("families", &families)?,
-            exclude: named("exclude", &exclude)?,
-            law: base_law(baseline)?,
-            ..known
-        };
         Ok(Self(Settings {
-            sought,
+            sought: sought(&families, &exclude, baseline, law.as_deref())?,
             reading: reading.said.clone(),
             reports,
         }))

@@ -101,16 +101,7 @@ fn trace(
     law: Option<PyRef<'_, Model>>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Trace> {
-    let known = match &law {
-        Some(model) => Sought::beside(&model.inner, &model.name).map_err(|e| refused(&e))?,
-        None => Sought::default(),
-    };
-    let sought = Sought {
-        families: named("families", &families)?,
-        exclude: named("exclude", &exclude)?,
-        law: base_law(baseline)?,
-        ..known
-    };
+    let sought = sought(&families, &exclude, baseline, law.as_deref())?;
     let copied = |all: &[PyRef<'_, Recording>]| -> Vec<recording::Recording> {
         all.iter().map(|each| (*each.inner).clone()).collect()
     };
@@ -123,6 +114,25 @@ fn trace(
         Ok(Trace { report, model })
     })?;
     traced.map_err(|error| not_traced(&error))
+}
+
+/// The settings of a trace by the names of families and of the law without effects, beside the known effects of `law`.
+pub fn sought(
+    families: &[String],
+    exclude: &[String],
+    baseline: &str,
+    law: Option<&Model>,
+) -> PyResult<Sought> {
+    let known = match law {
+        Some(model) => Sought::beside(&model.inner, &model.name).map_err(|e| refused(&e))?,
+        None => Sought::default(),
+    };
+    Ok(Sought {
+        families: named("families", families)?,
+        exclude: named("exclude", exclude)?,
+        law: base_law(baseline)?,
+        ..known
+    })
 }
 
 /// Writes texts as files, all of them or none.
@@ -139,7 +149,7 @@ fn write_files(py: Python<'_>, files: Vec<(PathBuf, String)>) -> PyResult<()> {
     written.map_err(|error| refused(&error))
 }
 
-pub fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
+fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     let family = |name: &String| {
         Family::named(name).ok_or_else(|| {
             let all: Vec<&str> = Family::all().map(Family::name).collect();
@@ -151,7 +161,7 @@ pub fn named(option: &str, names: &[String]) -> PyResult<Vec<Family>> {
     names.iter().map(family).collect()
 }
 
-pub fn base_law(word: &str) -> PyResult<BaseLaw> {
+fn base_law(word: &str) -> PyResult<BaseLaw> {
     let mut all = BaseLaw::ALL.into_iter();
     all.find(|law| law.word() == word).ok_or_else(|| {
         let words = BaseLaw::ALL.map(BaseLaw::word).join(", ");

@@ -102,10 +102,12 @@ impl InputError {
         self
     }
 
-    /// The same error, which concerns the table with this name, a sheet or a group of the file.
+    /// The same error, which concerns the table with this name, a sheet or a group of the file; no name, if the file has only one.
     #[must_use]
-    pub(crate) fn in_table(mut self, name: &str) -> Self {
-        self.problem = format!("table {}: {}", quoted(name), self.problem);
+    pub(crate) fn in_table(mut self, name: Option<&str>) -> Self {
+        if let Some(name) = name {
+            self.problem = format!("table {}: {}", quoted(name), self.problem);
+        }
         self
     }
 

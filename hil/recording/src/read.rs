@@ -90,7 +90,7 @@ impl Recording {
             self.force = vec![0.0; self.time.len()];
         }
         self.check()
-            .map_err(|error| in_table(self.table.as_deref(), error))?;
+            .map_err(|error| error.in_table(self.table.as_deref()))?;
         Ok(self)
     }
 
@@ -151,29 +151,29 @@ impl Recording {
             must_be_numeric: needs.inputs.is_some(),
         });
         let wanted: Vec<Wanted> = used.chain(controls).collect();
-        let names: Vec<String> = {
-            let columns = &file.tables()[chosen.table].columns;
-            wanted
-                .iter()
-                .map(|wanted| columns[wanted.column].name.clone())
-                .collect()
-        };
+        let table = &file.tables()[chosen.table];
+        let column_names = wanted
+            .iter()
+            .map(|wanted| &table.columns[wanted.column].name);
+        let column_names: Vec<String> = column_names.cloned().collect();
         let is_time = |used: &&Used| used.channel == Channel::Time;
-        let time_column = (chosen.used.iter().find(is_time)).map(|used| {
-            let column = &file.tables()[chosen.table].columns[used.column];
-            let certain = match () {
-                () if column.is_stamp => Certain::Dates,
-                () if is_own(&column.name) => Certain::Name,
-                () => Certain::No,
+        let time_column = chosen.used.iter().find(is_time).map(|used| {
+            let column = &table.columns[used.column];
+            let certain = if column.is_stamp {
+                Certain::Dates
+            } else if is_own(&column.name) {
+                Certain::Name
+            } else {
+                Certain::No
             };
             (column.name.clone(), certain)
         });
-        let stated_steps = file.tables()[chosen.table].stated_steps.clone();
-        let table = (file.tables().len() > 1).then(|| file.tables()[chosen.table].name.clone());
-        let placed = |error| in_table(table.as_deref(), error);
+        let stated_steps = table.stated_steps.clone();
+        let table = (file.tables().len() > 1).then(|| table.name.clone());
+        let placed = |error: InputError| error.in_table(table.as_deref());
         let mut values = file.read(chosen.table, &wanted, kept).map_err(placed)?;
         chosen.guesses.append(&mut values.notes);
-        let samples = Samples::of(name, chosen, names, values)?;
+        let samples = Samples::of(name, chosen, column_names, values)?;
         let mut recording = samples.recording().map_err(placed)?;
         recording.table.clone_from(&table);
         let source = match &time_column {
@@ -191,14 +191,6 @@ impl Recording {
             }
         }
         Ok(recording)
-    }
-}
-
-/// An error with the name of the table, if the file has several.
-fn in_table(table: Option<&str>, error: InputError) -> InputError {
-    match table {
-        Some(name) => error.in_table(name),
-        None => error,
     }
 }
 

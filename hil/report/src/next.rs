@@ -74,7 +74,7 @@ pub fn steps(result: &TraceResult) -> Section {
                     } @else {
                         code { "hil export --model model.json --format rust --tick-rate HZ --out law.rs" }
                     }
-                    ". It holds within the range of the motion that was fitted; outside it the force is extrapolated."
+                    ", with the firmware's own rate for HZ, such as 10000. It holds within the range of the motion that was fitted; outside it the force is extrapolated."
                 }
             }
         }

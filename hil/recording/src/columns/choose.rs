@@ -122,7 +122,7 @@ pub fn choose(
         ),
     };
     if several {
-        error = error.in_table(&tables[index].name);
+        error = error.in_table(Some(&tables[index].name));
     }
     Err(error)
 }

@@ -104,7 +104,7 @@ fn open<'a>(
                 skipped.push(format!("sheet {sheet} {what}"));
                 unread.push(format!("sheet {sheet} is not read {what}"));
                 let is_named = |table: &String| table.eq_ignore_ascii_case(&sheet);
-                let error = error.in_table(&sheet);
+                let error = error.in_table(Some(&sheet));
                 match &reading.table {
                     Some(table) if is_named(table) => return Err(error),
                     // With an answer it may be the sheet that is meant.

@@ -40,7 +40,6 @@ mod record;
 mod respond;
 mod respond_sweep;
 mod run;
-mod run_checks;
 mod schema;
 mod specimen;
 mod stop;

@@ -3,7 +3,7 @@
 use super::element::{Broken, Bytes, Element, Numbers};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
-use crate::files::beside::Beside;
+use crate::files::beside::{Beside, Stated, nearest};
 use crate::files::number::Kind;
 
 /// The deepest nesting of structures. Convention: deeper than any program writes, and within the stack.
@@ -52,8 +52,8 @@ pub(in crate::files) struct Tree {
     pub skipped: Vec<String>,
     pub guesses: Vec<String>,
     pub beside: Beside,
-    /// Texts of structures that hold units, `units.force`: the groups around the structure, the name of the variable, and the text.
-    units: Vec<(Vec<String>, String, String)>,
+    /// Texts of structures that hold units, `units.force`: the name of the variable, and its unit below the groups around the structure.
+    units: Vec<(String, Stated<String>)>,
     text: usize,
     left: usize,
 }
@@ -94,19 +94,13 @@ impl Tree {
     /// At the end of the file, gives the arrays the units that it states for them: of several, the nearest.
     pub fn finish(&mut self) {
         for Array { group, column, .. } in &mut self.arrays {
-            let of_array = || {
-                self.units.iter().filter(|(around, name, _)| {
-                    column.unit.is_none() && *name == column.name && group.starts_with(around)
-                })
-            };
-            let Some(most) = of_array().map(|(around, ..)| around.len()).max() else {
+            if column.unit.is_some() {
                 continue;
-            };
-            let mut nearest = of_array()
-                .filter(|(around, ..)| around.len() == most)
-                .map(|(.., unit)| unit);
-            let Some(unit) = nearest.next() else { continue };
-            match nearest.find(|other| *other != unit) {
+            }
+            let named = self.units.iter().filter(|(name, _)| *name == column.name);
+            let mut units = nearest(named.map(|(_, unit)| unit), group);
+            let Some(unit) = units.next() else { continue };
+            match units.find(|other| *other != unit) {
                 None => column.unit = Some(unit.clone()),
                 Some(other) => self.guesses.push(format!(
                     "two structures give {} the units {unit} and {other}, so neither is used",
@@ -313,8 +307,8 @@ impl Tree {
         if let Some((of, around)) = group.split_last()
             && UNITS.iter().any(|word| of.eq_ignore_ascii_case(word))
         {
-            let unit = text.trim().to_owned();
-            self.units.push((around.to_vec(), name.to_owned(), unit));
+            let unit = Stated::of(around, text.trim().to_owned());
+            self.units.push((name.to_owned(), unit));
             return;
         }
         let is_ours = group.is_empty() && name == "comments";

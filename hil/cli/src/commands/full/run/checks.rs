@@ -2,9 +2,10 @@
 
 use mesh_damper::sine::{Block, Programme};
 
-use super::junit::{Case, Junit};
-use super::programme::MOST_BLOCKS;
-use super::run::{Stop, Summary};
+use super::super::junit::{Case, Junit};
+use super::super::programme::MOST_BLOCKS;
+use super::test::Summary;
+use super::trip::Stop;
 
 impl Summary {
     /// Adds to `junit` a case for each block of `programme` (or one for a motion), and one for a trip.
