@@ -322,7 +322,7 @@ fn recordings(data: &ReportData) -> Markup {
         @for one in &data.series {
             tr {
                 th.path scope="row" { (one.name) }
-                td.text { @if data.result.held_out.contains(&one.name) { "held out" } @else { "fitted" } }
+                td.text { @if data.result.held_out.contains(&one.name) { "held out" } @else if held.is_empty() { "fitted, a part held out" } @else { "fitted" } }
                 td { (one.time.len()) }
                 td { (text::number(length(one))) }
                 td { (text::number(largest(&one.displacement))) }

@@ -215,11 +215,14 @@ pub(super) fn warnings<'t>(
         ));
     }
     if model.correction.is_some() {
-        warnings.push(
-            "no family of effects explains the residual: a residual table is used instead; outside its range it keeps the values at its \
-             edge"
-                .to_owned(),
-        );
+        let unexplained = if model.effects.is_empty() {
+            "no family of effects explains the residual"
+        } else {
+            "the effects do not explain all of the residual"
+        };
+        warnings.push(format!(
+            "{unexplained}: the model has a residual table for the rest; outside its range it keeps the values at its edge"
+        ));
     } else if left > policy().verdict.noise_limited {
         warnings.push(format!(
             "the residual is {left:.1} times the noise of force and motion: the law lacks more than was found; see the residual in the \
