@@ -13,7 +13,7 @@
 //! | the mixed damping law as it runs on the target, with a table for \|v\|^α, and with effects that a type names | [`static_law`] |
 //! | the same, read from a pack and swapped at a cycle's end | [`fast_law`] |
 //! | the interface of both for a firmware | [`tick_law`] |
-//! | effects to add to that law: offset, asymmetry, hardening, load friction, stops, gaps, stick-slip, viscosity, relaxation, inertia, drift, temperature, tones, series compliance, delay | [`effects`] |
+//! | effects to add to that law, such as hardening, stick-slip, relaxation, stops and series compliance | [`effects`] |
 //! | an excitation: sines, ramps and sweeps | [`sine`] |
 //! | stiffness, energy and loss factor of each cycle | [`cycle`]; without a generator, [`crossing`] |
 //! | law, sine and cycles in integers, for a core without a floating-point unit | [`fixed_point`] |

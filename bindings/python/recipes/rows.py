@@ -16,7 +16,7 @@ from typing import Any
 
 import mesh_damper
 
-#: Settings of every trace, as `mesh_damper.trace` takes them: `{"units": {"force": "kN"}}`.
+#: Settings of every trace, as `mesh_damper.outcome` takes them: `{"units": {"force": "kN"}}`. Change them in this file: workers import it.
 SETTINGS: dict[str, Any] = {}
 
 
@@ -58,8 +58,6 @@ class Rows:
         whole = text[: text.rfind(b"\n") + 1]
         for line in whole.splitlines():
             row = json.loads(line)
-            # A line of an older version held its row.
-            row = row.get("row", row)
             self._rows[row["id"] or row["trace"]] = row
         # An incomplete last line is removed.
         if len(whole) < len(text):

@@ -299,7 +299,19 @@ fn a_sheet_whose_decimal_sign_is_open_is_asked_for() {
         table: Some("Tabelle2".into()),
         ..Reading::default()
     };
-    holds(&book.read_as(&reading).unwrap(), 0.0);
+    let named = book.read_as(&reading).unwrap();
+    holds(&named, 0.0);
+    // Of a sheet that was not asked for, nothing is said.
+    let is_of_other = |note: &&String| note.contains("Tabelle1");
+    assert_eq!(named.guesses().iter().find(is_of_other), None);
+    // A single sheet has no other to be named.
+    let question = Book::of(TEXTS, rows(HEAD, 4, &thousandths))
+        .read()
+        .unwrap_err();
+    assert!(
+        question.contains("--decimal") && !question.contains("--table"),
+        "{question}"
+    );
     // With the sign, both are recordings.
     let reading = Reading {
         decimal: Some(','),

@@ -308,12 +308,21 @@ fn the_step_of_a_mat_file_may_be_called_ts() {
 
 #[test]
 fn a_number_that_our_own_format_does_not_take_is_written_anew() {
-    let row = |n: i32| format!("0.{n:02},{}.25,{}.5\n", n % 7, n % 5);
-    let rows: String = (10..40).map(row).collect();
-    for cell in ["0.013D4", "1.5d-3"] {
-        let text = format!("Time (s),Disp (mm),Load (N)\n{rows}0.40,0.5,{cell}\n");
+    let row = |n: i32| format!("0.{n:02},{}.25,{}.5,{n}\n", n % 7, n % 5);
+    let [rows, more] = [10..40, 41..45].map(|rows| rows.map(row).collect::<String>());
+    for cell in ["0.013D4", "1.5d-3", "n/a", "-"] {
+        let text =
+            format!("Time (s),Disp (mm),Load (N),Oil level\n{rows}0.40,0.5,{cell},40\n{more}");
         let recording = read(&text);
         let written = recording.to_file("a.csv".as_ref()).unwrap();
+        // The other columns stay, and so do their cells.
+        let lines = String::from_utf8(written.clone()).unwrap();
+        let is_there = |n: i32| lines.lines().any(|line| line.ends_with(&format!(",{n}")));
+        assert!(lines.contains(",Oil level\n"), "{cell}: {lines}");
+        assert!(
+            (10..45).all(|n| is_there(n) || (n == 40 && cell.len() < 4)),
+            "{cell}: {lines}"
+        );
         let again = Recording::from_bytes("a.csv".as_ref(), written).unwrap();
         for (one, other) in recording.force.iter().zip(&again.force) {
             assert!(

@@ -82,19 +82,20 @@ fn of_stamps() -> UnitFound {
 
 /// A unit in the name, when the file states one elsewhere too.
 fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitFound {
-    match row_unit(column) {
-        Some(other) if unit_of(channel, other).is_none_or(|other| !other.is_same(unit)) => {
+    let is_other = |other: &&str| unit_of(channel, other).is_none_or(|other| !other.is_same(unit));
+    match row_units(column).find(is_other) {
+        Some(other) => {
             let either = either(unit, unit_of(channel, other));
             UnitFound::Unclear(format!("{written} beside {other}"), either)
         }
-        _ => UnitFound::Known(unit),
+        None => UnitFound::Known(unit),
     }
 }
 
-/// The unit that the file states outside the name.
-fn row_unit(column: &Column) -> Option<&str> {
-    let said = column.unit.as_deref().map(bare);
-    said.filter(|unit| !unit.is_empty())
+/// The units that the file states outside the name: two, if it contradicts itself.
+fn row_units(column: &Column) -> impl Iterator<Item = &str> {
+    let said = column.unit.iter().chain(&column.other_unit);
+    said.map(|unit| bare(unit)).filter(|unit| !unit.is_empty())
 }
 
 /// The statement about the unit for a channel, and the words of the name without it.
@@ -111,7 +112,7 @@ pub(super) fn unit_and_words<'n>(
         return (of_stamps(), words);
     }
     let written = (name.marked.as_deref()).or(tail.map(|tail| tail.text.as_str()));
-    let Some(written) = written.or(row_unit(column)) else {
+    let Some(written) = written.or_else(|| row_units(column).next()) else {
         return (UnitFound::None, words);
     };
     let found = if is_lost_in_capitals(channel, &column.name, written) {

@@ -59,6 +59,8 @@ pub struct Column {
     pub name: String,
     /// The unit if the file states it apart from the name, in a row of units or an attribute. As written there.
     pub unit: Option<String>,
+    /// Another unit that the file states in the same way, if it states two.
+    pub other_unit: Option<String>,
     /// Whether its values are numbers, as far as they were examined.
     pub is_numeric: bool,
     /// Whether the file marks it as times: the master channel of MDF, an axis of time.
@@ -75,6 +77,16 @@ pub struct Column {
 impl Column {
     /// Number of values examined in a column. Convention: enough to see a rate, and few enough to hold for 1e5 columns.
     pub const FIRST: usize = 64;
+
+    /// Takes the unit that the file states for the column beside it, if the column itself has none, and one that differs.
+    pub(super) fn take_unit<'a>(&mut self, mut stated: impl Iterator<Item = &'a String>) {
+        if self.unit.is_none() {
+            self.unit = stated.next().cloned();
+            self.other_unit = stated
+                .find(|other| self.unit.as_ref() != Some(*other))
+                .cloned();
+        }
+    }
 }
 
 /// A column to be read.

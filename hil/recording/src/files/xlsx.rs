@@ -71,7 +71,9 @@ fn open<'a>(
     let mut skipped = Vec::new();
     let mut unread = Vec::new();
     let mut left = limit.file();
-    for sheet in book.sheet_names() {
+    let names = book.sheet_names();
+    let several = names.len() > 1;
+    for sheet in names {
         let mut cells = match book.worksheet_cells_reader(&sheet) {
             Ok(cells) => cells,
             // A sheet of a chart has no cells.
@@ -110,9 +112,11 @@ fn open<'a>(
                     // With an answer it may be the sheet that is meant.
                     None if error.answer().is_some() => {
                         let mut error = error;
-                        error
-                            .remedy
-                            .push_str(", or name another sheet with --table");
+                        if several {
+                            error
+                                .remedy
+                                .push_str(", or name another sheet with --table");
+                        }
                         return Err(error);
                     }
                     _ => refused = refused.or(Some(error)),

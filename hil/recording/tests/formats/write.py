@@ -141,7 +141,7 @@ def mat():
            "Units": {"Time": "s", "Actuator_Pos": "mm", "Axial_Load": "kN"}}
     save("units_beside.mat", {"Run": run}, options={"do_compression": True}, guesses=["\"Axial_Load\" in kN"])
     save("units_twice.mat", {"time_s": TIME, "displacement_mm": DISPLACEMENT, "Load": FORCE, "units": {"Load": "N"}, "Units": {"Load": "kN"}},
-         refused=["--unit force="])
+         refused=["N beside kN", "--unit force="])
     save("matrix.mat", {"data": np.column_stack([TIME, DISPLACEMENT, FORCE])},
          channels={"time": "data #1", "displacement": "data #2", "force": "data #3"}, units=ASKED["units"])
     channel = [("Name", "O"), ("Data", "O"), ("Unit", "O"), ("XIndex", "O")]

@@ -55,7 +55,7 @@ pub fn parse(text: &str) -> Result<HiddenEffect, InputError> {
         Ok(effect)
     } else {
         let remedy = match family {
-            "unlisted" => "give finite values, lengths, times and rates above 0, an order between 0 and 1, and a damping of at least 0".to_owned(),
+            "unlisted" => "give finite values; a velocity, time, stretch, width and frequency above 0, an order between 0 and 1, and a damping of at least 0".to_owned(),
             _ => format!("see docs/effects/{family}.md for the ranges"),
         };
         let problem = format!("{}: a parameter is outside its range", quoted(text));

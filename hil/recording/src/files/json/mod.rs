@@ -238,28 +238,17 @@ impl Found {
         if fields.iter().any(|(name, _)| name == "data") {
             fields.retain(|(name, _)| name != "schema");
         }
-        let units = fields.iter().position(|(name, node)| {
-            let is_named = ["units", "unit"]
-                .iter()
-                .any(|word| name.eq_ignore_ascii_case(word));
-            let is_text = |(_, node): &(String, Node)| matches!(node, Node::Text(_));
-            is_named && matches!(node, Node::Object(units) if units.iter().all(is_text))
-        });
-        let units = match units.map(|place| fields.remove(place).1) {
-            Some(Node::Object(units)) => units,
-            _ => Vec::new(),
-        };
+        let units: Vec<(String, String)> = fields.iter_mut().flat_map(units_in).collect();
         let first = self.arrays.len();
         for (name, node) in fields {
             let mut inner = path.to_vec();
             inner.push(name);
             self.take(&inner, node);
         }
-        for array in &mut self.arrays[first..] {
-            let unit = units.iter().find(|(name, _)| *name == array.column.name);
-            if let (Some((_, Node::Text(unit))), None) = (unit, &array.column.unit) {
-                array.column.unit = Some(unit.clone());
-            }
+        for Array { column, .. } in &mut self.arrays[first..] {
+            let name = column.name.clone();
+            let stated = units.iter().filter(|(of, _)| *of == name);
+            column.take_unit(stated.map(|(_, unit)| unit));
         }
     }
 
@@ -290,6 +279,31 @@ impl Found {
             source: values,
         });
     }
+}
+
+/// Takes the units of arrays, by their names, from a field that holds nothing else but numbers and words: `units` beside the arrays.
+fn units_in((name, node): &mut (String, Node)) -> Vec<(String, String)> {
+    let is_named = ["units", "unit"]
+        .iter()
+        .any(|word| name.eq_ignore_ascii_case(word));
+    let is_plain =
+        |(_, node): &(String, Node)| matches!(node, Node::Text(_) | Node::Number(_) | Node::Other);
+    let Node::Object(fields) = node else {
+        return Vec::new();
+    };
+    if !is_named || !fields.iter().all(is_plain) {
+        return Vec::new();
+    }
+    let (texts, rest) = std::mem::take(fields)
+        .into_iter()
+        .partition(|(_, node)| matches!(node, Node::Text(_)));
+    *fields = rest;
+    let texts: Fields = texts;
+    let text = |(name, node)| match node {
+        Node::Text(unit) => Some((name, unit)),
+        _ => None,
+    };
+    texts.into_iter().filter_map(text).collect()
 }
 
 #[cfg(test)]
@@ -345,6 +359,29 @@ mod tests {
         // Without a unit or a name it is a group as before.
         let text = r#"{"a": {"values": [0, 1]}, "b": {"values": [2, 3]}}"#;
         assert_eq!(columns(text).unwrap().0, ["a/values", "b/values"]);
+    }
+
+    #[test]
+    fn units_beside_the_arrays_are_theirs_and_two_that_differ_are_both_kept() {
+        let text = r#"{"time": [0, 1], "force": [2, 3],
+            "units": {"time": "s", "force": "kN", "place": null, "count": 2}}"#;
+        let (found, table) = columns(text).unwrap();
+        assert_eq!(found, ["time in s", "force in kN"]);
+        assert!(
+            table
+                .columns
+                .iter()
+                .all(|column| column.other_unit.is_none())
+        );
+        // A number that is no unit is not lost.
+        let said = |of: &String| of == "the number units/count = 2";
+        assert!(table.skipped.iter().any(said), "{:?}", table.skipped);
+
+        let text = r#"{"time": [0, 1], "force": [2, 3], "units": {"force": "N"}, "Unit": {"time": "s", "force": "kN"}}"#;
+        let (found, table) = columns(text).unwrap();
+        assert_eq!(found, ["time in s", "force in N"]);
+        assert_eq!(table.columns[1].other_unit.as_deref(), Some("kN"));
+        assert_eq!(table.columns[0].other_unit, None);
     }
 
     #[test]

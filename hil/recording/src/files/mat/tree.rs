@@ -91,22 +91,12 @@ impl Tree {
         }
     }
 
-    /// At the end of the file, gives the arrays the units that it states for them: of several, the nearest.
+    /// At the end of the file, gives the arrays the units that it states for them: the nearest.
     pub fn finish(&mut self) {
         for Array { group, column, .. } in &mut self.arrays {
-            if column.unit.is_some() {
-                continue;
-            }
-            let named = self.units.iter().filter(|(name, _)| *name == column.name);
-            let mut units = nearest(named.map(|(_, unit)| unit), group);
-            let Some(unit) = units.next() else { continue };
-            match units.find(|other| *other != unit) {
-                None => column.unit = Some(unit.clone()),
-                Some(other) => self.guesses.push(format!(
-                    "two structures give {} the units {unit} and {other}, so neither is used",
-                    column.name
-                )),
-            }
+            let name = column.name.clone();
+            let named = self.units.iter().filter(|(of, _)| *of == name);
+            column.take_unit(nearest(named.map(|(_, unit)| unit), group));
         }
     }
 

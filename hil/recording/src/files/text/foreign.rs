@@ -275,6 +275,8 @@ impl<'r> Reader<'r> {
                 .at(Place::Line(line)));
             }
         }
+        // Numbers in a form that our own format does not take are kept in ours.
+        let mut anew: Vec<(usize, String)> = Vec::new();
         for (index, wanted) in self.wanted.iter().enumerate() {
             if taken.columns[index].is_none() {
                 continue;
@@ -283,7 +285,7 @@ impl<'r> Reader<'r> {
             match self.value(wanted.column, cell, &mut taken.stamps[index]) {
                 Ok(value) => {
                     if taken.cells.is_some() && !is_own(&unescaped(cell), value) {
-                        taken.cells = None;
+                        anew.push((wanted.column, value.to_string()));
                     }
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
@@ -301,11 +303,13 @@ impl<'r> Reader<'r> {
         }
         if let Some(kept) = &mut taken.cells {
             let columns = self.layout.table.columns.len();
-            let row: csv::StringRecord = (0..columns)
+            let mut row: Vec<Cow<'_, str>> = (0..columns)
                 .map(|index| unescaped(cells.get(index).copied().unwrap_or_default()))
-                .map(Cow::into_owned)
                 .collect();
-            kept.push(&row);
+            for (column, cell) in anew {
+                row[column] = cell.into();
+            }
+            kept.push(&row.iter().collect());
         }
         taken.lines.push(line);
         Ok(())

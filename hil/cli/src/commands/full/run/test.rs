@@ -9,7 +9,7 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::output::Outputs;
 use mesh_damper_rig::drive::limits::Demands;
 use mesh_damper_rig::specimen::{CURRENT, Specimen};
-use mesh_damper_rig::{Journal, RigRun, RigSetup, run_rig};
+use mesh_damper_rig::{Journal, RigSetup, run_rig};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ use super::super::drive::{Driven, Followed};
 use super::super::events::EventRow;
 use super::super::image::{Linked, Place};
 use super::super::junit::Junit;
-use super::super::live::{Live, LiveRow, MqttRow};
+use super::super::live::{LiveRow, MqttRow};
 use super::super::meant_for::FirstError;
 use super::super::pace::{Pace, Speed};
 use super::super::programme::MOST_BLOCKS;

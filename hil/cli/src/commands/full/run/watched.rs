@@ -12,12 +12,12 @@ use super::trip::in_words;
 use crate::commands::progress::Progress;
 
 /// Shows the progress of a run, stores its recording, and passes the data to the viewers.
-pub struct Watched {
-    pub progress: Progress,
-    pub journal: Journal,
-    pub live: Live,
+pub(in crate::commands::full) struct Watched {
+    pub(in crate::commands::full) progress: Progress,
+    pub(in crate::commands::full) journal: Journal,
+    pub(in crate::commands::full) live: Live,
     /// Pace of a rig without its own clock.
-    pub pace: Pace,
+    pub(in crate::commands::full) pace: Pace,
 }
 
 impl Watch for &mut Watched {
