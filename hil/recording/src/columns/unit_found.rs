@@ -52,7 +52,7 @@ pub(super) fn control_unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
 ) -> Option<(&'static str, &'n [String])> {
-    if let Some(written) = row_unit(column).or(name.marked.as_deref()) {
+    if let Some(written) = row_units(column).next().or(name.marked.as_deref()) {
         let unit = control_unit(written, UNITS)?;
         let another = |other: &String| {
             other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
