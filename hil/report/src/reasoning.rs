@@ -322,7 +322,7 @@ pub fn concluded(result: &TraceResult) -> Markup {
             p { "Added at a step, but not kept in the end: " (text::listed(&dropped)) "." }
         }
         @if !result.depends_on.is_empty() {
-            p { "The force beyond the law alone depends on " strong { (text::listed(&result.depends_on)) } "." }
+            p { "What the law alone leaves of the force depends on " strong { (text::listed(&result.depends_on)) } "." }
         }
         @if let Some(test) = &result.separating_test {
             p.test { strong { "The test that would decide: " } (test) }
