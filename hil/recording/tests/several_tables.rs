@@ -81,3 +81,23 @@ fn a_note_about_the_file_is_about_each_of_its_tables() {
         assert!(table.guesses.iter().any(is_cut), "{table:?}");
     }
 }
+
+#[test]
+fn a_control_input_with_two_units_is_none() {
+    let current: Vec<String> = (0..60).map(|n| (n % 2).to_string()).collect();
+    let current = format!("\"Current\":[{}]", current.join(","));
+    let whole = group(0.0, "force_kN");
+    let inside = whole.trim_start_matches('{').trim_end_matches('}');
+    let controls = |units: &str| -> Vec<String> {
+        let text = format!("{{{inside},{current},{units}}}");
+        let recording = read(&text, &Reading::default()).unwrap();
+        recording
+            .controls
+            .into_iter()
+            .map(|each| each.name)
+            .collect()
+    };
+    assert_eq!(controls("\"units\":{\"Current\":\"A\"}"), ["current_A"]);
+    let twice = "\"units\":{\"Current\":\"A\"},\"Units\":{\"Current\":\"mA\"}";
+    assert!(controls(twice).is_empty());
+}

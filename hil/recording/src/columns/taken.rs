@@ -1,8 +1,8 @@
 //! The channels that a column of a file may be.
 
 use super::name::Name;
-use super::spelling::{bare, control_unit};
-use super::unit_found::{UnitFound, control_unit_and_words, own_unit, unit_and_words};
+use super::spelling::control_unit;
+use super::unit_found::{UnitFound, control_unit_and_words, own_unit, row_units, unit_and_words};
 use super::words::{self, Certainty};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
@@ -173,11 +173,8 @@ pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
         .rsplit_once('_')
         .map_or("", |(quantity, _)| quantity);
     // A unit that the file states next to such a name has to be the same.
-    let is_same = |said: &str| {
-        let unit = control_unit(bare(said), UNITS);
-        unit == column.name.rsplit_once('_').map(|(_, unit)| unit)
-    };
-    let is_same = column.unit.as_deref().is_none_or(is_same);
+    let own = column.name.rsplit_once('_').map(|(_, unit)| unit);
+    let is_same = row_units(column).all(|said| control_unit(said, UNITS) == own);
     if is_control(&column.name) && quantity.chars().all(is_plain) && is_same {
         return Some((column.name.clone(), true));
     }

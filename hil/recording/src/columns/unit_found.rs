@@ -57,7 +57,10 @@ pub(super) fn control_unit_and_words<'n>(
         let another = |other: &String| {
             other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
         };
-        return (!name.others.iter().any(another)).then_some((unit, &name.words));
+        let is_stated_twice =
+            row_units(column).any(|other| control_unit(other, UNITS) != Some(unit));
+        let is_one = !is_stated_twice && !name.others.iter().any(another);
+        return is_one.then_some((unit, &name.words));
     }
     let mut tails = name.tails.iter();
     tails.find_map(|tail| Some((control_unit(&tail.text, UNITS)?, tail.before.as_slice())))
@@ -92,9 +95,9 @@ fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitF
     }
 }
 
-/// The units that the file states outside the name: two, if it contradicts itself.
-fn row_units(column: &Column) -> impl Iterator<Item = &str> {
-    let said = column.unit.iter().chain(&column.other_unit);
+/// The units that the file states outside the name: several, if it contradicts itself.
+pub(super) fn row_units(column: &Column) -> impl Iterator<Item = &str> {
+    let said = column.unit.iter().chain(&column.other_units);
     said.map(|unit| bare(unit)).filter(|unit| !unit.is_empty())
 }
 

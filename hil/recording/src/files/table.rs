@@ -59,8 +59,8 @@ pub struct Column {
     pub name: String,
     /// The unit if the file states it apart from the name, in a row of units or an attribute. As written there.
     pub unit: Option<String>,
-    /// Another unit that the file states in the same way, if it states two.
-    pub other_unit: Option<String>,
+    /// Other units that the file states in the same way, if it states several.
+    pub other_units: Vec<String>,
     /// Whether its values are numbers, as far as they were examined.
     pub is_numeric: bool,
     /// Whether the file marks it as times: the master channel of MDF, an axis of time.
@@ -78,13 +78,13 @@ impl Column {
     /// Number of values examined in a column. Convention: enough to see a rate, and few enough to hold for 1e5 columns.
     pub const FIRST: usize = 64;
 
-    /// Takes the unit that the file states for the column beside it, if the column itself has none, and one that differs.
-    pub(super) fn take_unit<'a>(&mut self, mut stated: impl Iterator<Item = &'a String>) {
+    /// Takes the unit that the file states for the column beside it, if the column itself has none, and those that differ.
+    pub(super) fn take_unit<'a>(&mut self, stated: impl Iterator<Item = &'a String>) {
         if self.unit.is_none() {
+            let mut stated = stated.filter(|unit| !unit.trim().is_empty());
             self.unit = stated.next().cloned();
-            self.other_unit = stated
-                .find(|other| self.unit.as_ref() != Some(*other))
-                .cloned();
+            let others = stated.filter(|other| self.unit.as_ref() != Some(*other));
+            self.other_units = others.cloned().collect();
         }
     }
 }

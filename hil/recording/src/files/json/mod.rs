@@ -238,7 +238,7 @@ impl Found {
         if fields.iter().any(|(name, _)| name == "data") {
             fields.retain(|(name, _)| name != "schema");
         }
-        let units: Vec<(String, String)> = fields.iter_mut().flat_map(units_in).collect();
+        let units: Vec<StatedUnit> = fields.iter_mut().flat_map(units_in).collect();
         let first = self.arrays.len();
         for (name, node) in fields {
             let mut inner = path.to_vec();
@@ -247,8 +247,17 @@ impl Found {
         }
         for Array { column, .. } in &mut self.arrays[first..] {
             let name = column.name.clone();
-            let stated = units.iter().filter(|(of, _)| *of == name);
-            column.take_unit(stated.map(|(_, unit)| unit));
+            let stated = units.iter().filter(|unit| unit.of == name);
+            column.take_unit(stated.map(|unit| &unit.text));
+        }
+        // A unit under test is described in the same way.
+        for StatedUnit { field, of, text } in units {
+            let is_of = |array: &Array<_>| array.column.name == of;
+            if !text.is_empty() && !self.arrays[first..].iter().any(is_of) {
+                let field = path.iter().chain([&field, &of]);
+                let label: Vec<&str> = field.map(String::as_str).collect();
+                self.comments.push(format!("{}: {text}", label.join("/")));
+            }
         }
     }
 
@@ -281,11 +290,20 @@ impl Found {
     }
 }
 
-/// Takes the units of arrays, by their names, from a field that holds nothing else but numbers and words: `units` beside the arrays.
-fn units_in((name, node): &mut (String, Node)) -> Vec<(String, String)> {
+/// A text in an object of units.
+struct StatedUnit {
+    /// The name of the object.
+    field: String,
+    /// The name of the array whose unit it may be.
+    of: String,
+    text: String,
+}
+
+/// Takes the texts from a field that may hold the units of the arrays beside it: an object of numbers and words called `units`.
+fn units_in((field, node): &mut (String, Node)) -> Vec<StatedUnit> {
     let is_named = ["units", "unit"]
         .iter()
-        .any(|word| name.eq_ignore_ascii_case(word));
+        .any(|word| field.eq_ignore_ascii_case(word));
     let is_plain =
         |(_, node): &(String, Node)| matches!(node, Node::Text(_) | Node::Number(_) | Node::Other);
     let Node::Object(fields) = node else {
@@ -294,16 +312,20 @@ fn units_in((name, node): &mut (String, Node)) -> Vec<(String, String)> {
     if !is_named || !fields.iter().all(is_plain) {
         return Vec::new();
     }
-    let (texts, rest) = std::mem::take(fields)
-        .into_iter()
-        .partition(|(_, node)| matches!(node, Node::Text(_)));
-    *fields = rest;
-    let texts: Fields = texts;
-    let text = |(name, node)| match node {
-        Node::Text(unit) => Some((name, unit)),
-        _ => None,
-    };
-    texts.into_iter().filter_map(text).collect()
+    let mut units = Vec::new();
+    for (of, node) in std::mem::take(fields) {
+        match node {
+            Node::Text(text) => units.push(StatedUnit {
+                field: field.clone(),
+                of,
+                text,
+            }),
+            // An array without a unit has null.
+            Node::Number(number) if number.is_nan() => {}
+            other => fields.push((of, other)),
+        }
+    }
+    units
 }
 
 #[cfg(test)]
@@ -364,24 +386,24 @@ mod tests {
     #[test]
     fn units_beside_the_arrays_are_theirs_and_two_that_differ_are_both_kept() {
         let text = r#"{"time": [0, 1], "force": [2, 3],
-            "units": {"time": "s", "force": "kN", "place": null, "count": 2}}"#;
+            "units": {"time": "s", "force": "kN", "place": null, "count": 2, "rig": "B"}}"#;
         let (found, table) = columns(text).unwrap();
         assert_eq!(found, ["time in s", "force in kN"]);
         assert!(
             table
                 .columns
                 .iter()
-                .all(|column| column.other_unit.is_none())
+                .all(|column| column.other_units.is_empty())
         );
         // A number that is no unit is not lost.
         let said = |of: &String| of == "the number units/count = 2";
         assert!(table.skipped.iter().any(said), "{:?}", table.skipped);
 
-        let text = r#"{"time": [0, 1], "force": [2, 3], "units": {"force": "N"}, "Unit": {"time": "s", "force": "kN"}}"#;
+        let text = r#"{"time": [0, 1], "force": [2, 3], "units": {"force": "N"}, "Unit": {"time": "s", "force": ""}, "UNITS": {"force": "Newton"}, "UNIT": {"force": "kN"}}"#;
         let (found, table) = columns(text).unwrap();
         assert_eq!(found, ["time in s", "force in N"]);
-        assert_eq!(table.columns[1].other_unit.as_deref(), Some("kN"));
-        assert_eq!(table.columns[0].other_unit, None);
+        assert_eq!(table.columns[1].other_units, ["Newton", "kN"]);
+        assert!(table.columns[0].other_units.is_empty());
     }
 
     #[test]

@@ -52,6 +52,7 @@ impl Tables for ForeignTable<'_> {
         let mut taken = Taken {
             columns: vec![Some(Vec::new()); wanted.len()],
             stamps: vec![None; wanted.len()],
+            is_anew: vec![false; wanted.len()],
             ..Taken::default()
         };
         if kept == Kept::Cells && layout.is_plain {
@@ -140,6 +141,8 @@ struct Taken {
     stamps: Vec<Option<Since>>,
     lines: RowLines,
     cells: Option<TextRows>,
+    /// Whether a cell of each wanted column was written anew.
+    is_anew: Vec<bool>,
     is_cut: bool,
 }
 
@@ -286,6 +289,7 @@ impl<'r> Reader<'r> {
                 Ok(value) => {
                     if taken.cells.is_some() && !is_own(&unescaped(cell), value) {
                         anew.push((wanted.column, value.to_string()));
+                        taken.is_anew[index] = true;
                     }
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
@@ -293,7 +297,13 @@ impl<'r> Reader<'r> {
                     grow(values);
                     values.push(value);
                 }
-                Err(_) if !wanted.must_be_numeric => taken.columns[index] = None,
+                Err(_) if !wanted.must_be_numeric => {
+                    taken.columns[index] = None;
+                    // It is a column of words, whose cells stay as they are.
+                    if taken.is_anew[index] {
+                        taken.cells = None;
+                    }
+                }
                 Err((problem, remedy)) => {
                     let column = self.column(wanted.column);
                     return Err(InputError::new(self.name, problem, remedy)
