@@ -159,13 +159,13 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
                     ],
                 ),
                 ("inertia", &[("mass", 2.0)]),
-                ("load_friction", &[("load", 3.0)]),
             ],
             None,
         ),
         model(
             &[
                 ("viscous", &[("c1", 0.01)]),
+                ("load_friction", &[("load", 3.0)]),
                 ("delay", &[("corner", 200.0)]),
             ],
             Some(correction),
@@ -196,4 +196,17 @@ pub fn check(script: &[u8]) -> bool {
     assert!(pack::decode(&bytes, &mut unpacked, &expected).is_ok());
     assert_eq!(unpacked, FastLaw::new(law));
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_from_which_fuzzing_starts_is_read() {
+        for (index, bytes) in GOOD.iter().enumerate() {
+            let read = ModelFile::from_bytes("start.json", bytes);
+            assert!(read.is_ok(), "{index}: {read:?}");
+        }
+    }
 }
