@@ -272,17 +272,18 @@ fn noise_on_the_line_costs_no_row() {
     let mut noise = OpenOptions::new().write(true).open(board.port()).unwrap();
     let times = whole(&setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
-    let mut junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\0"]
-        .into_iter()
-        .cycle();
+    // The last one is a beginning whose end never comes.
+    let junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\0"];
     let mut noises = 0;
+    // A busy machine calls it a few times only, so that each call writes them all.
     let mut watch = |_: f64| {
-        noise.write_all(junk.next().unwrap()).unwrap();
+        for piece in junk {
+            noise.write_all(piece).unwrap();
+        }
         noises += 1;
     };
     let there = record(&mut image, telemetry(), TICK_RATE, times, start, &mut watch).unwrap();
-    // Each kind more than once; the last one is a beginning whose end never comes.
-    assert!(noises > 6, "{noises}");
+    assert!(noises > 1, "{noises}");
     assert_eq!(there.lost, Lost::default());
     assert_eq!(there.run.samples.force, here.samples.force);
     assert_eq!(there.run.cycles, here.cycles);
