@@ -5,7 +5,7 @@ mod emulated;
 #[path = "emulated/orders.rs"]
 mod orders;
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 
 use mesh_damper::effects::{AugmentedLaw, Effect, StickSlip};
@@ -261,6 +261,35 @@ fn a_host_that_does_not_read_loses_rows_and_nothing_else() {
     }
 }
 
+/// Writes noise to the board's line during a recording.
+struct Noisy {
+    noise: File,
+    /// Number of rows received.
+    rows: usize,
+}
+
+impl Noisy {
+    /// Rows from one burst of noise to the next: a fifth of a second of the test.
+    const EVERY: usize = 100;
+    /// The last one is a beginning whose end never comes.
+    const JUNK: [&[u8]; 3] = [b"\x00\xff", b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\0"];
+}
+
+impl Watch for Noisy {
+    fn tick(&mut self, _: &Telemetry, _: f64, _: f64) {
+        self.rows += 1;
+        if self.rows.is_multiple_of(Self::EVERY) {
+            for piece in Self::JUNK {
+                self.noise.write_all(piece).unwrap();
+            }
+        }
+    }
+
+    fn see(&mut self, _: f64, _: &Samples) -> Result<(), InputError> {
+        Ok(())
+    }
+}
+
 #[test]
 fn noise_on_the_line_costs_no_row() {
     let setup = longer(setup(), 20);
@@ -269,21 +298,12 @@ fn noise_on_the_line_costs_no_row() {
     };
     let here = run_rig(setup.clone(), |_| ()).unwrap();
     let mut image = wired(&board, &setup);
-    let mut noise = OpenOptions::new().write(true).open(board.port()).unwrap();
+    let noise = OpenOptions::new().write(true).open(board.port()).unwrap();
+    let mut noisy = Noisy { noise, rows: 0 };
     let times = whole(&setup);
     let start = |image: &mut Image<Serial>| image.start_rig();
-    // The last one is a beginning whose end never comes.
-    let junk = [&b"\x00\xff"[..], b"M", b"MD\x07\x09\0\0\0\0\x01\0\xff\0"];
-    let mut noises = 0;
-    // A busy machine calls it a few times only, so that each call writes them all.
-    let mut watch = |_: f64| {
-        for piece in junk {
-            noise.write_all(piece).unwrap();
-        }
-        noises += 1;
-    };
-    let there = record(&mut image, telemetry(), TICK_RATE, times, start, &mut watch).unwrap();
-    assert!(noises > 1, "{noises}");
+    let there = record(&mut image, telemetry(), TICK_RATE, times, start, &mut noisy).unwrap();
+    assert!(noisy.rows > 10 * Noisy::EVERY, "{}", noisy.rows);
     assert_eq!(there.lost, Lost::default());
     assert_eq!(there.run.samples.force, here.samples.force);
     assert_eq!(there.run.cycles, here.cycles);

@@ -307,7 +307,7 @@ fn the_step_of_a_mat_file_may_be_called_ts() {
 }
 
 #[test]
-fn a_number_that_our_own_format_does_not_take_is_written_anew() {
+fn a_number_that_our_own_format_does_not_take_is_rewritten() {
     let row = |n: i32| format!("0.{n:02},{}.25,{}.5,{n}\n", n % 7, n % 5);
     let [rows, more] = [10..40, 41..45].map(|rows| rows.map(row).collect::<String>());
     for cell in ["0.013D4", "1.5d-3", "n/a", "-"] {
@@ -331,6 +331,43 @@ fn a_number_that_our_own_format_does_not_take_is_written_anew() {
             );
         }
     }
+}
+
+#[test]
+fn a_column_that_turns_out_to_be_words_is_not_half_rewritten() {
+    let row = |n: i32, current: &str| format!("{}.25,{}.5,{}.5,{current}\n", n, n % 7, n % 5);
+    let written = |cell: &str, word: &str| {
+        let rows = (0..400).map(|n| match n {
+            300 => row(n, cell),
+            350 => row(n, word),
+            _ => row(n, "0.5"),
+        });
+        let text = format!(
+            "Time (s),Disp (mm),Load (N),Current (A)\n{}",
+            rows.collect::<String>()
+        );
+        let recording = read(&text);
+        let bytes = recording.to_file("a.csv".as_ref()).unwrap();
+        (recording, String::from_utf8(bytes).unwrap())
+    };
+    let (recording, text) = written("1.5d-3", "0.5");
+    assert_eq!(recording.controls[0].name, "current_A");
+    assert!(text.contains(",0.0015\n"), "{text}");
+    // Cells that need no rewriting stay with the words.
+    let (recording, text) = written("0.5", "on");
+    assert!(recording.controls.is_empty());
+    assert!(
+        text.contains("Current (A)\n") && text.contains(",on\n"),
+        "{text}"
+    );
+    // Otherwise the column is left out.
+    let (recording, text) = written("1.5d-3", "on");
+    assert!(recording.controls.is_empty());
+    assert_eq!(recording.time.len(), 400);
+    assert!(
+        !text.contains("Current") && !text.contains("on\n"),
+        "{text}"
+    );
 }
 
 #[test]

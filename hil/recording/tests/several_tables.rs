@@ -83,21 +83,42 @@ fn a_note_about_the_file_is_about_each_of_its_tables() {
 }
 
 #[test]
-fn a_control_input_with_two_units_is_none() {
+fn a_control_input_with_two_units_is_none_until_one_is_given() {
     let current: Vec<String> = (0..60).map(|n| (n % 2).to_string()).collect();
-    let current = format!("\"Current\":[{}]", current.join(","));
+    let current = current.join(",");
     let whole = group(0.0, "force_kN");
     let inside = whole.trim_start_matches('{').trim_end_matches('}');
-    let controls = |units: &str| -> Vec<String> {
-        let text = format!("{{{inside},{current},{units}}}");
-        let recording = read(&text, &Reading::default()).unwrap();
-        recording
-            .controls
-            .into_iter()
-            .map(|each| each.name)
-            .collect()
+    let controls = |name: &str, units: &str, reading: &Reading| {
+        let text = format!("{{{inside},\"{name}\":[{current}],{units}}}");
+        let recording = read(&text, reading).unwrap();
+        let controls = recording.controls.iter().map(|each| each.name.clone());
+        (controls.collect::<Vec<_>>(), recording.guesses().join("\n"))
     };
-    assert_eq!(controls("\"units\":{\"Current\":\"A\"}"), ["current_A"]);
-    let twice = "\"units\":{\"Current\":\"A\"},\"Units\":{\"Current\":\"mA\"}";
-    assert!(controls(twice).is_empty());
+    let plain = Reading::default();
+    let once = "\"units\":{\"Current\":\"A\"}";
+    assert_eq!(controls("Current", once, &plain).0, ["current_A"]);
+    for (name, units) in [
+        (
+            "Current",
+            format!("{once},\"Units\":{{\"Current\":\"mA\"}}"),
+        ),
+        ("Current (mA)", once.replace("Current", "Current (mA)")),
+        (
+            "coil_current_mA",
+            once.replace("Current", "coil_current_mA"),
+        ),
+    ] {
+        let (found, guesses) = controls(name, &units, &plain);
+        assert!(found.is_empty(), "{name}: {found:?}");
+        assert!(
+            guesses.contains("is not clear, so it is not read; give it, such as --channel"),
+            "{guesses}"
+        );
+        let given = Reading {
+            channels: vec![("current".into(), name.into())],
+            units: vec![("current".into(), "mA".into())],
+            ..Reading::default()
+        };
+        assert_eq!(controls(name, &units, &given).0, ["current_mA"], "{name}");
+    }
 }

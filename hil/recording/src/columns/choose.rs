@@ -392,7 +392,7 @@ impl Choice<'_> {
             column != taken
                 && !self.is_spoken_for(column)
                 && !candidates[column].iter().any(is_another)
-                && taken::control_name(&columns[column]).is_none()
+                && taken::control(&columns[column]).is_none()
                 && taken::could_be(&columns[column], channel, is_sure)
         };
         (0..columns.len()).filter(is_rival).collect()

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
-use super::{taken, unit_found};
+use super::name::Name;
+use super::taken::{self, Control};
+use super::unit_found;
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
@@ -25,7 +27,11 @@ impl Choice<'_> {
             let column = self.named(name, quantity)?;
             let unit = match said(&self.reading.units, quantity) {
                 Some(written) => super::spelling::control_unit(written, UNITS),
-                None => unit_found::control_unit_of(&self.table.columns[column]),
+                None => {
+                    let name = Name::of(&self.table.columns[column].name);
+                    let found = unit_found::control_found(&self.table.columns[column], &name);
+                    found.and_then(|found| found.differing.is_none().then_some(found.unit))
+                }
             };
             let unit = unit.ok_or_else(|| {
                 InputError::new(
@@ -56,11 +62,18 @@ impl Choice<'_> {
             if is_used {
                 continue;
             }
-            if let Some((name, is_own)) = taken::control_name(each)
-                && wanted(&name)
-                && !is_said(&name)
-            {
-                found.entry(name).or_default().push((is_own, column));
+            let Some(control) = taken::control(each) else {
+                continue;
+            };
+            match control.name() {
+                Some(name) if wanted(&name) && !is_said(&name) => {
+                    found
+                        .entry(name)
+                        .or_default()
+                        .push((control.is_own, column));
+                }
+                Some(_) => {}
+                None => guesses.extend(self.unclear_input(&control, &each.name)),
             }
         }
         for (name, mut of_it) in found {
@@ -97,6 +110,26 @@ impl Choice<'_> {
                 .collect(),
             None => Ok(controls),
         }
+    }
+
+    /// A sentence about a column whose unit is not clear, if it may be one of the wanted control inputs.
+    fn unclear_input(&self, control: &Control, column: &str) -> Option<String> {
+        let Control {
+            quantity,
+            unit,
+            differing,
+            ..
+        } = control;
+        let is_of = |input: &String| input.rsplit_once('_').is_some_and(|(of, _)| of == quantity);
+        let inputs = self.needs.inputs.as_ref();
+        inputs.is_none_or(|inputs| inputs.iter().any(is_of)).then(|| {
+            format!(
+                "column {} could be the control input {quantity}, but its unit {} is not clear, so it is not read; give it, such as {} --unit {quantity}={unit}",
+                quoted(column),
+                differing.as_deref().unwrap_or(unit),
+                option("channel", quantity, column),
+            )
+        })
     }
 
     /// No column matches a required control input.

@@ -62,8 +62,12 @@ pub fn described(column: &Column) -> Option<String> {
     });
     let channels: Vec<String> = each.collect();
     if channels.is_empty() {
-        let control = taken::control_name(column);
-        return control.map(|(name, _)| format!("control input {name}"));
+        let control = taken::control(column)?;
+        let described = match &control.differing {
+            Some(units) => format!("{} in {units}, which is not clear", control.quantity),
+            None => format!("{}_{}", control.quantity, control.unit),
+        };
+        return Some(format!("control input {described}"));
     }
     Some(channels.join(" or "))
 }

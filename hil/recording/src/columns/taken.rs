@@ -2,7 +2,7 @@
 
 use super::name::Name;
 use super::spelling::control_unit;
-use super::unit_found::{UnitFound, control_unit_and_words, own_unit, row_units, unit_and_words};
+use super::unit_found::{UnitFound, control_found, own_unit, unit_and_words};
 use super::words::{self, Certainty};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
@@ -165,31 +165,58 @@ pub(super) fn is_named(text: &str) -> bool {
     is_of(&name.words) || name.tails.iter().any(|tail| is_of(&tail.before))
 }
 
-/// The name of a control input's column in a recording, and whether the column has this name in the file already.
-pub(super) fn control_name(column: &Column) -> Option<(String, bool)> {
+/// A control input that a column may be.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Control {
+    pub quantity: String,
+    pub unit: &'static str,
+    /// Two units that the column states: `mA beside A`.
+    pub differing: Option<String>,
+    /// Whether the column has this name in the file already.
+    pub is_own: bool,
+}
+
+impl Control {
+    /// Its name in a recording; `None` if its unit is not clear.
+    pub fn name(&self) -> Option<String> {
+        let is_clear = self.differing.is_none();
+        is_clear.then(|| format!("{}_{}", self.quantity, self.unit))
+    }
+}
+
+/// The control input that a column may be, by its own name and unit.
+pub(super) fn control(column: &Column) -> Option<Control> {
     let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    let quantity = column
-        .name
-        .rsplit_once('_')
-        .map_or("", |(quantity, _)| quantity);
-    // A unit that the file states next to such a name has to be the same.
-    let own = column.name.rsplit_once('_').map(|(_, unit)| unit);
-    let is_same = row_units(column).all(|said| control_unit(said, UNITS) == own);
-    if is_control(&column.name) && quantity.chars().all(is_plain) && is_same {
-        return Some((column.name.clone(), true));
+    let name = Name::of(&column.name);
+    let found = control_found(column, &name);
+    if is_control(&column.name)
+        && let Some((quantity, symbol)) = column.name.rsplit_once('_')
+        && quantity.chars().all(is_plain)
+        && let Some(unit) = control_unit(symbol, UNITS)
+    {
+        return Some(Control {
+            quantity: quantity.to_owned(),
+            unit,
+            differing: found.and_then(|found| found.differing),
+            is_own: true,
+        });
     }
     if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
         return None;
     }
-    let name = Name::of(&column.name);
-    let (unit, words) = control_unit_and_words(column, &name)?;
+    let found = found?;
     // The direction of the scaling is not stated here.
-    if words::is_other(words) || name.scale.is_some() {
+    if words::is_other(found.words) || name.scale.is_some() {
         return None;
     }
     // A word is needed: a rig may write many quantities with the same unit.
-    let word = words::of_control(words, unit)?;
-    Some((format!("{word}_{unit}"), false))
+    let quantity = words::of_control(found.words, found.unit)?.to_owned();
+    Some(Control {
+        quantity,
+        unit: found.unit,
+        differing: found.differing,
+        is_own: false,
+    })
 }
 
 /// Whether a name has the form of our own files, with a unit.
@@ -308,26 +335,46 @@ mod tests {
 
     #[test]
     fn control_inputs_need_a_word_and_a_unit() {
-        let name = |name: &str, unit: Option<&str>| {
-            control_name(&column(name, unit)).map(|(name, _)| name)
+        let is = |name: &str, unit: Option<&str>| match control(&column(name, unit)) {
+            Some(Control {
+                quantity,
+                differing: Some(units),
+                ..
+            }) => format!("{quantity} ?{units}"),
+            found => found.and_then(|found| found.name()).unwrap_or_default(),
         };
-        for (of, unit, is) in [
-            ("current_A", None, Some("current_A")),
-            ("coil_current_mA", None, Some("coil_current_mA")),
-            ("Coil current [A]", None, Some("current_A")),
-            ("Spannung", Some("V"), Some("voltage_V")),
-            ("Spannung", Some("MPa"), None),
-            ("Extension [V]", None, None),
-            ("Axial Force_N", None, None),
-            ("Tension [N]", None, Some("tension_N")),
-            ("V", None, None),
-            ("Pressure command [bar]", None, None),
-            ("Current (A) Setpoint", None, None),
-            ("Current [A] B", None, Some("current_A")),
-            ("Current [A] mA", None, None),
-            ("Current [A] x10", None, None),
+        for (of, unit, said) in [
+            ("current_A", None, "current_A"),
+            ("current_A", Some("A"), "current_A"),
+            ("coil_current_mA", None, "coil_current_mA"),
+            ("coil_current_mA", Some("A"), "coil_current ?mA beside A"),
+            ("knob_V", Some("mV"), "knob ?V beside mV"),
+            ("Coil current [A]", None, "current_A"),
+            ("Current (mA)", Some("A"), "current ?mA beside A"),
+            (
+                "Current (mA)",
+                Some("Milliampere"),
+                "current ?mA beside Milliampere",
+            ),
+            ("Current_mA", Some("A"), "current ?mA beside A"),
+            ("Current_mA", Some("mA"), "current_mA"),
+            ("Pressure A", Some("bar"), "pressure_bar"),
+            ("Current A", Some("mA"), "current ?A beside mA"),
+            ("Knob_V", Some("mV"), ""),
+            ("Current [A]", Some("furlong"), "current ?A beside furlong"),
+            ("Spannung", Some("V"), "voltage_V"),
+            ("Spannung", Some("MPa"), ""),
+            ("Extension [V]", None, ""),
+            ("Axial Force_N", None, ""),
+            ("Tension [N]", None, "tension_N"),
+            ("V", None, ""),
+            ("Pressure command [bar]", None, ""),
+            ("Current (A) Setpoint", None, ""),
+            ("Current [A] B", None, "current_A"),
+            ("Current [A] mA", None, "current ?A beside mA"),
+            ("Current [A] x10", None, ""),
         ] {
-            assert_eq!(name(of, unit).as_deref(), is, "{of}");
+            assert_eq!(is(of, unit), said, "{of} {unit:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Information about a column's unit in its name and in the file.
 
-use super::name::{Name, words as words_of};
+use super::name::{Name, Tail, words as words_of};
 use super::spelling::{bare, control_unit, unit_of};
 use super::taken::own_name;
 use super::words;
@@ -41,29 +41,40 @@ pub(super) fn unknown_unit(column: &Column) -> Option<String> {
     (!is_word || words.iter().any(is_letter)).then_some(written)
 }
 
-/// The unit of a control input's column.
-pub(super) fn control_unit_of(column: &Column) -> Option<&'static str> {
-    let name = Name::of(&column.name);
-    control_unit_and_words(column, &name).map(|(unit, _)| unit)
+/// Information about the unit of a control input in a column.
+pub(super) struct ControlFound<'n> {
+    /// The unit that is stated first.
+    pub unit: &'static str,
+    /// Two statements that differ: `mA beside A`.
+    pub differing: Option<String>,
+    /// The words of the name without the unit.
+    pub words: &'n [String],
 }
 
-/// The unit of a control input in a column, and the words of its name without it; `None` if there is a second unit.
-pub(super) fn control_unit_and_words<'n>(
-    column: &Column,
-    name: &'n Name,
-) -> Option<(&'static str, &'n [String])> {
-    if let Some(written) = row_units(column).next().or(name.marked.as_deref()) {
-        let unit = control_unit(written, UNITS)?;
-        let another = |other: &String| {
-            other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
-        };
-        let is_stated_twice =
-            row_units(column).any(|other| control_unit(other, UNITS) != Some(unit));
-        let is_one = !is_stated_twice && !name.others.iter().any(another);
-        return is_one.then_some((unit, &name.words));
-    }
-    let mut tails = name.tails.iter();
-    tails.find_map(|tail| Some((control_unit(&tail.text, UNITS)?, tail.before.as_slice())))
+/// The unit that a column states for a control input, in its name and beside it; `None` without a known one.
+pub(super) fn control_found<'n>(column: &Column, name: &'n Name) -> Option<ControlFound<'n>> {
+    // `Current_A`, and not the port of `Pressure A`.
+    let is_unit = |tail: &&Tail| {
+        control_unit(&tail.text, UNITS).is_some_and(|unit| words::may_have(&tail.before, unit))
+    };
+    let tail = name.tails.iter().find(is_unit);
+    let words = tail.map_or(&name.words, |tail| &tail.before);
+    let first = (name.marked.as_deref()).or(tail.map(|tail| tail.text.as_str()));
+    let mut stated = first.into_iter().chain(row_units(column));
+    let written = stated.next()?;
+    let unit = control_unit(written, UNITS)?;
+    // A single letter behind a unit may number the column: `Current [A] B`.
+    let is_another = |other: &&str| {
+        other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
+    };
+    let others = || name.others.iter().map(String::as_str);
+    let differing = (stated.find(|other| control_unit(other, UNITS) != Some(unit)))
+        .or_else(|| others().find(is_another));
+    Some(ControlFound {
+        unit,
+        differing: differing.map(|other| format!("{written} beside {other}")),
+        words,
+    })
 }
 
 pub(super) fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {

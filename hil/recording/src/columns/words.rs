@@ -27,10 +27,22 @@ pub(super) fn of_channel(words: &[String], channel: Channel) -> Option<Certainty
 
 /// The control input that the words mean with this unit.
 pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
-    LEXICON.iter().find_map(|lexicon| match lexicon.quantity {
-        Quantity::Control(name, units) if units.contains(&unit) => {
-            lexicon.certainty(words).map(|_| name)
-        }
+    let mut inputs = control_inputs(words);
+    let found = inputs.find(|(_, units)| units.contains(&unit));
+    found.map(|(name, _)| name)
+}
+
+/// Whether the words can stand before this unit: they mean no control input, or one that has it.
+pub(super) fn may_have(words: &[String], unit: &str) -> bool {
+    control_inputs(words).next().is_none() || of_control(words, unit).is_some()
+}
+
+/// The control inputs that the words mean with one of its units.
+fn control_inputs(
+    words: &[String],
+) -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    LEXICON.iter().filter_map(|lexicon| match lexicon.quantity {
+        Quantity::Control(name, units) => lexicon.certainty(words).map(|_| (name, units)),
         _ => None,
     })
 }

@@ -8,7 +8,7 @@ use super::table::{Clock, StatedStep};
 
 /// A statement next to arrays about those below a path.
 #[derive(Clone, Debug)]
-pub(super) struct Stated<T> {
+struct Stated<T> {
     path: Vec<String>,
     what: T,
     /// Whether it lies in a group without arrays, whose name does not say that it describes those around it.
@@ -16,7 +16,7 @@ pub(super) struct Stated<T> {
 }
 
 impl<T> Stated<T> {
-    pub fn of(path: &[String], what: T) -> Self {
+    fn of(path: &[String], what: T) -> Self {
         Self {
             path: path.to_vec(),
             what,
@@ -31,18 +31,6 @@ impl<T> Stated<T> {
             self.is_apart |= !ABOUT.contains(&group.to_lowercase().as_str());
         }
     }
-}
-
-/// Of `stated`, those about the array at `path`: the nearest ones.
-pub(super) fn nearest<'a, T: 'a>(
-    stated: impl Iterator<Item = &'a Stated<T>> + Clone,
-    path: &[String],
-) -> impl Iterator<Item = &'a T> {
-    let about = stated.filter(|stated| path.starts_with(&stated.path));
-    let most = about.clone().map(|stated| stated.path.len()).max();
-    about
-        .filter(move |stated| Some(stated.path.len()) == most)
-        .map(|stated| &stated.what)
 }
 
 /// The statements next to the arrays of a file.
@@ -189,7 +177,12 @@ impl Beside {
 
     /// The rates nearest to an array.
     fn nearest(&self, array: &[String]) -> impl Iterator<Item = &StatedStep> {
-        nearest(self.rates.iter().filter(|stated| !stated.is_apart), array)
+        let about = (self.rates.iter())
+            .filter(|stated| !stated.is_apart && array.starts_with(&stated.path));
+        let most = about.clone().map(|stated| stated.path.len()).max();
+        about
+            .filter(move |stated| Some(stated.path.len()) == most)
+            .map(|stated| &stated.what)
     }
 
     /// The steps stated for some arrays, by the rates nearest to each of them.

@@ -25,6 +25,7 @@ mod source;
 pub mod table;
 mod tdms;
 mod text;
+mod units_beside;
 mod unread;
 #[cfg(feature = "xlsx")]
 mod xlsx;

@@ -77,16 +77,6 @@ pub struct Column {
 impl Column {
     /// Number of values examined in a column. Convention: enough to see a rate, and few enough to hold for 1e5 columns.
     pub const FIRST: usize = 64;
-
-    /// Takes the unit that the file states for the column beside it, if the column itself has none, and those that differ.
-    pub(super) fn take_unit<'a>(&mut self, stated: impl Iterator<Item = &'a String>) {
-        if self.unit.is_none() {
-            let mut stated = stated.filter(|unit| !unit.trim().is_empty());
-            self.unit = stated.next().cloned();
-            let others = stated.filter(|other| self.unit.as_ref() != Some(*other));
-            self.other_units = others.cloned().collect();
-        }
-    }
 }
 
 /// A column to be read.

@@ -35,11 +35,7 @@ pub struct EmulateCommand {
     #[command(flatten)]
     specimen: SpecimenOptions,
     /// Blocks that you will run, as amplitude:frequency:cycles in mm and Hz; the range of the load cell follows from them
-    #[arg(
-        long,
-        value_name = "BLOCKS",
-        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
-    )]
+    #[arg(long, value_name = "BLOCKS", default_value = programme::DEFAULT_BLOCKS)]
     blocks: String,
     /// Tick rate that the board will be set to, Hz
     #[arg(long, value_name = "HZ", default_value_t = TICK_RATE)]

@@ -1,7 +1,8 @@
 //! The programme of a rig test as text: `0.1:1:6,0.2:5:10`, or a JSON file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_recording::error::{InputError, Place, quoted};
@@ -14,6 +15,42 @@ pub const MOST_BLOCKS: usize = 64;
 pub const LONGEST: f64 = 3600.0;
 /// Default number of cycles of each ramp.
 pub const RAMP_CYCLES: u32 = 2;
+
+/// Default blocks: two amplitudes, each at a slow and a faster frequency.
+pub const DEFAULT_BLOCKS: &str = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10";
+
+/// The blocks of a test.
+#[derive(Args, Debug)]
+pub struct ProgrammeOptions {
+    /// Blocks of sines as amplitude:frequency:cycles in mm and Hz; 0.1:1-20:50 is a sweep from 1 to 20 Hz
+    #[arg(long, value_name = "BLOCKS", default_value = DEFAULT_BLOCKS)]
+    blocks: String,
+    /// Read the blocks from this JSON file
+    #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
+    programme: Option<PathBuf>,
+}
+
+impl ProgrammeOptions {
+    /// The file of the blocks, if they are given in one.
+    pub fn file(&self) -> &Option<PathBuf> {
+        &self.programme
+    }
+
+    /// The programme at `tick_rate` Hz.
+    ///
+    /// # Errors
+    /// As for [`parse`] and [`read`].
+    pub fn programme(
+        &self,
+        limit: ReadLimit,
+        tick_rate: f64,
+    ) -> Result<Programme<MOST_BLOCKS>, InputError> {
+        match &self.programme {
+            Some(path) => read(path, limit, tick_rate),
+            None => parse(&self.blocks, tick_rate),
+        }
+    }
+}
 
 /// The option with which blocks are given as text.
 const OPTION: &str = "--blocks";
@@ -95,7 +132,7 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
 ///
 /// # Errors
 /// As for [`parse`], with the file and the field; a file beyond the limit.
-pub fn read(
+fn read(
     path: &Path,
     limit: ReadLimit,
     tick_rate: f64,

@@ -27,7 +27,7 @@ use super::law::PublishedLaw;
 use super::live::{LiveOptions, LiveRow, MqttRow};
 use super::pace::{Pace, Speed};
 use super::pack::read_pack;
-use super::programme::{self, MOST_BLOCKS};
+use super::programme::{LONGEST, MOST_BLOCKS, ProgrammeOptions};
 use super::run::{Stop, Watched, ended, in_words, refused, with_journal};
 use super::specimen::SPECIMEN_AMPLITUDE;
 use crate::commands::document::AddDocument as _;
@@ -52,16 +52,8 @@ pub struct RecordCommand {
     /// The board's serial port, such as serial:/dev/ttyACM0; its firmware runs on its own timer
     #[arg(long, value_name = "serial:PORT")]
     from: Port,
-    /// Blocks of sines as amplitude:frequency:cycles in mm and Hz; 0.1:1-20:50 is a sweep from 1 to 20 Hz
-    #[arg(
-        long,
-        value_name = "BLOCKS",
-        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
-    )]
-    blocks: String,
-    /// Read the blocks from this JSON file
-    #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
-    programme: Option<PathBuf>,
+    #[command(flatten)]
+    blocks: ProgrammeOptions,
     /// Law that the board runs, a file of `hil export --format pack`; the default is the paper's law
     #[arg(long, value_name = "FILE")]
     pack: Option<PathBuf>,
@@ -169,7 +161,7 @@ impl RecordCommand {
     pub fn run(self) -> Result<(), Failure> {
         let partial = self.partial();
         let mut outputs = Plan::new()
-            .reads(&self.programme)
+            .reads(self.blocks.file())
             .reads(&self.pack)
             .writes([self.out.as_path()])
             .writes(&self.json)
@@ -182,10 +174,7 @@ impl RecordCommand {
             Some(path) => Some(read_pack(path)?),
             None => None,
         };
-        let programme = match &self.programme {
-            Some(path) => programme::read(path, self.reading.limit, self.tick_rate)?,
-            None => programme::parse(&self.blocks, self.tick_rate)?,
-        };
+        let programme = (self.blocks).programme(self.reading.limit, self.tick_rate)?;
         if !self.join && programme.blocks().len() > MAX_BLOCKS {
             return Err(
                 InputError::from(LinkError::TooManyBlocks(programme.blocks().len())).into(),
@@ -250,13 +239,7 @@ impl RecordCommand {
             begin,
             &mut &mut watched,
         );
-        let Watched {
-            progress,
-            journal,
-            mut live,
-            ..
-        } = watched;
-        drop(progress);
+        let (journal, mut live) = watched.over();
         // Stops the rig at once. A failure is reported after the recording is written.
         let rested = match self.join || self.keep_running || recorded.is_err() {
             true => Ok(()),
@@ -334,7 +317,7 @@ impl RecordCommand {
         let silence = Some(self.silence).filter(|silence| *silence != 0.0);
         for (field, unit, value, low, high) in [
             ("--silence", "s", silence, 0.5, 100.0),
-            ("--duration", "s", self.duration, 1e-3, programme::LONGEST),
+            ("--duration", "s", self.duration, 1e-3, LONGEST),
             ("--density", "g/cm³", Some(self.density), 2.0, 4.0),
         ] {
             if let Some(value) = value

@@ -10,6 +10,7 @@ use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
 use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
+use super::units_beside::{UnitsBeside, are_units};
 use super::{Column, Format, Reading, Source, Tables};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
@@ -59,11 +60,13 @@ impl Format for Json {
         let mut found = Found::default();
         found.take(&[], root);
         let Found {
-            arrays,
+            mut arrays,
             skipped,
-            comments,
+            mut comments,
             mut beside,
+            units,
         } = found;
+        comments.extend(units.give(&mut arrays));
         beside.heed(reading);
         let (mut tables, sources) =
             arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
@@ -155,6 +158,7 @@ struct Found {
     skipped: Vec<String>,
     comments: Vec<String>,
     beside: Beside,
+    units: UnitsBeside,
 }
 
 impl Found {
@@ -238,25 +242,29 @@ impl Found {
         if fields.iter().any(|(name, _)| name == "data") {
             fields.retain(|(name, _)| name != "schema");
         }
-        let units: Vec<StatedUnit> = fields.iter_mut().flat_map(units_in).collect();
-        let first = self.arrays.len();
         for (name, node) in fields {
             let mut inner = path.to_vec();
             inner.push(name);
-            self.take(&inner, node);
+            match node {
+                Node::Object(fields) if is_of_units(&inner, &fields) => {
+                    self.units(&inner, fields);
+                }
+                node => self.take(&inner, node),
+            }
         }
-        for Array { column, .. } in &mut self.arrays[first..] {
-            let name = column.name.clone();
-            let stated = units.iter().filter(|unit| unit.of == name);
-            column.take_unit(stated.map(|unit| &unit.text));
-        }
-        // A unit under test is described in the same way.
-        for StatedUnit { field, of, text } in units {
-            let is_of = |array: &Array<_>| array.column.name == of;
-            if !text.is_empty() && !self.arrays[first..].iter().any(is_of) {
-                let field = path.iter().chain([&field, &of]);
-                let label: Vec<&str> = field.map(String::as_str).collect();
-                self.comments.push(format!("{}: {text}", label.join("/")));
+    }
+
+    /// Takes the units of the arrays beside the object at `path`.
+    fn units(&mut self, path: &[String], fields: Fields) {
+        let around = path.split_last().map_or(path, |(_, around)| around);
+        for (of, node) in fields {
+            let mut inner = path.to_vec();
+            inner.push(of.clone());
+            match node {
+                Node::Text(unit) => self.units.add(around, &of, &unit, inner.join("/")),
+                // An array without a unit has null.
+                Node::Number(number) if number.is_nan() => {}
+                other => self.take(&inner, other),
             }
         }
     }
@@ -290,42 +298,11 @@ impl Found {
     }
 }
 
-/// A text in an object of units.
-struct StatedUnit {
-    /// The name of the object.
-    field: String,
-    /// The name of the array whose unit it may be.
-    of: String,
-    text: String,
-}
-
-/// Takes the texts from a field that may hold the units of the arrays beside it: an object of numbers and words called `units`.
-fn units_in((field, node): &mut (String, Node)) -> Vec<StatedUnit> {
-    let is_named = ["units", "unit"]
-        .iter()
-        .any(|word| field.eq_ignore_ascii_case(word));
+/// Whether the object at `path` may hold the units of the arrays beside it: one of numbers and words called `units`.
+fn is_of_units(path: &[String], fields: &Fields) -> bool {
     let is_plain =
         |(_, node): &(String, Node)| matches!(node, Node::Text(_) | Node::Number(_) | Node::Other);
-    let Node::Object(fields) = node else {
-        return Vec::new();
-    };
-    if !is_named || !fields.iter().all(is_plain) {
-        return Vec::new();
-    }
-    let mut units = Vec::new();
-    for (of, node) in std::mem::take(fields) {
-        match node {
-            Node::Text(text) => units.push(StatedUnit {
-                field: field.clone(),
-                of,
-                text,
-            }),
-            // An array without a unit has null.
-            Node::Number(number) if number.is_nan() => {}
-            other => fields.push((of, other)),
-        }
-    }
-    units
+    path.last().is_some_and(|name| are_units(name)) && fields.iter().all(is_plain)
 }
 
 #[cfg(test)]

@@ -3,8 +3,9 @@
 use super::element::{Broken, Bytes, Element, Numbers};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
-use crate::files::beside::{Beside, Stated, nearest};
+use crate::files::beside::Beside;
 use crate::files::number::Kind;
+use crate::files::units_beside::{UnitsBeside, are_units};
 
 /// The deepest nesting of structures. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 32;
@@ -19,8 +20,6 @@ const MOST_VALUES: usize = 1 << 20;
 const DATA: [&str; 4] = ["data", "values", "value", "signal"];
 const LABEL: [&str; 3] = ["name", "label", "channelname"];
 const UNIT: [&str; 4] = ["unit", "units", "unity", "yunit"];
-/// Names of a structure whose fields are the units of the variables beside it, or in structures beside it.
-const UNITS: [&str; 3] = ["units", "unit", "einheiten"];
 
 /// Values of a column: every `step`th of some numbers.
 #[derive(Clone, Debug)]
@@ -52,8 +51,7 @@ pub(in crate::files) struct Tree {
     pub skipped: Vec<String>,
     pub guesses: Vec<String>,
     pub beside: Beside,
-    /// Texts of structures that hold units, `units.force`: the name of the variable, and its unit below the groups around the structure.
-    units: Vec<(String, Stated<String>)>,
+    units: UnitsBeside,
     text: usize,
     left: usize,
 }
@@ -85,19 +83,16 @@ impl Tree {
             skipped: Vec::new(),
             guesses: Vec::new(),
             beside: Beside::default(),
-            units: Vec::new(),
+            units: UnitsBeside::default(),
             text: 0,
             left: MOST_VALUES,
         }
     }
 
-    /// At the end of the file, gives the arrays the units that it states for them: the nearest.
+    /// At the end of the file, gives the arrays the units that it states for them.
     pub fn finish(&mut self) {
-        for Array { group, column, .. } in &mut self.arrays {
-            let name = column.name.clone();
-            let named = self.units.iter().filter(|(of, _)| *of == name);
-            column.take_unit(nearest(named.map(|(_, unit)| unit), group));
-        }
+        let spare = std::mem::take(&mut self.units).give(&mut self.arrays);
+        self.comments.extend(spare);
     }
 
     /// Adds one variable.
@@ -295,10 +290,9 @@ impl Tree {
             return;
         }
         if let Some((of, around)) = group.split_last()
-            && UNITS.iter().any(|word| of.eq_ignore_ascii_case(word))
+            && are_units(of)
         {
-            let unit = Stated::of(around, text.trim().to_owned());
-            self.units.push((name.to_owned(), unit));
+            self.units.add(around, name, text, path(group, name));
             return;
         }
         let is_ours = group.is_empty() && name == "comments";

@@ -52,7 +52,7 @@ impl Tables for ForeignTable<'_> {
         let mut taken = Taken {
             columns: vec![Some(Vec::new()); wanted.len()],
             stamps: vec![None; wanted.len()],
-            is_anew: vec![false; wanted.len()],
+            is_rewritten: vec![false; wanted.len()],
             ..Taken::default()
         };
         if kept == Kept::Cells && layout.is_plain {
@@ -141,8 +141,8 @@ struct Taken {
     stamps: Vec<Option<Since>>,
     lines: RowLines,
     cells: Option<TextRows>,
-    /// Whether a cell of each wanted column was written anew.
-    is_anew: Vec<bool>,
+    /// Whether a cell of each wanted column was rewritten.
+    is_rewritten: Vec<bool>,
     is_cut: bool,
 }
 
@@ -279,7 +279,7 @@ impl<'r> Reader<'r> {
             }
         }
         // Numbers in a form that our own format does not take are kept in ours.
-        let mut anew: Vec<(usize, String)> = Vec::new();
+        let mut rewritten: Vec<(usize, String)> = Vec::new();
         for (index, wanted) in self.wanted.iter().enumerate() {
             if taken.columns[index].is_none() {
                 continue;
@@ -288,8 +288,8 @@ impl<'r> Reader<'r> {
             match self.value(wanted.column, cell, &mut taken.stamps[index]) {
                 Ok(value) => {
                     if taken.cells.is_some() && !is_own(&unescaped(cell), value) {
-                        anew.push((wanted.column, value.to_string()));
-                        taken.is_anew[index] = true;
+                        rewritten.push((wanted.column, value.to_string()));
+                        taken.is_rewritten[index] = true;
                     }
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
@@ -300,7 +300,7 @@ impl<'r> Reader<'r> {
                 Err(_) if !wanted.must_be_numeric => {
                     taken.columns[index] = None;
                     // It is a column of words, whose cells stay as they are.
-                    if taken.is_anew[index] {
+                    if taken.is_rewritten[index] {
                         taken.cells = None;
                     }
                 }
@@ -316,7 +316,7 @@ impl<'r> Reader<'r> {
             let mut row: Vec<Cow<'_, str>> = (0..columns)
                 .map(|index| unescaped(cells.get(index).copied().unwrap_or_default()))
                 .collect();
-            for (column, cell) in anew {
+            for (column, cell) in rewritten {
                 row[column] = cell.into();
             }
             kept.push(&row.iter().collect());

@@ -29,7 +29,7 @@ use super::law::PublishedLaw;
 use super::live::LiveOptions;
 use super::meant_for;
 use super::pace::Speed;
-use super::programme::{self, MOST_BLOCKS};
+use super::programme::{MOST_BLOCKS, ProgrammeOptions};
 use super::specimen::{SPECIMEN_AMPLITUDE, SpecimenOptions};
 use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, warn};
@@ -60,16 +60,8 @@ pub struct RunCommand {
     /// Print log messages of the image from this level on
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
-    /// Blocks of sines as amplitude:frequency:cycles in mm and Hz; 0.1:1-20:50 is a sweep from 1 to 20 Hz
-    #[arg(
-        long,
-        value_name = "BLOCKS",
-        default_value = "0.1:1:6,0.1:5:10,0.2:1:6,0.2:5:10"
-    )]
-    blocks: String,
-    /// Read the blocks from this JSON file
-    #[arg(long, value_name = "FILE", conflicts_with = "blocks")]
-    programme: Option<PathBuf>,
+    #[command(flatten)]
+    blocks: ProgrammeOptions,
     #[command(flatten)]
     drive: DriveOptions,
     /// Law that the controller runs, a model.json of `hil trace`; the default is the paper's law
@@ -120,7 +112,7 @@ impl RunCommand {
         let table = (!self.drive.is_given()).then_some("cycles.csv");
         let name = format!("recording.{}", self.recording_as);
         let mut outputs = Plan::new()
-            .reads(&self.programme)
+            .reads(self.blocks.file())
             .reads(self.drive.file())
             .reads(&self.model)
             .fills(self.out.as_path(), std::iter::once(&*name).chain(table))
@@ -130,14 +122,9 @@ impl RunCommand {
             .begin()?;
         self.live.check()?;
         let driven = self.drive.motion(&self.files, self.tick_rate)?;
-        let programme = match (&driven, &self.programme) {
-            (Some(_), _) => None,
-            (None, Some(path)) => Some(programme::read(
-                path,
-                self.files.reading.limit,
-                self.tick_rate,
-            )?),
-            (None, None) => Some(programme::parse(&self.blocks, self.tick_rate)?),
+        let programme = match driven {
+            Some(_) => None,
+            None => Some((self.blocks).programme(self.files.reading.limit, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen.specimen()?;
         let is_controlled = specimen.control().is_some();

@@ -109,13 +109,7 @@ impl RunCommand {
             Some(Linked::Image(mut image)) => run_rig_on(&mut *image, test.setup, &mut watched),
             Some(Linked::Board(mut board)) => run_rig_on(&mut *board, test.setup, &mut watched),
         };
-        let Watched {
-            progress,
-            journal,
-            mut live,
-            ..
-        } = watched;
-        drop(progress);
+        let (journal, mut live) = watched.over();
         let run = run.map_err(|error| broken_off(error, &journal));
         live.end(&ended(run.as_ref()));
         let run = run?;

@@ -20,6 +20,13 @@ pub(in crate::commands::full) struct Watched {
     pub(in crate::commands::full) pace: Pace,
 }
 
+impl Watched {
+    /// Ends the progress; returns the recording so far and the viewers.
+    pub fn over(self) -> (Journal, Live) {
+        (self.journal, self.live)
+    }
+}
+
 impl Watch for &mut Watched {
     fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
         self.pace.wait(time);
