@@ -58,6 +58,37 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
     assert!((rate - 200.0).abs() < 1e-6, "{rate}");
 }
 
+#[test]
+fn the_texts_of_a_file_are_shown() {
+    let root = tempfile::tempdir().unwrap();
+    let rows: Vec<f64> = (0..60).map(f64::from).collect();
+    let mut file = serde_json::json!({
+        "time_s": rows, "displacement_mm": rows, "force_kN": rows,
+        "operator": "KM", "place": "a\tb", "remark": "x".repeat(1000),
+    });
+    for note in 0..7 {
+        file[format!("z{note}")] = "text".into();
+    }
+    fs::write(root.path().join("a.json"), file.to_string()).unwrap();
+    let (_, out, err) = said(root.path(), &["inspect", "a.json"]);
+    let shown: Vec<&str> = out
+        .lines()
+        .filter(|line| line.contains("comment"))
+        .collect();
+    assert_eq!(shown.len(), 9, "{out}{err}");
+    assert_eq!(
+        shown[..2],
+        ["  comment: operator: KM", "  comment: place: a b"]
+    );
+    assert_eq!(shown[2].chars().count(), "  comment: ".len() + 120);
+    assert_eq!(shown[8], "  and 2 more comments; --json has all");
+    let (_, json, _) = said(root.path(), &["inspect", "a.json", "--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let comments = json["files"][0]["comments"].as_array().unwrap();
+    assert_eq!(comments.len(), 10);
+    assert_eq!(comments[1], "place: a\tb");
+}
+
 /// A recording of blocks of 1 and 5 Hz that lacks three samples.
 #[test]
 fn missing_samples_and_the_fastest_cycles_are_shown() {

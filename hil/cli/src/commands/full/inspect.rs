@@ -56,6 +56,8 @@ pub struct Inspected {
     pub file_format: &'static str,
     /// Its tables.
     pub tables: Vec<InspectedTable>,
+    /// Texts that the recording keeps as its comments.
+    pub comments: Vec<String>,
     /// The recording in it; null if a question is open.
     pub recording: Option<InspectedRecording>,
     /// Open questions, each with the option that answers it.
@@ -197,6 +199,7 @@ fn inspect(
         file_format: format.name(),
         notes: notes(&tables, chosen.as_ref().ok()),
         tables: Vec::new(),
+        comments: Vec::new(),
         recording: None,
         problem: None,
         command: command(path, options, &questions),
@@ -349,6 +352,7 @@ fn count(
         table.rows = table.rows.or(Some(values.len() as u64));
         table.columns[wanted.column].range = range(values);
     }
+    file.comments = values.comments;
     if file.recording.is_none() {
         file.notes.extend(values.notes);
     }

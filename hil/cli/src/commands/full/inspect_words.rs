@@ -10,12 +10,21 @@ use super::inspect::{Inspected, InspectedColumn, InspectedRecording, InspectedTa
 const SHOWN: usize = 40;
 /// Longest name shown, in characters.
 const NAME: usize = 36;
+/// Number of comments shown, and the characters of each. Convention: a preamble in half a screen.
+const COMMENTS: usize = 8;
+const COMMENT: usize = 120;
 
 /// All lines about a file.
 pub fn of(file: &Inspected) -> String {
     let mut lines = vec![format!("{}: {}", file.file.display(), file.file_format)];
     for table in &file.tables {
         lines.extend(of_table(table));
+    }
+    let comments = file.comments.iter().take(COMMENTS);
+    lines.extend(comments.map(|comment| format!("  comment: {}", cut(comment, COMMENT))));
+    if file.comments.len() > COMMENTS {
+        let more = file.comments.len() - COMMENTS;
+        lines.push(format!("  and {more} more comments; --json has all"));
     }
     if let Some(recording) = &file.recording {
         lines.push(of_recording(recording));
@@ -113,7 +122,7 @@ fn cells(column: &InspectedColumn) -> [String; 4] {
         format!("{} to {}", short(least), short(most))
     });
     [
-        cut(&format!("{}{unit}", column.name)),
+        cut(&format!("{}{unit}", column.name), NAME),
         format!("{}{more}", first.join(" ")),
         range,
         column.taken_for.clone(),
@@ -181,13 +190,14 @@ fn short(value: f64) -> String {
     mesh_damper_recording::decimal((format!("{value:.5e}")).parse().unwrap_or(value))
 }
 
-fn cut(name: &str) -> String {
-    let name: String = name
+/// A text in one line, of at most `longest` characters.
+fn cut(text: &str, longest: usize) -> String {
+    let text: String = text
         .chars()
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect();
-    if name.chars().count() <= NAME {
-        return name;
+    if text.chars().count() <= longest {
+        return text;
     }
-    name.chars().take(NAME - 1).chain(['…']).collect()
+    text.chars().take(longest - 1).chain(['…']).collect()
 }
