@@ -365,6 +365,8 @@ fn a_column_that_turns_out_to_be_words_is_not_half_rewritten() {
     assert!(recording.controls.is_empty());
     assert_eq!(recording.time.len(), 400);
     assert!(!text.contains("urrent") && !text.contains("on\n"), "{text}");
+    let said = |note: &String| note.contains("a written file will lack it");
+    assert!(recording.guesses().iter().any(said));
 }
 
 #[test]

@@ -110,8 +110,9 @@ fn a_control_input_with_two_units_is_none_until_one_is_given() {
     ] {
         let (found, guesses) = controls(name, &units, &plain);
         assert!(found.is_empty(), "{name}: {found:?}");
+        assert!(guesses.contains("its unit is not clear: "), "{guesses}");
         assert!(
-            guesses.contains("is not clear, so it is not read; give it, such as --channel"),
+            guesses.contains("--unit current=") && guesses.contains("so it is not read"),
             "{guesses}"
         );
         let given = Reading {

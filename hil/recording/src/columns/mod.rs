@@ -63,9 +63,11 @@ pub fn described(column: &Column) -> Option<String> {
     let channels: Vec<String> = each.collect();
     if channels.is_empty() {
         let control = taken::control(column)?;
-        let described = match &control.differing {
-            Some(units) => format!("{} in {units}, which is not clear", control.quantity),
-            None => format!("{}_{}", control.quantity, control.unit),
+        let described = match &control.unit {
+            unit_found::ControlUnit::Known(unit) => format!("{}_{unit}", control.quantity),
+            unit_found::ControlUnit::Unclear(units, _) => {
+                format!("{} in {units}, which is not clear", control.quantity)
+            }
         };
         return Some(format!("control input {described}"));
     }

@@ -108,7 +108,9 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
 /// Units of control inputs with other spellings.
 const CONTROLS: &[(&str, &[&str])] = &[
     ("A", &["amp", "amps", "ampere", "amperes"]),
+    ("uA", &["µA", "μA"]),
     ("V", &["volt", "volts"]),
+    ("uV", &["µV", "μV"]),
     ("mbar", &["hPa"]),
     ("W", &["watt", "watts"]),
     ("T", &["tesla"]),

@@ -2,7 +2,9 @@
 
 use super::name::Name;
 use super::spelling::control_unit;
-use super::unit_found::{UnitFound, control_found, own_unit, unit_and_words};
+use super::unit_found::{
+    ControlUnit, UnitFound, control_unit_and_words, own_unit, row_units, unit_and_words,
+};
 use super::words::{self, Certainty};
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
@@ -169,54 +171,62 @@ pub(super) fn is_named(text: &str) -> bool {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Control {
     pub quantity: String,
-    pub unit: &'static str,
-    /// Two units that the column states: `mA beside A`.
-    pub differing: Option<String>,
-    /// Whether the column has this name in the file already.
+    pub unit: ControlUnit,
+    /// Whether the column has the form of our own files: `coil_current_mA`.
     pub is_own: bool,
-}
-
-impl Control {
-    /// Its name in a recording; `None` if its unit is not clear.
-    pub fn name(&self) -> Option<String> {
-        let is_clear = self.differing.is_none();
-        is_clear.then(|| format!("{}_{}", self.quantity, self.unit))
-    }
 }
 
 /// The control input that a column may be, by its own name and unit.
 pub(super) fn control(column: &Column) -> Option<Control> {
-    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let name = Name::of(&column.name);
-    let found = control_found(column, &name);
-    if is_control(&column.name)
-        && let Some((quantity, symbol)) = column.name.rsplit_once('_')
-        && quantity.chars().all(is_plain)
-        && let Some(unit) = control_unit(symbol, UNITS)
-    {
-        return Some(Control {
-            quantity: quantity.to_owned(),
-            unit,
-            differing: found.and_then(|found| found.differing),
-            is_own: true,
-        });
+    let found = control_unit_and_words(column, &name);
+    if let Some((quantity, symbol)) = own_control(&column.name) {
+        let is_same = row_units(column).all(|said| control_unit(said, UNITS) == Some(symbol));
+        let unit = match &found {
+            _ if is_same => Some(ControlUnit::Known(symbol)),
+            // In `pressure_A` beside `bar` the letter is no unit.
+            Some((ControlUnit::Known(_), _)) | None => None,
+            Some((unclear, _)) => {
+                Some(unclear.clone()).filter(|_| other_name_of(quantity).is_none())
+            }
+        };
+        if let Some(unit) = unit {
+            return Some(Control {
+                quantity: quantity.to_owned(),
+                unit,
+                is_own: true,
+            });
+        }
     }
     if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
         return None;
     }
-    let found = found?;
+    let (unit, words) = found?;
     // The direction of the scaling is not stated here.
-    if words::is_other(found.words) || name.scale.is_some() {
+    if words::is_other(words) || name.scale.is_some() {
         return None;
     }
     // A word is needed: a rig may write many quantities with the same unit.
-    let quantity = words::of_control(found.words, found.unit)?.to_owned();
+    let quantity = match &unit {
+        ControlUnit::Known(unit) => words::of_control(words, unit),
+        ControlUnit::Unclear(_, either) => {
+            let mut either = either.iter();
+            either.find_map(|unit| words::of_control(words, unit))
+        }
+    };
     Some(Control {
-        quantity,
-        unit: found.unit,
-        differing: found.differing,
+        quantity: quantity?.to_owned(),
+        unit,
         is_own: false,
     })
+}
+
+/// The quantity and the unit in the name of a control input in the form of our own files.
+fn own_control(name: &str) -> Option<(&str, &'static str)> {
+    let (quantity, symbol) = name.rsplit_once('_')?;
+    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let unit = UNITS.iter().find(|unit| **unit == symbol)?;
+    (is_control(name) && quantity.chars().all(is_plain)).then_some((quantity, *unit))
 }
 
 /// Whether a name has the form of our own files, with a unit.
@@ -335,13 +345,14 @@ mod tests {
 
     #[test]
     fn control_inputs_need_a_word_and_a_unit() {
-        let is = |name: &str, unit: Option<&str>| match control(&column(name, unit)) {
-            Some(Control {
-                quantity,
-                differing: Some(units),
-                ..
-            }) => format!("{quantity} ?{units}"),
-            found => found.and_then(|found| found.name()).unwrap_or_default(),
+        let is = |name: &str, unit: Option<&str>| {
+            let Some(control) = control(&column(name, unit)) else {
+                return String::new();
+            };
+            match control.unit {
+                ControlUnit::Known(unit) => format!("{}_{unit}", control.quantity),
+                ControlUnit::Unclear(units, _) => format!("{} ?{units}", control.quantity),
+            }
         };
         for (of, unit, said) in [
             ("current_A", None, "current_A"),
@@ -360,7 +371,20 @@ mod tests {
             ("Current_mA", Some("mA"), "current_mA"),
             ("Pressure A", Some("bar"), "pressure_bar"),
             ("Current A", Some("mA"), "current ?A beside mA"),
+            ("Pressure (A)", Some("bar"), "pressure_bar"),
+            ("Pressure (C)", Some("bar"), "pressure_bar"),
+            ("pressure_A", Some("bar"), "pressure_bar"),
+            ("pressure_A", Some("furlong"), ""),
+            ("current_V", Some("A"), "current_A"),
+            ("current_V", None, "current_V"),
+            ("load_N", Some("kN"), ""),
             ("Knob_V", Some("mV"), ""),
+            ("Current (kA)", Some("A"), "current ?kA beside A"),
+            ("Strom (µA)", Some("A"), "current ?µA beside A"),
+            ("Strom", Some("μA"), "current_uA"),
+            ("Voltage_uV", Some("V"), "voltage ?uV beside V"),
+            ("Power", Some("KW"), "power_kW"),
+            ("Current [furlong]", Some("A"), "current ?A beside furlong"),
             ("Current [A]", Some("furlong"), "current ?A beside furlong"),
             ("Spannung", Some("V"), "voltage_V"),
             ("Spannung", Some("MPa"), ""),

@@ -41,40 +41,49 @@ pub(super) fn unknown_unit(column: &Column) -> Option<String> {
     (!is_word || words.iter().any(is_letter)).then_some(written)
 }
 
-/// Information about the unit of a control input in a column.
-pub(super) struct ControlFound<'n> {
-    /// The unit that is stated first.
-    pub unit: &'static str,
-    /// Two statements that differ: `mA beside A`.
-    pub differing: Option<String>,
-    /// The words of the name without the unit.
-    pub words: &'n [String],
+/// Information about the unit of a control input.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum ControlUnit {
+    Known(&'static str),
+    /// Two statements differ: both, `mA beside A`, and the units among them.
+    Unclear(String, Vec<&'static str>),
 }
 
-/// The unit that a column states for a control input, in its name and beside it; `None` without a known one.
-pub(super) fn control_found<'n>(column: &Column, name: &'n Name) -> Option<ControlFound<'n>> {
+/// The unit that a column states for a control input, in its name and beside it, and the words of the name without it; `None`
+/// without a known unit.
+pub(super) fn control_unit_and_words<'n>(
+    column: &Column,
+    name: &'n Name,
+) -> Option<(ControlUnit, &'n [String])> {
+    let known = |written: &str| control_unit(written, UNITS);
     // `Current_A`, and not the port of `Pressure A`.
-    let is_unit = |tail: &&Tail| {
-        control_unit(&tail.text, UNITS).is_some_and(|unit| words::may_have(&tail.before, unit))
-    };
+    let is_unit =
+        |tail: &&Tail| known(&tail.text).is_some_and(|unit| words::may_have(&tail.before, unit));
     let tail = name.tails.iter().find(is_unit);
     let words = tail.map_or(&name.words, |tail| &tail.before);
-    let first = (name.marked.as_deref()).or(tail.map(|tail| tail.text.as_str()));
-    let mut stated = first.into_iter().chain(row_units(column));
-    let written = stated.next()?;
-    let unit = control_unit(written, UNITS)?;
-    // A single letter behind a unit may number the column: `Current [A] B`.
-    let is_another = |other: &&str| {
-        other.len() > 1 && control_unit(other, UNITS).is_some_and(|other| other != unit)
+    // `Pressure (A)`.
+    let is_port = |written: &str| {
+        written.chars().count() == 1
+            && !known(written).is_some_and(|unit| words::may_have(words, unit))
     };
-    let others = || name.others.iter().map(String::as_str);
-    let differing = (stated.find(|other| control_unit(other, UNITS) != Some(unit)))
-        .or_else(|| others().find(is_another));
-    Some(ControlFound {
-        unit,
-        differing: differing.map(|other| format!("{written} beside {other}")),
-        words,
-    })
+    let marked = name.marked.as_deref().filter(|marked| !is_port(marked));
+    // A single letter behind a unit may number the column: `Current [A] B`.
+    let others = name.others.iter().map(String::as_str);
+    let others = others.filter(|other| other.len() > 1 && known(other).is_some());
+    let in_name = marked
+        .into_iter()
+        .chain(tail.map(|tail| tail.text.as_str()));
+    let mut stated = in_name.chain(row_units(column)).chain(others);
+    let (written, unit) = (stated.clone()).find_map(|written| Some((written, known(written)?)))?;
+    let found = match stated.find(|other| known(other) != Some(unit)) {
+        Some(other) => {
+            let either = [Some(unit), known(other)];
+            let either = either.into_iter().flatten().collect();
+            ControlUnit::Unclear(format!("{written} beside {other}"), either)
+        }
+        None => ControlUnit::Known(unit),
+    };
+    Some((found, words))
 }
 
 pub(super) fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
@@ -107,7 +116,7 @@ fn beside(column: &Column, channel: Channel, unit: Unit, written: &str) -> UnitF
 }
 
 /// The units that the file states outside the name: several, if it contradicts itself.
-pub(super) fn row_units(column: &Column) -> impl Iterator<Item = &str> {
+pub(super) fn row_units(column: &Column) -> impl Iterator<Item = &str> + Clone {
     let said = column.unit.iter().chain(&column.other_units);
     said.map(|unit| bare(unit)).filter(|unit| !unit.is_empty())
 }

@@ -1,6 +1,6 @@
 //! Units that a file states beside its arrays: texts in a group called `units`, each with the name of an array.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::arrays::Array;
 
@@ -17,53 +17,53 @@ pub(super) fn are_units(group: &str) -> bool {
 /// The units that a file states beside its arrays, in its order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnitsBeside {
-    stated: Vec<Stated>,
+    groups: Vec<Group>,
 }
 
-/// A text that is the unit of the arrays of a name below a group.
+/// A group of units.
 #[derive(Clone, Debug)]
-struct Stated {
-    group: Vec<String>,
-    name: String,
-    unit: String,
-    /// Where it stands, for a comment: `units.force`.
-    place: String,
+struct Group {
+    /// Its place; the units are those of the arrays below the group around it.
+    path: Vec<String>,
+    /// The names of arrays, each with its unit.
+    units: Vec<(String, String)>,
 }
 
 impl UnitsBeside {
-    /// Takes the `unit` of the arrays called `name` below `group`, from a `place` of the file.
-    pub fn add(&mut self, group: &[String], name: &str, unit: &str, place: String) {
+    /// Takes the `unit` of the arrays called `name` from the group of units at `path`.
+    pub fn add(&mut self, path: &[String], name: &str, unit: &str) {
         let unit = unit.trim();
-        if !unit.is_empty() {
-            self.stated.push(Stated {
-                group: group.to_vec(),
-                name: name.to_owned(),
-                unit: unit.to_owned(),
-                place,
-            });
+        if unit.is_empty() {
+            return;
+        }
+        let units = (name.to_owned(), unit.to_owned());
+        match self.groups.last_mut() {
+            Some(group) if group.path == path => group.units.push(units),
+            _ => self.groups.push(Group {
+                path: path.to_vec(),
+                units: vec![units],
+            }),
         }
     }
 
-    /// Gives each array that has no unit those that are stated nearest to it. Returns the texts that have no array, as comments: a
-    /// unit under test is described in the same way.
-    pub fn give<S>(self, arrays: &mut [Array<S>]) -> Vec<String> {
-        if self.stated.is_empty() {
-            return Vec::new();
-        }
+    /// Gives each array that has no unit those that are stated nearest to it. Returns the texts that have no array, as comments with
+    /// their place, whose parts are separated by `separator`: a unit under test is described in the same way.
+    pub fn give<S>(self, arrays: &mut [Array<S>], separator: &str) -> Vec<String> {
         let mut units: HashMap<(&[String], &str), Vec<&str>> = HashMap::new();
-        for Stated {
-            group, name, unit, ..
-        } in &self.stated
-        {
-            let of_it = units.entry((group, name)).or_default();
-            if of_it.len() < MOST && !of_it.contains(&unit.as_str()) {
-                of_it.push(unit);
+        let mut depths: BTreeSet<usize> = BTreeSet::new();
+        for group in &self.groups {
+            depths.insert(group.around().len());
+            for (name, unit) in &group.units {
+                let of_it = units.entry((group.around(), name)).or_default();
+                if of_it.len() < MOST && !of_it.contains(&unit.as_str()) {
+                    of_it.push(unit);
+                }
             }
         }
         let mut used: HashSet<(&[String], &str)> = HashSet::new();
         for Array { group, column, .. } in arrays {
             let name = column.name.as_str();
-            let around = (0..=group.len()).rev().map(|length| &group[..length]);
+            let around = depths.iter().rev().filter_map(|&depth| group.get(..depth));
             let mut stated = around.filter_map(|group| units.get_key_value(&(group, name)));
             let nearest = stated.next();
             used.extend(nearest.into_iter().chain(stated).map(|(key, _)| *key));
@@ -73,11 +73,22 @@ impl UnitsBeside {
                 column.other_units = nearest.collect();
             }
         }
-        let is_spare = |stated: &&Stated| !used.contains(&(&stated.group, stated.name.as_str()));
-        let spare = self.stated.iter().filter(is_spare);
+        let mut spare = Vec::new();
+        for group in &self.groups {
+            let place = group.path.join(separator);
+            let is_spare =
+                |(name, _): &&(String, String)| !used.contains(&(group.around(), name.as_str()));
+            let units = group.units.iter().filter(is_spare);
+            spare.extend(units.map(|(name, unit)| format!("{place}{separator}{name}: {unit}")));
+        }
         spare
-            .map(|stated| format!("{}: {}", stated.place, stated.unit))
-            .collect()
+    }
+}
+
+impl Group {
+    /// The path of the group around it.
+    fn around(&self) -> &[String] {
+        self.path.split_last().map_or(&[], |(_, around)| around)
     }
 }
 
@@ -113,10 +124,11 @@ mod tests {
     ) -> (Vec<String>, Vec<String>) {
         let mut units = UnitsBeside::default();
         for (above, name, unit) in stated {
-            let place = format!("{above}/units/{name}");
-            units.add(&group(above), name, unit, place);
+            let mut path = group(above);
+            path.push("units".into());
+            units.add(&path, name, unit);
         }
-        let comments = units.give(arrays);
+        let comments = units.give(arrays, "/");
         let of = |array: &Array<()>| {
             let first = array.column.unit.iter();
             let all: Vec<&str> = first
@@ -164,17 +176,13 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_nothing_but_units_takes_no_time_of_each_unit_for_each_array() {
+    fn no_array_keeps_all_units_of_a_file_of_nothing_else() {
         let mut units = UnitsBeside::default();
-        for index in 0..100_000 {
-            units.add(&[], "x", &index.to_string(), String::new());
+        for index in 0..1000 {
+            units.add(&group("units"), "x", &index.to_string());
         }
-        let mut arrays: Vec<Array<()>> = (0..20_000).map(|_| array("x", None)).collect();
-        assert!(units.give(&mut arrays).is_empty());
-        assert!(
-            arrays
-                .iter()
-                .all(|array| array.column.other_units.len() == MOST - 1)
-        );
+        let mut arrays = [array("x", None)];
+        assert!(units.give(&mut arrays, "/").is_empty());
+        assert_eq!(arrays[0].column.other_units.len(), MOST - 1);
     }
 }

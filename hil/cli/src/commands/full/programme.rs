@@ -39,14 +39,14 @@ impl ProgrammeOptions {
     /// The programme at `tick_rate` Hz.
     ///
     /// # Errors
-    /// As for [`parse`] and [`read`].
-    pub fn programme(
+    /// As for [`parse`] and [`read_file`].
+    pub fn read(
         &self,
         limit: ReadLimit,
         tick_rate: f64,
     ) -> Result<Programme<MOST_BLOCKS>, InputError> {
         match &self.programme {
-            Some(path) => read(path, limit, tick_rate),
+            Some(path) => read_file(path, limit, tick_rate),
             None => parse(&self.blocks, tick_rate),
         }
     }
@@ -132,7 +132,7 @@ pub fn parse(text: &str, tick_rate: f64) -> Result<Programme<MOST_BLOCKS>, Input
 ///
 /// # Errors
 /// As for [`parse`], with the file and the field; a file beyond the limit.
-fn read(
+fn read_file(
     path: &Path,
     limit: ReadLimit,
     tick_rate: f64,
@@ -207,7 +207,10 @@ mod tests {
         let json = r#"{"blocks": [{"amplitude": 0.1, "frequency": 1, "cycles": 6},
             {"amplitude": 0.2, "from": 1, "to": 20, "cycles": 50}]}"#;
         std::fs::write(file.path(), json).unwrap();
-        assert_eq!(read(file.path(), ReadLimit::default(), 1e4).unwrap(), text);
+        assert_eq!(
+            read_file(file.path(), ReadLimit::default(), 1e4).unwrap(),
+            text
+        );
         let blocks: Vec<&Block> = text.blocks().collect();
         assert_eq!(*blocks[0], Block::sine(0.1, 1.0, 6).unwrap());
         let slow = parse("0.1:1e-1:6", 1e4).unwrap();
@@ -259,7 +262,7 @@ mod tests {
             ),
         ] {
             std::fs::write(file.path(), json).unwrap();
-            let error = read(file.path(), ReadLimit::default(), 1e4)
+            let error = read_file(file.path(), ReadLimit::default(), 1e4)
                 .unwrap_err()
                 .to_string();
             assert!(error.contains(said), "{error}");

@@ -53,7 +53,7 @@ pub struct RecordCommand {
     #[arg(long, value_name = "serial:PORT")]
     from: Port,
     #[command(flatten)]
-    blocks: ProgrammeOptions,
+    programme: ProgrammeOptions,
     /// Law that the board runs, a file of `hil export --format pack`; the default is the paper's law
     #[arg(long, value_name = "FILE")]
     pack: Option<PathBuf>,
@@ -161,7 +161,7 @@ impl RecordCommand {
     pub fn run(self) -> Result<(), Failure> {
         let partial = self.partial();
         let mut outputs = Plan::new()
-            .reads(self.blocks.file())
+            .reads(self.programme.file())
             .reads(&self.pack)
             .writes([self.out.as_path()])
             .writes(&self.json)
@@ -174,7 +174,7 @@ impl RecordCommand {
             Some(path) => Some(read_pack(path)?),
             None => None,
         };
-        let programme = (self.blocks).programme(self.reading.limit, self.tick_rate)?;
+        let programme = (self.programme).read(self.reading.limit, self.tick_rate)?;
         if !self.join && programme.blocks().len() > MAX_BLOCKS {
             return Err(
                 InputError::from(LinkError::TooManyBlocks(programme.blocks().len())).into(),

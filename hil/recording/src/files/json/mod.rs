@@ -66,7 +66,7 @@ impl Format for Json {
             mut beside,
             units,
         } = found;
-        comments.extend(units.give(&mut arrays));
+        comments.extend(units.give(&mut arrays, "/"));
         beside.heed(reading);
         let (mut tables, sources) =
             arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
@@ -256,15 +256,16 @@ impl Found {
 
     /// Takes the units of the arrays beside the object at `path`.
     fn units(&mut self, path: &[String], fields: Fields) {
-        let around = path.split_last().map_or(path, |(_, around)| around);
         for (of, node) in fields {
-            let mut inner = path.to_vec();
-            inner.push(of.clone());
             match node {
-                Node::Text(unit) => self.units.add(around, &of, &unit, inner.join("/")),
+                Node::Text(unit) => self.units.add(path, &of, &unit),
                 // An array without a unit has null.
                 Node::Number(number) if number.is_nan() => {}
-                other => self.take(&inner, other),
+                other => {
+                    let mut inner = path.to_vec();
+                    inner.push(of);
+                    self.take(&inner, other);
+                }
             }
         }
     }

@@ -91,7 +91,7 @@ impl Tree {
 
     /// At the end of the file, gives the arrays the units that it states for them.
     pub fn finish(&mut self) {
-        let spare = std::mem::take(&mut self.units).give(&mut self.arrays);
+        let spare = std::mem::take(&mut self.units).give(&mut self.arrays, ".");
         self.comments.extend(spare);
     }
 
@@ -289,10 +289,8 @@ impl Tree {
         if self.text > MOST_TEXT || text.trim().is_empty() {
             return;
         }
-        if let Some((of, around)) = group.split_last()
-            && are_units(of)
-        {
-            self.units.add(around, name, text, path(group, name));
+        if group.last().is_some_and(|name| are_units(name)) {
+            self.units.add(group, name, text);
             return;
         }
         let is_ours = group.is_empty() && name == "comments";

@@ -108,6 +108,12 @@ impl Tables for ForeignTable<'_> {
                 ));
             }
         }
+        if let Some(column) = taken.lost_to {
+            notes.push(format!(
+                "column {} holds words, and numbers in a form that must be rewritten, so a written file will lack it and all other columns that are not used",
+                quoted(&reader.column(column))
+            ));
+        }
         let header: csv::StringRecord = layout
             .table
             .columns
@@ -143,6 +149,8 @@ struct Taken {
     cells: Option<TextRows>,
     /// Whether a cell of each wanted column was rewritten.
     is_rewritten: Vec<bool>,
+    /// The column because of which the cells of the other columns are not kept.
+    lost_to: Option<usize>,
     is_cut: bool,
 }
 
@@ -299,9 +307,9 @@ impl<'r> Reader<'r> {
                 }
                 Err(_) if !wanted.must_be_numeric => {
                     taken.columns[index] = None;
-                    // It is a column of words, whose cells stay as they are.
-                    if taken.is_rewritten[index] {
-                        taken.cells = None;
+                    // It is a column of words, whose cells must stay as they are.
+                    if taken.is_rewritten[index] && taken.cells.take().is_some() {
+                        taken.lost_to = Some(wanted.column);
                     }
                 }
                 Err((problem, remedy)) => {

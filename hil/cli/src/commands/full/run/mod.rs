@@ -61,7 +61,7 @@ pub struct RunCommand {
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
     #[command(flatten)]
-    blocks: ProgrammeOptions,
+    programme: ProgrammeOptions,
     #[command(flatten)]
     drive: DriveOptions,
     /// Law that the controller runs, a model.json of `hil trace`; the default is the paper's law
@@ -112,7 +112,7 @@ impl RunCommand {
         let table = (!self.drive.is_given()).then_some("cycles.csv");
         let name = format!("recording.{}", self.recording_as);
         let mut outputs = Plan::new()
-            .reads(self.blocks.file())
+            .reads(self.programme.file())
             .reads(self.drive.file())
             .reads(&self.model)
             .fills(self.out.as_path(), std::iter::once(&*name).chain(table))
@@ -124,7 +124,7 @@ impl RunCommand {
         let driven = self.drive.motion(&self.files, self.tick_rate)?;
         let programme = match driven {
             Some(_) => None,
-            None => Some((self.blocks).programme(self.files.reading.limit, self.tick_rate)?),
+            None => Some((self.programme).read(self.files.reading.limit, self.tick_rate)?),
         };
         let (specimen, density, described) = self.specimen.specimen()?;
         let is_controlled = specimen.control().is_some();
