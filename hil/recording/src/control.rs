@@ -4,8 +4,8 @@ use super::channel::Channel;
 
 /// Units of a control input: of quantities that set a force, unlike a motion or a time.
 pub(super) const UNITS: &[&str] = &[
-    "A", "mA", "uA", "kA", "V", "mV", "uV", "kV", "bar", "mbar", "Pa", "kPa", "MPa", "psi", "N",
-    "kN", "lbf", "kip", "T", "mT", "W", "kW",
+    "A", "mA", "V", "mV", "kV", "bar", "mbar", "Pa", "kPa", "MPa", "psi", "N", "kN", "lbf", "kip",
+    "T", "mT", "W",
 ];
 
 /// A control input: the current of a coil, a voltage, a pressure, a tension.

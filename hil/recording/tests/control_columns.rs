@@ -4,6 +4,7 @@ use std::path::Path;
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::check_consistency;
+use mesh_damper_recording::files::Reading;
 
 fn read(header: &str, cell: impl Fn(usize) -> String) -> Recording {
     let mut text = format!("time_s,displacement_mm,force_kN,{header}\n");
@@ -85,4 +86,96 @@ fn two_forces_of_one_motion_under_two_inputs_are_no_contradiction() {
     assert!(check_consistency(&[&rising, &falling]).is_ok());
     let same = under([0.0, 1.0], 3.0);
     assert!(check_consistency(&[&rising, &same]).is_err());
+}
+
+/// A text of another program, whose columns after the force are `names` in `units`.
+fn foreign(names: &str, units: &str, options: [&[(&str, &str)]; 2]) -> Result<Recording, String> {
+    let mut text = format!("Time;Weg;Kraft;{names}\n[s];[mm];[N];{units}\n");
+    let more = names.split(';').count();
+    for row in 0..200 {
+        let y = (0.1 * f64::from(row)).sin();
+        text += &format!("{:.2};{y:.4};{:.4}", 0.01 * f64::from(row), 20.0 * y);
+        text += &";1.5".repeat(more);
+        text += "\n";
+    }
+    let pairs = |pairs: &[(&str, &str)]| {
+        let owned = pairs
+            .iter()
+            .map(|&(of, what)| (of.to_owned(), what.to_owned()));
+        owned.collect()
+    };
+    let [channels, units] = options.map(pairs);
+    let reading = Reading {
+        channels,
+        units,
+        ..Reading::default()
+    };
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("rig.txt");
+    std::fs::write(&path, text).unwrap();
+    Recording::read_as(&path, &reading).map_err(|error| error.to_string())
+}
+
+fn names(recording: &Recording) -> Vec<&str> {
+    let controls = recording.controls.iter();
+    controls.map(|control| control.name.as_str()).collect()
+}
+
+#[test]
+fn a_column_that_may_be_another_unit_makes_its_like_ambiguous() {
+    let read = foreign("Current A;Current B", "[mA];[mA]", [&[], &[]]).unwrap();
+    assert!(read.controls.is_empty(), "{:?}", names(&read));
+    let said = read.guesses().join("\n");
+    for part in [
+        "2 columns could be the control input current_mA: \"Current A\", \"Current B\"",
+        "column \"Current A\" could be the control input current, but its unit is not clear: A beside mA",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    // Letters of phases and ports beside one unit are none.
+    let read = foreign("I_A;I_B;Pressure A", "[A];[A];[bar]", [&[], &[]]).unwrap();
+    assert_eq!(names(&read), ["pressure_bar"]);
+}
+
+#[test]
+fn the_unit_of_a_column_that_the_user_names_is_asked_for_if_it_is_not_clear() {
+    let channel: &[(&str, &str)] = &[("current", "Current (mA)")];
+    let error = foreign("Current (mA)", "[A]", [channel, &[]]).unwrap_err();
+    assert!(error.contains("is not clear: mA beside A"), "{error}");
+    assert!(
+        error.contains("--unit current=mA or --unit current=A"),
+        "{error}"
+    );
+    let read = foreign("Current (mA)", "[A]", [channel, &[("current", "A")]]).unwrap();
+    assert_eq!(names(&read), ["current_A"]);
+    let said = "column \"Current (mA)\" is read in A, as --unit says; it says mA beside A";
+    assert!(
+        read.guesses().iter().any(|note| note == said),
+        "{:?}",
+        read.guesses()
+    );
+    // The same column twice is one input.
+    let twice = [channel, channel].concat();
+    let read = foreign("Current (mA)", "[mA]", [&twice, &[]]).unwrap();
+    assert_eq!(names(&read), ["current_mA"]);
+}
+
+#[test]
+fn a_second_sensor_whose_letter_is_no_unit_stays_a_question() {
+    let mut text = String::from("Time;Nominal displacement;probe_A;Kraft\n[s];[mm];[mm];[N]\n");
+    for row in 0..200 {
+        let y = (0.1 * f64::from(row)).sin();
+        text += &format!(
+            "{:.2};{y:.4};{y:.4};{:.4}\n",
+            0.01 * f64::from(row),
+            20.0 * y
+        );
+    }
+    let error = Recording::from_bytes(Path::new("rig.txt"), text.into_bytes()).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("2 columns could be the displacement"),
+        "{error}"
+    );
 }

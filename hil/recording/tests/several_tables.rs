@@ -112,7 +112,7 @@ fn a_control_input_with_two_units_is_none_until_one_is_given() {
         assert!(found.is_empty(), "{name}: {found:?}");
         assert!(guesses.contains("its unit is not clear: "), "{guesses}");
         assert!(
-            guesses.contains("--unit current=") && guesses.contains("so it is not read"),
+            guesses.contains("current=mA") && guesses.contains("so it is not read"),
             "{guesses}"
         );
         let given = Reading {

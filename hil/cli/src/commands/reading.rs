@@ -24,7 +24,7 @@ pub struct Reading {
 pub struct RecordingFiles {
     /// Column of a quantity, such as force='Axial Force'; give it once for each quantity
     ///
-    /// Quantities are time, displacement, force, velocity and temperature, and a control input by its name, such as current_A.
+    /// Quantities are time, displacement, force, velocity and temperature, and a control input, such as current.
     #[arg(long = "channel", value_name = "QUANTITY=COLUMN", value_parser = pair)]
     channels: Vec<(String, String)>,
     /// Unit of a quantity's column, such as force=N; give it once for each quantity

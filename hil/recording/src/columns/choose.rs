@@ -392,7 +392,7 @@ impl Choice<'_> {
             column != taken
                 && !self.is_spoken_for(column)
                 && !candidates[column].iter().any(is_another)
-                && taken::control(&columns[column]).is_none()
+                && !taken::is_control(&columns[column])
                 && taken::could_be(&columns[column], channel, is_sure)
         };
         (0..columns.len()).filter(is_rival).collect()

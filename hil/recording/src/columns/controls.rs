@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
 use super::name::Name;
+use super::spelling::control_unit;
 use super::taken::{self, Control};
 use super::unit_found::{ControlUnit, control_unit_and_words};
 use crate::channel::Channel;
@@ -18,14 +19,6 @@ struct Unclear {
     error: InputError,
 }
 
-impl Unclear {
-    /// Whether it may be the control input `name`: `current_A`.
-    fn is_of(&self, name: &str) -> bool {
-        name.rsplit_once('_')
-            .is_some_and(|(quantity, _)| quantity == self.quantity)
-    }
-}
-
 impl Choice<'_> {
     /// The columns that the user names and those with such a name, in the order of the file.
     pub(super) fn controls(
@@ -36,43 +29,20 @@ impl Choice<'_> {
         let mut controls: Vec<ChosenControl> = Vec::new();
         let channels = Channel::ALL.map(Channel::name);
         for (quantity, name) in &self.reading.channels {
-            if channels.contains(&quantity.as_str()) {
+            let is_done = |each: &ChosenControl| quantity_of(&each.name) == quantity;
+            // The user's last word counts.
+            let is_last = said(&self.reading.channels, quantity) == Some(name);
+            if channels.contains(&quantity.as_str()) || !is_last || controls.iter().any(is_done) {
                 continue;
             }
             let column = self.named(name, quantity)?;
-            let source = &self.table.columns[column];
-            let unit = match said(&self.reading.units, quantity) {
-                Some(written) => super::spelling::control_unit(written, UNITS),
-                None => match control_unit_and_words(source, &Name::of(&source.name)) {
-                    Some((ControlUnit::Known(unit), _)) => Some(unit),
-                    Some((ControlUnit::Unclear(units, either), _)) => {
-                        return Err(self.unclear_input(quantity, column, &units, &either));
-                    }
-                    None => None,
-                },
-            };
-            let unit = unit.ok_or_else(|| {
-                InputError::new(
-                    self.file,
-                    format!("the unit of the control input {quantity} is not known"),
-                    format!(
-                        "give it: --unit {quantity}=A; units are {}",
-                        UNITS.join(", ")
-                    ),
-                )
-                .at(Place::Column(name.clone()))
-                .answered_by(format!("--unit {quantity}=UNIT"))
-            })?;
+            let unit = self.unit_of_input(quantity, column, guesses)?;
             controls.push(ChosenControl {
                 column,
                 name: format!("{quantity}_{unit}"),
             });
         }
         let is_said = |name: &str| controls.iter().any(|control| control.name == name);
-        let is_quantity_said = |quantity: &str| {
-            let mut names = self.reading.channels.iter();
-            names.any(|(of, _)| of == quantity)
-        };
         let mut found: BTreeMap<String, Vec<(bool, usize)>> = BTreeMap::new();
         let mut unclear: Vec<Unclear> = Vec::new();
         for (column, each) in self.table.columns.iter().enumerate() {
@@ -98,7 +68,7 @@ impl Choice<'_> {
                         found.entry(name).or_default().push((is_own, column));
                     }
                 }
-                ControlUnit::Unclear(..) if is_quantity_said(&quantity) => {}
+                ControlUnit::Unclear(..) if said(&self.reading.channels, &quantity).is_some() => {}
                 ControlUnit::Unclear(units, either) => {
                     let error = self.unclear_input(&quantity, column, &units, &either);
                     unclear.push(Unclear {
@@ -114,9 +84,10 @@ impl Choice<'_> {
             if of_it.iter().any(|(is_own, _)| *is_own) {
                 of_it.retain(|(is_own, _)| *is_own);
             } else {
-                // `Current A` and `Current B`, both in mA: the letter of the first may be a unit, so it cannot be ruled out.
-                let is_of = |each: &mut Unclear| each.is_of(&name);
-                let rivals = unclear.extract_if(.., is_of);
+                // `Current A` and `Current B` in mA: the letter of the first may be a unit, so both may be the current.
+                let rivals = unclear
+                    .iter()
+                    .filter(|each| each.quantity == quantity_of(&name));
                 of_it.extend(rivals.map(|each| (false, each.column)));
                 of_it.sort_by_key(|&(_, column)| column);
             }
@@ -150,8 +121,12 @@ impl Choice<'_> {
                 .map(|name| {
                     let found = controls.iter().find(|control| control.name == *name);
                     found.cloned().ok_or_else(|| {
-                        let unclear = unclear.iter().find(|each| each.is_of(name));
-                        unclear.map_or_else(|| self.no_input(name), |each| each.error.clone())
+                        let mut unclear = unclear.iter();
+                        let unclear = unclear.find(|each| each.quantity == quantity_of(name));
+                        unclear.map_or_else(
+                            || self.no_input(name, &controls),
+                            |each| each.error.clone(),
+                        )
                     })
                 })
                 .collect(),
@@ -159,7 +134,52 @@ impl Choice<'_> {
         }
     }
 
-    /// A column's unit for a control input is not clear: `units`, which may be `either`.
+    /// The unit of the column that the user names for a control input.
+    fn unit_of_input(
+        &self,
+        quantity: &str,
+        column: usize,
+        guesses: &mut Vec<String>,
+    ) -> Result<&'static str, InputError> {
+        let source = &self.table.columns[column];
+        let name = Name::of(&source.name);
+        let found = control_unit_and_words(source, &name).map(|(unit, _)| unit);
+        let given = said(&self.reading.units, quantity);
+        let (problem, either) = match (given.map(|given| control_unit(given, UNITS)), found) {
+            (Some(Some(unit)), found) => {
+                let other = match found {
+                    Some(ControlUnit::Known(other)) if other != unit => Some(other.to_owned()),
+                    Some(ControlUnit::Unclear(units, _)) => Some(units),
+                    _ => None,
+                };
+                guesses.extend(other.map(|other| {
+                    let source = quoted(&source.name);
+                    format!("column {source} is read in {unit}, as --unit says; it says {other}")
+                }));
+                return Ok(unit);
+            }
+            (None, Some(ControlUnit::Known(unit))) => return Ok(unit),
+            (None, Some(ControlUnit::Unclear(units, either))) => {
+                (format!("is not clear: {units}"), either)
+            }
+            (Some(None), _) | (None, None) => ("is not known".into(), vec!["A"]),
+        };
+        let options = either.iter().map(|unit| option("unit", quantity, unit));
+        let options: Vec<String> = options.collect();
+        Err(InputError::new(
+            self.file,
+            format!("the unit of the control input {quantity} {problem}"),
+            format!(
+                "give it: {}; units are {}",
+                options.join(" or "),
+                UNITS.join(", ")
+            ),
+        )
+        .at(Place::Column(source.name.clone()))
+        .answered_by(format!("--unit {quantity}=UNIT")))
+    }
+
+    /// The unit of a column that may be a control input is not clear: `units`, which may be `either`.
     fn unclear_input(
         &self,
         quantity: &str,
@@ -169,21 +189,35 @@ impl Choice<'_> {
     ) -> InputError {
         let column = &self.table.columns[column].name;
         let channel = option("channel", quantity, column);
-        let units_given = either.iter().map(|unit| option("unit", quantity, unit));
-        let units_given: Vec<String> = units_given.collect();
+        let given = either.iter().map(|unit| option("unit", quantity, unit));
         InputError::new(
             self.file,
             format!(
                 "column {} could be the control input {quantity}, but its unit is not clear: {units}",
                 quoted(column)
             ),
-            format!("give it: {channel} {}", units_given.join(" or ")),
+            format!(
+                "give it: {channel} {}",
+                given.collect::<Vec<_>>().join(" or ")
+            ),
         )
         .answered_by(format!("{channel} --unit {quantity}=UNIT"))
     }
 
     /// No column matches a required control input.
-    fn no_input(&self, name: &str) -> InputError {
+    fn no_input(&self, name: &str, controls: &[ChosenControl]) -> InputError {
+        let is_in_another_unit =
+            |control: &&ChosenControl| quantity_of(&control.name) == quantity_of(name);
+        if let Some(control) = controls.iter().find(is_in_another_unit) {
+            return InputError::new(
+                self.file,
+                format!(
+                    "the control input {name} is needed, and the column is {}",
+                    control.name
+                ),
+                format!("write a column {name} with the values in that unit"),
+            );
+        }
         let columns = self.table.columns.iter();
         let names: Vec<&str> = columns.map(|column| column.name.as_str()).collect();
         let names = listed(&names);
@@ -211,7 +245,7 @@ impl Choice<'_> {
 
     /// Columns that match a control input equally well. Columns under our own names each count as one input.
     fn several_inputs(&self, name: &str, columns: &[usize]) -> InputError {
-        let quantity = name.rsplit_once('_').map_or(name, |(quantity, _)| quantity);
+        let quantity = quantity_of(name);
         let names: Vec<&str> = (columns.iter())
             .map(|&column| self.table.columns[column].name.as_str())
             .collect();
@@ -231,4 +265,9 @@ impl Choice<'_> {
         )
         .answered_by(format!("--channel {quantity}=NAME"))
     }
+}
+
+/// The quantity in a control input's name: `current` of `current_A`.
+fn quantity_of(name: &str) -> &str {
+    name.rsplit_once('_').map_or(name, |(quantity, _)| quantity)
 }

@@ -186,7 +186,7 @@ pub(super) const LEXICON: [Lexicon; 11] = [
         weak: &["t", "theta", "ϑ"],
     },
     Lexicon {
-        quantity: Quantity::Control("current", &["A", "mA", "uA", "kA"]),
+        quantity: Quantity::Control("current", &["A", "mA"]),
         words: &[
             "current",
             "courant",
@@ -200,7 +200,7 @@ pub(super) const LEXICON: [Lexicon; 11] = [
         weak: &["i"],
     },
     Lexicon {
-        quantity: Quantity::Control("voltage", &["V", "mV", "uV", "kV"]),
+        quantity: Quantity::Control("voltage", &["V", "mV", "kV"]),
         words: &[
             "voltage",
             "volt",
@@ -251,7 +251,7 @@ pub(super) const LEXICON: [Lexicon; 11] = [
         weak: &["b"],
     },
     Lexicon {
-        quantity: Quantity::Control("power", &["W", "kW"]),
+        quantity: Quantity::Control("power", &["W"]),
         words: &["power", "puissance", "potencia", "potenza", "мощность"],
         endings: &["leistung"],
         weak: &[],

@@ -108,9 +108,7 @@ const SPELLINGS: &[(Channel, &str, &[&str])] = &[
 /// Units of control inputs with other spellings.
 const CONTROLS: &[(&str, &[&str])] = &[
     ("A", &["amp", "amps", "ampere", "amperes"]),
-    ("uA", &["µA", "μA"]),
     ("V", &["volt", "volts"]),
-    ("uV", &["µV", "μV"]),
     ("mbar", &["hPa"]),
     ("W", &["watt", "watts"]),
     ("T", &["tesla"]),
@@ -178,6 +176,15 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
             .find(|(_, list)| spelt(list))
             .map(|&(unit, _)| unit)
     })
+}
+
+/// Whether a text is a unit of a control input with a prefix that recordings do not have: `kA`, `µT`.
+pub(super) fn is_scaled_control(written: &str) -> bool {
+    let rest = written
+        .trim()
+        .strip_prefix(['n', 'u', 'µ', 'μ', 'm', 'k', 'M', 'G']);
+    let is_base = |rest| ["A", "V", "W", "N", "T", "Pa", "bar"].contains(&rest);
+    control_unit(written, crate::control::UNITS).is_none() && rest.is_some_and(is_base)
 }
 
 /// A unit without the brackets that a row of units puts around it.

@@ -7,7 +7,7 @@ use super::unit_found::{
 };
 use super::words::{self, Certainty};
 use crate::channel::Channel;
-use crate::control::{UNITS, is_control};
+use crate::control::{self, UNITS};
 use crate::files::Column;
 
 /// How certain it is that a column is a channel; the greater, the more certain.
@@ -181,14 +181,17 @@ pub(super) fn control(column: &Column) -> Option<Control> {
     let name = Name::of(&column.name);
     let found = control_unit_and_words(column, &name);
     if let Some((quantity, symbol)) = own_control(&column.name) {
-        let is_same = row_units(column).all(|said| control_unit(said, UNITS) == Some(symbol));
         let unit = match &found {
-            _ if is_same => Some(ControlUnit::Known(symbol)),
-            // In `pressure_A` beside `bar` the letter is no unit.
-            Some((ControlUnit::Known(_), _)) | None => None,
-            Some((unclear, _)) => {
-                Some(unclear.clone()).filter(|_| other_name_of(quantity).is_none())
+            _ if row_units(column).all(|said| control_unit(said, UNITS) == Some(symbol)) => {
+                Some(ControlUnit::Known(symbol))
             }
+            // The letter of `probe_A` in mm is no unit, nor is that of `pressure_A` in bar.
+            Some((ControlUnit::Unclear(_, either), _))
+                if either.len() > 1 && other_name_of(quantity).is_none() =>
+            {
+                found.as_ref().map(|(unit, _)| unit.clone())
+            }
+            _ => None,
         };
         if let Some(unit) = unit {
             return Some(Control {
@@ -221,12 +224,17 @@ pub(super) fn control(column: &Column) -> Option<Control> {
     })
 }
 
+/// Whether a column is a control input with a clear unit.
+pub(super) fn is_control(column: &Column) -> bool {
+    control(column).is_some_and(|control| matches!(control.unit, ControlUnit::Known(_)))
+}
+
 /// The quantity and the unit in the name of a control input in the form of our own files.
 fn own_control(name: &str) -> Option<(&str, &'static str)> {
     let (quantity, symbol) = name.rsplit_once('_')?;
     let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let unit = UNITS.iter().find(|unit| **unit == symbol)?;
-    (is_control(name) && quantity.chars().all(is_plain)).then_some((quantity, *unit))
+    (control::is_control(name) && quantity.chars().all(is_plain)).then_some((quantity, *unit))
 }
 
 /// Whether a name has the form of our own files, with a unit.
@@ -370,20 +378,23 @@ mod tests {
             ("Current_mA", Some("A"), "current ?mA beside A"),
             ("Current_mA", Some("mA"), "current_mA"),
             ("Pressure A", Some("bar"), "pressure_bar"),
-            ("Current A", Some("mA"), "current ?A beside mA"),
             ("Pressure (A)", Some("bar"), "pressure_bar"),
-            ("Pressure (C)", Some("bar"), "pressure_bar"),
             ("pressure_A", Some("bar"), "pressure_bar"),
             ("pressure_A", Some("furlong"), ""),
+            ("Current A", Some("mA"), "current ?A beside mA"),
+            ("I_A", Some("A"), ""),
+            ("I_mA", None, "current_mA"),
             ("current_V", Some("A"), "current_A"),
             ("current_V", None, "current_V"),
             ("load_N", Some("kN"), ""),
+            ("probe_A", Some("mm"), ""),
             ("Knob_V", Some("mV"), ""),
-            ("Current (kA)", Some("A"), "current ?kA beside A"),
-            ("Strom (µA)", Some("A"), "current ?µA beside A"),
-            ("Strom", Some("μA"), "current_uA"),
-            ("Voltage_uV", Some("V"), "voltage ?uV beside V"),
-            ("Power", Some("KW"), "power_kW"),
+            ("Current (kA)", Some("A"), "current ?A beside kA"),
+            ("Strom_µA", Some("A"), "current ?A beside µA"),
+            ("Power (MW)", Some("W"), "power ?W beside MW"),
+            ("Field [G]", Some("T"), "field ?T beside G"),
+            ("Current (filtered)", Some("A"), "current_A"),
+            ("Voltage UV", Some("V"), "voltage_V"),
             ("Current [furlong]", Some("A"), "current ?A beside furlong"),
             ("Current [A]", Some("furlong"), "current ?A beside furlong"),
             ("Spannung", Some("V"), "voltage_V"),

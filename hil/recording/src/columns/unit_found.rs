@@ -1,7 +1,7 @@
 //! Information about a column's unit in its name and in the file.
 
 use super::name::{Name, Tail, words as words_of};
-use super::spelling::{bare, control_unit, unit_of};
+use super::spelling::{bare, control_unit, is_scaled_control, unit_of};
 use super::taken::own_name;
 use super::words;
 use crate::channel::Channel;
@@ -56,24 +56,29 @@ pub(super) fn control_unit_and_words<'n>(
     name: &'n Name,
 ) -> Option<(ControlUnit, &'n [String])> {
     let known = |written: &str| control_unit(written, UNITS);
+    let rows = || row_units(column);
     // `Current_A`, and not the port of `Pressure A`.
-    let is_unit =
-        |tail: &&Tail| known(&tail.text).is_some_and(|unit| words::may_have(&tail.before, unit));
-    let tail = name.tails.iter().find(is_unit);
-    let words = tail.map_or(&name.words, |tail| &tail.before);
-    // `Pressure (A)`.
-    let is_port = |written: &str| {
-        written.chars().count() == 1
-            && !known(written).is_some_and(|unit| words::may_have(words, unit))
+    let is_unit = |tail: &&Tail| match known(&tail.text) {
+        Some(unit) => words::may_have(&tail.before, unit),
+        None => is_scaled_control(&tail.text),
     };
-    let marked = name.marked.as_deref().filter(|marked| !is_port(marked));
+    let tail = name.tails.iter().find(is_unit);
+    // Beside a stated unit a letter may also number the column: `I_A`, `I_B` and `I_C` in A.
+    let words = match tail {
+        Some(tail) if rows().next().is_none() => &tail.before,
+        _ => &name.words,
+    };
+    let is_port = |written: &&str| {
+        let is_other = |unit| !words::may_have(words, unit);
+        written.len() == 1 && known(written).is_some_and(is_other)
+    };
+    let marked = (name.marked.as_deref()).filter(|marked| !is_port(marked));
+    let bracketed = (name.bracketed.as_deref()).filter(|text| is_scaled_control(text));
     // A single letter behind a unit may number the column: `Current [A] B`.
     let others = name.others.iter().map(String::as_str);
     let others = others.filter(|other| other.len() > 1 && known(other).is_some());
-    let in_name = marked
-        .into_iter()
-        .chain(tail.map(|tail| tail.text.as_str()));
-    let mut stated = in_name.chain(row_units(column)).chain(others);
+    let in_name = (marked.into_iter().chain(bracketed)).chain(tail.map(|tail| tail.text.as_str()));
+    let mut stated = in_name.chain(rows()).chain(others);
     let (written, unit) = (stated.clone()).find_map(|written| Some((written, known(written)?)))?;
     let found = match stated.find(|other| known(other) != Some(unit)) {
         Some(other) => {

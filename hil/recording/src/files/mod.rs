@@ -20,6 +20,7 @@ mod number;
 mod opened;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod paths;
 mod runs;
 mod source;
 pub mod table;

@@ -10,6 +10,7 @@ use super::cells::{Cell, Place, cell};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
+use crate::files::paths::Paths;
 
 /// The deepest nesting of groups. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 64;
@@ -26,6 +27,7 @@ pub(super) struct Walk {
     pub beside: Beside,
     /// Groups visited, because links may form a circle.
     seen: HashSet<u64>,
+    pub paths: Paths,
 }
 
 impl Walk {
@@ -43,6 +45,7 @@ impl Walk {
             path.join("/")
         };
         for attribute in group.attributes().unwrap_or_default() {
+            self.check_room(path)?;
             if let Some(value) = number(&attribute) {
                 let of = format!("attribute {}", key(&attribute.name));
                 self.beside.number(path, &attribute.name, &of, value);
@@ -64,7 +67,7 @@ impl Walk {
                 .iter()
                 .find(|(values, _)| values == short(dataset.name()));
             let names = names.map(|(_, names)| names.clone());
-            self.dataset(dataset, path, names.unwrap_or_default());
+            self.dataset(dataset, path, names.unwrap_or_default())?;
         }
         for group in groups {
             let mut path = path.to_vec();
@@ -75,7 +78,13 @@ impl Walk {
     }
 
     /// Adds a data set; `names` are those of its columns, if the file has them.
-    fn dataset(&mut self, dataset: Dataset, path: &[String], names: Vec<String>) {
+    fn dataset(
+        &mut self,
+        dataset: Dataset,
+        path: &[String],
+        names: Vec<String>,
+    ) -> Result<(), Error> {
+        self.check_room(path)?;
         let name = short(dataset.name()).to_owned();
         let attributes = Stated::of(&dataset);
         let shape = dataset.shape().to_vec();
@@ -96,7 +105,7 @@ impl Walk {
                             cell.at = field.byte_offset as usize;
                             fields.push((field.name.clone(), cell, elements));
                         }
-                        _ => self.skip(path, &format!("{name}.{}", field.name), of_type(of)),
+                        _ => self.skip(path, &format!("{name}.{}", field.name), of_type(of))?,
                     }
                 }
             }
@@ -117,10 +126,10 @@ impl Walk {
                         [path, std::slice::from_ref(&name)].concat().join("/")
                     );
                     if !self.beside.number(path, &name, &of, value) {
-                        self.skip(path, &name, &format!("the number {value}"));
+                        self.skip(path, &name, &format!("the number {value}"))?;
                     }
                 }
-                return;
+                return Ok(());
             }
             [rows] => (rows, 1, [1, 0]),
             [rows, columns] if rows >= columns => (rows, columns, [columns, 1]),
@@ -146,6 +155,7 @@ impl Walk {
                 .map(|(_, unit)| unit.clone())
                 .or_else(|| (!is_compound).then(|| attributes.unit.clone()).flatten());
             for column in 0..columns * elements {
+                self.check_room(&group)?;
                 let (element, column_of) = (column % elements, column / elements);
                 let named = names.get(column as usize).filter(|_| !is_compound);
                 let name = named
@@ -187,12 +197,21 @@ impl Walk {
             }
         }
         self.datasets.push(dataset);
+        Ok(())
     }
 
-    fn skip(&mut self, path: &[String], name: &str, what: &str) {
+    fn check_room(&mut self, path: &[String]) -> Result<(), Error> {
+        let has_room = self.paths.have_room(path);
+        let too_long = || Error::ResourceLimit(Paths::TOO_LONG.into());
+        has_room.then_some(()).ok_or_else(too_long)
+    }
+
+    fn skip(&mut self, path: &[String], name: &str, what: &str) -> Result<(), Error> {
+        self.check_room(path)?;
         let mut path = path.to_vec();
         path.push(name.to_owned());
         self.skipped.push(format!("{} ({what})", path.join("/")));
+        Ok(())
     }
 }
 
