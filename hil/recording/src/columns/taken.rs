@@ -393,7 +393,7 @@ mod tests {
             ("Strom_µA", Some("A"), "current ?A beside µA"),
             ("Power (MW)", Some("W"), "power ?W beside MW"),
             ("Field [G]", Some("T"), "field ?T beside G"),
-            ("Current (filtered)", Some("A"), "current_A"),
+            ("Current (top)", Some("A"), "current_A"),
             ("Voltage UV", Some("V"), "voltage_V"),
             ("Current [furlong]", Some("A"), "current ?A beside furlong"),
             ("Current [A]", Some("furlong"), "current ?A beside furlong"),

@@ -401,7 +401,7 @@ mod tests {
         let name = "n".repeat(1 << 20);
         for part in ["[1, 2]", "1", "\"x\""] {
             let parts = |count: usize| -> String {
-                let parts = (0..count).map(|index| format!("\"{index}\": {part}"));
+                let parts = (0..count).map(|index| format!("\"p{index}\": {part}"));
                 format!(
                     "{{\"{name}\": {{{}}}, \"a\": [1, 2]}}",
                     parts.collect::<Vec<_>>().join(",")
@@ -411,7 +411,7 @@ mod tests {
             let message = columns(&parts(1000)).unwrap_err();
             assert!(message.contains(Paths::TOO_LONG), "{part}: {:.80}", message);
         }
-        let parts = (0..1000).map(|index| format!("\"{index}\": \"kN\""));
+        let parts = (0..1000).map(|index| format!("\"p{index}\": \"kN\""));
         let units = parts.collect::<Vec<_>>().join(",");
         let text = format!("{{\"{name}\": {{\"units\": {{{units}}}, \"a\": [1, 2]}}}}");
         let message = columns(&text).unwrap_err();
