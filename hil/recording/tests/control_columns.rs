@@ -143,9 +143,12 @@ fn the_unit_of_a_column_that_the_user_names_is_asked_for_if_it_is_not_clear() {
     let error = foreign("Current (mA)", "[A]", [channel, &[]]).unwrap_err();
     assert!(error.contains("is not clear: mA beside A"), "{error}");
     assert!(
-        error.contains("--unit current=mA or --unit current=A"),
+        error.contains("such as --unit current=mA or --unit current=A"),
         "{error}"
     );
+    let kiloampere: &[(&str, &str)] = &[("current", "kA")];
+    let error = foreign("Current (mA)", "[A]", [channel, kiloampere]).unwrap_err();
+    assert!(error.contains("current cannot be \"kA\""), "{error}");
     let read = foreign("Current (mA)", "[A]", [channel, &[("current", "A")]]).unwrap();
     assert_eq!(names(&read), ["current_A"]);
     let said = "column \"Current (mA)\" is read in A, as --unit says; it says mA beside A";

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
-use super::name::Name;
+use super::name::{Name, words as words_of};
 use super::spelling::control_unit;
 use super::taken::{self, Control};
 use super::unit_found::{ControlUnit, control_unit_and_words};
+use super::words;
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 use crate::error::{InputError, Place, quoted};
@@ -45,6 +46,7 @@ impl Choice<'_> {
         let is_said = |name: &str| controls.iter().any(|control| control.name == name);
         let mut found: BTreeMap<String, Vec<(bool, usize)>> = BTreeMap::new();
         let mut unclear: Vec<Unclear> = Vec::new();
+        let mut in_other_units: Vec<ChosenControl> = controls.clone();
         for (column, each) in self.table.columns.iter().enumerate() {
             let is_used = used.iter().any(|used| used.column == column)
                 || controls.iter().any(|control| control.column == column);
@@ -64,7 +66,9 @@ impl Choice<'_> {
             match unit {
                 ControlUnit::Known(unit) => {
                     let name = format!("{quantity}_{unit}");
-                    if wanted(&name) && !is_said(&name) {
+                    if !wanted(&name) {
+                        in_other_units.push(ChosenControl { column, name });
+                    } else if !is_said(&name) {
                         found.entry(name).or_default().push((is_own, column));
                     }
                 }
@@ -124,7 +128,7 @@ impl Choice<'_> {
                         let mut unclear = unclear.iter();
                         let unclear = unclear.find(|each| each.quantity == quantity_of(name));
                         unclear.map_or_else(
-                            || self.no_input(name, &controls),
+                            || self.no_input(name, &in_other_units),
                             |each| each.error.clone(),
                         )
                     })
@@ -143,7 +147,14 @@ impl Choice<'_> {
     ) -> Result<&'static str, InputError> {
         let source = &self.table.columns[column];
         let name = Name::of(&source.name);
-        let found = control_unit_and_words(source, &name).map(|(unit, _)| unit);
+        // The user's word for it says more than the column's name.
+        let means = words_of(quantity);
+        let means = if words::is_control(&means) {
+            &means
+        } else {
+            &name.words
+        };
+        let found = control_unit_and_words(source, &name, means).map(|(unit, _)| unit);
         let given = said(&self.reading.units, quantity);
         let (problem, either) = match (given.map(|given| control_unit(given, UNITS)), found) {
             (Some(Some(unit)), found) => {
@@ -162,18 +173,16 @@ impl Choice<'_> {
             (None, Some(ControlUnit::Unclear(units, either))) => {
                 (format!("is not clear: {units}"), either)
             }
-            (Some(None), _) | (None, None) => ("is not known".into(), vec!["A"]),
+            (Some(None), _) => {
+                let given = quoted(given.unwrap_or_default());
+                (format!("cannot be {given}"), Vec::new())
+            }
+            (None, None) => ("is not known".into(), vec!["A"]),
         };
-        let options = either.iter().map(|unit| option("unit", quantity, unit));
-        let options: Vec<String> = options.collect();
         Err(InputError::new(
             self.file,
             format!("the unit of the control input {quantity} {problem}"),
-            format!(
-                "give it: {}; units are {}",
-                options.join(" or "),
-                UNITS.join(", ")
-            ),
+            give_unit(quantity, &either),
         )
         .at(Place::Column(source.name.clone()))
         .answered_by(format!("--unit {quantity}=UNIT")))
@@ -189,17 +198,13 @@ impl Choice<'_> {
     ) -> InputError {
         let column = &self.table.columns[column].name;
         let channel = option("channel", quantity, column);
-        let given = either.iter().map(|unit| option("unit", quantity, unit));
         InputError::new(
             self.file,
             format!(
                 "column {} could be the control input {quantity}, but its unit is not clear: {units}",
                 quoted(column)
             ),
-            format!(
-                "give it: {channel} {}",
-                given.collect::<Vec<_>>().join(" or ")
-            ),
+            format!("{}, and {channel}", give_unit(quantity, either)),
         )
         .answered_by(format!("{channel} --unit {quantity}=UNIT"))
     }
@@ -212,7 +217,8 @@ impl Choice<'_> {
             return InputError::new(
                 self.file,
                 format!(
-                    "the control input {name} is needed, and the column is {}",
+                    "the control input {name} is needed, and column {} is {}",
+                    quoted(&self.table.columns[control.column].name),
                     control.name
                 ),
                 format!("write a column {name} with the values in that unit"),
@@ -270,4 +276,18 @@ impl Choice<'_> {
 /// The quantity in a control input's name: `current` of `current_A`.
 fn quantity_of(name: &str) -> &str {
     name.rsplit_once('_').map_or(name, |(quantity, _)| quantity)
+}
+
+/// The remedy for a control input whose unit must be stated, which may be one of `either`.
+fn give_unit(quantity: &str, either: &[&str]) -> String {
+    let options = either.iter().map(|unit| option("unit", quantity, unit));
+    let options: Vec<String> = options.collect();
+    let units = UNITS.join(", ");
+    match &options[..] {
+        [] => format!("write the values in one of the units {units}"),
+        _ => format!(
+            "give the right one of {units}, such as {}",
+            options.join(" or ")
+        ),
+    }
 }

@@ -113,6 +113,19 @@ const CONTROLS: &[(&str, &[&str])] = &[
     ("W", &["watt", "watts"]),
     ("T", &["tesla"]),
 ];
+/// Units of control inputs with other prefixes than those that are read.
+const SCALED: &[&str] = &["A", "V", "W", "N", "T", "Pa", "bar"];
+/// Units that are not read, each with one that is and measures the same.
+const OTHERS: &[(&str, &str)] = &[
+    ("G", "T"),
+    ("Oe", "T"),
+    ("ksi", "psi"),
+    ("psia", "psi"),
+    ("psig", "psi"),
+    ("atm", "bar"),
+    ("daN", "N"),
+    ("kgf", "N"),
+];
 
 /// The unit of a channel with this spelling. Case counts where it distinguishes units, as in mN and MN.
 pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
@@ -178,13 +191,25 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
     })
 }
 
-/// Whether a text is a unit of a control input with a prefix that recordings do not have: `kA`, `µT`.
-pub(super) fn is_scaled_control(written: &str) -> bool {
-    let rest = written
-        .trim()
-        .strip_prefix(['n', 'u', 'µ', 'μ', 'm', 'k', 'M', 'G']);
-    let is_base = |rest| ["A", "V", "W", "N", "T", "Pa", "bar"].contains(&rest);
-    control_unit(written, crate::control::UNITS).is_none() && rest.is_some_and(is_base)
+/// The unit of control inputs that measures the same as the written one, which may be one that is not read: T for `G`, A for `kA`.
+pub(super) fn control_unit_like(written: &str) -> Option<&'static str> {
+    let written = written.trim();
+    let prefixes = ['n', 'u', 'µ', 'μ', 'm', 'k', 'K', 'M', 'G'];
+    let scaled = || {
+        let rest = written.strip_prefix(prefixes)?;
+        SCALED.iter().find(|base| **base == rest).copied()
+    };
+    let other = || OTHERS.iter().find(|(other, _)| *other == written);
+    control_unit(written, crate::control::UNITS)
+        .or_else(scaled)
+        .or_else(|| other().map(|(_, unit)| *unit))
+}
+
+/// Whether a text is the word for a unit, which may also be the word for the quantity: `Volt`.
+pub(super) fn is_spelt_out(written: &str) -> bool {
+    let folded = written.to_lowercase();
+    let mut words = CONTROLS.iter().flat_map(|(_, list)| *list);
+    words.any(|word| *word == folded)
 }
 
 /// A unit without the brackets that a row of units puts around it.

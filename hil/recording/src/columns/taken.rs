@@ -179,26 +179,23 @@ pub(super) struct Control {
 /// The control input that a column may be, by its own name and unit.
 pub(super) fn control(column: &Column) -> Option<Control> {
     let name = Name::of(&column.name);
-    let found = control_unit_and_words(column, &name);
+    let found = control_unit_and_words(column, &name, &name.words);
     if let Some((quantity, symbol)) = own_control(&column.name) {
-        let unit = match &found {
-            _ if row_units(column).all(|said| control_unit(said, UNITS) == Some(symbol)) => {
-                Some(ControlUnit::Known(symbol))
-            }
-            // The letter of `probe_A` in mm is no unit, nor is that of `pressure_A` in bar.
-            Some((ControlUnit::Unclear(_, either), _))
-                if either.len() > 1 && other_name_of(quantity).is_none() =>
-            {
-                found.as_ref().map(|(unit, _)| unit.clone())
-            }
-            _ => None,
+        let is_same = |said| control_unit(said, UNITS) == Some(symbol);
+        let own = |unit| Control {
+            quantity: quantity.to_owned(),
+            unit,
+            is_own: true,
         };
-        if let Some(unit) = unit {
-            return Some(Control {
-                quantity: quantity.to_owned(),
-                unit,
-                is_own: true,
-            });
+        if row_units(column).all(is_same) {
+            return Some(own(ControlUnit::Known(symbol)));
+        }
+        // The letter of `probe_A` in mm is no unit, nor is that of `pressure_A` in bar.
+        if let Some((unit @ ControlUnit::Unclear(_, either), _)) = &found
+            && either.len() > 1
+            && other_name_of(quantity).is_none()
+        {
+            return Some(own(unit.clone()));
         }
     }
     if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
@@ -379,6 +376,10 @@ mod tests {
             ("Current_mA", Some("mA"), "current_mA"),
             ("Pressure A", Some("bar"), "pressure_bar"),
             ("Pressure (A)", Some("bar"), "pressure_bar"),
+            ("Pressure (C)", Some("bar"), "pressure_bar"),
+            ("Pressure [1]", Some("bar"), "pressure_bar"),
+            ("Pressure (MV)", Some("bar"), "pressure_bar"),
+            ("Pressure (psig)", Some("bar"), "pressure ?bar beside psig"),
             ("pressure_A", Some("bar"), "pressure_bar"),
             ("pressure_A", Some("furlong"), ""),
             ("Current A", Some("mA"), "current ?A beside mA"),
@@ -390,12 +391,16 @@ mod tests {
             ("probe_A", Some("mm"), ""),
             ("Knob_V", Some("mV"), ""),
             ("Current (kA)", Some("A"), "current ?A beside kA"),
+            ("CURRENT (KA)", Some("A"), "current ?A beside KA"),
+            ("Current (mA rms)", Some("A"), "current ?mA beside A"),
+            ("Current_mA_1", Some("A"), "current ?mA beside A"),
             ("Strom_µA", Some("A"), "current ?A beside µA"),
             ("Power (MW)", Some("W"), "power ?W beside MW"),
+            ("Field (G)", Some("T"), "field ?T beside G"),
             ("Field [G]", Some("T"), "field ?T beside G"),
-            ("Current (top)", Some("A"), "current_A"),
+            ("Volt", Some("mV"), "voltage_mV"),
+            ("Current [top]", Some("A"), "current_A"),
             ("Voltage UV", Some("V"), "voltage_V"),
-            ("Current [furlong]", Some("A"), "current ?A beside furlong"),
             ("Current [A]", Some("furlong"), "current ?A beside furlong"),
             ("Spannung", Some("V"), "voltage_V"),
             ("Spannung", Some("MPa"), ""),

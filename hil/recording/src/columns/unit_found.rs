@@ -1,7 +1,7 @@
 //! Information about a column's unit in its name and in the file.
 
-use super::name::{Name, Tail, words as words_of};
-use super::spelling::{bare, control_unit, is_scaled_control, unit_of};
+use super::name::{Name, words as words_of};
+use super::spelling::{bare, control_unit, control_unit_like, is_spelt_out, unit_of};
 use super::taken::own_name;
 use super::words;
 use crate::channel::Channel;
@@ -50,39 +50,38 @@ pub(super) enum ControlUnit {
 }
 
 /// The unit that a column states for a control input, in its name and beside it, and the words of the name without it; `None`
-/// without a known unit.
+/// without a unit that is read. `means` are words for the quantity.
+///
+/// A unit that the quantity cannot have is none: the port of `Pressure A`, the place in `Current [top]`.
 pub(super) fn control_unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
+    means: &[String],
 ) -> Option<(ControlUnit, &'n [String])> {
-    let known = |written: &str| control_unit(written, UNITS);
-    let rows = || row_units(column);
-    // `Current_A`, and not the port of `Pressure A`.
-    let is_unit = |tail: &&Tail| match known(&tail.text) {
-        Some(unit) => words::may_have(&tail.before, unit),
-        None => is_scaled_control(&tail.text),
+    let read = |written: &str| control_unit(written, UNITS);
+    let is_unit = |written: &&str| {
+        control_unit_like(written).is_some_and(|unit| words::may_have(means, unit))
     };
-    let tail = name.tails.iter().find(is_unit);
+    let tail = name.tails.iter().find(|tail| is_unit(&tail.text.as_str()));
+    let rows = || row_units(column);
     // Beside a stated unit a letter may also number the column: `I_A`, `I_B` and `I_C` in A.
     let words = match tail {
         Some(tail) if rows().next().is_none() => &tail.before,
         _ => &name.words,
     };
-    let is_port = |written: &&str| {
-        let is_other = |unit| !words::may_have(words, unit);
-        written.len() == 1 && known(written).is_some_and(is_other)
-    };
-    let marked = (name.marked.as_deref()).filter(|marked| !is_port(marked));
-    let bracketed = (name.bracketed.as_deref()).filter(|text| is_scaled_control(text));
-    // A single letter behind a unit may number the column: `Current [A] B`.
-    let others = name.others.iter().map(String::as_str);
-    let others = others.filter(|other| other.len() > 1 && known(other).is_some());
-    let in_name = (marked.into_iter().chain(bracketed)).chain(tail.map(|tail| tail.text.as_str()));
-    let mut stated = in_name.chain(rows()).chain(others);
-    let (written, unit) = (stated.clone()).find_map(|written| Some((written, known(written)?)))?;
-    let found = match stated.find(|other| known(other) != Some(unit)) {
+    let marked = (name.marked.as_ref().or(name.bracketed.as_ref())).map(String::as_str);
+    let marked = marked.filter(is_unit);
+    // `Current [A] mA`, `Current_mA_1`; a single letter may number the column: `Current [A] B`.
+    let parts = column.name.split(|c: char| !c.is_alphanumeric());
+    let parts = parts.filter(|part| part.len() > 1 && !is_spelt_out(part) && is_unit(part));
+    let in_name = marked
+        .into_iter()
+        .chain(tail.map(|tail| tail.text.as_str()));
+    let mut stated = in_name.chain(parts).chain(rows());
+    let (written, unit) = (stated.clone()).find_map(|written| Some((written, read(written)?)))?;
+    let found = match stated.find(|other| read(other) != Some(unit)) {
         Some(other) => {
-            let either = [Some(unit), known(other)];
+            let either = [Some(unit), read(other)];
             let either = either.into_iter().flatten().collect();
             ControlUnit::Unclear(format!("{written} beside {other}"), either)
         }

@@ -34,7 +34,12 @@ pub(super) fn of_control(words: &[String], unit: &str) -> Option<&'static str> {
 
 /// Whether the words can stand before this unit: they mean no control input, or one that has it.
 pub(super) fn may_have(words: &[String], unit: &str) -> bool {
-    control_inputs(words).next().is_none() || of_control(words, unit).is_some()
+    !is_control(words) || of_control(words, unit).is_some()
+}
+
+/// Whether the words mean a control input.
+pub(super) fn is_control(words: &[String]) -> bool {
+    control_inputs(words).next().is_some()
 }
 
 /// The control inputs that the words mean with one of its units.

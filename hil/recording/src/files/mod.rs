@@ -20,7 +20,6 @@ mod number;
 mod opened;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod paths;
 mod runs;
 mod source;
 pub mod table;

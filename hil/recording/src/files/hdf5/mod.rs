@@ -12,7 +12,6 @@ use hdf5_reader::{FilterRegistry, Hdf5File, OpenOptions};
 use super::arrays::arranged;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
-use super::paths::Paths;
 use super::{Format, Reading, Source, Table, Tables};
 use crate::error::InputError;
 use crate::read_limit::ReadLimit;
@@ -81,11 +80,7 @@ fn open<'a>(
         return super::mat::opened(name.to_owned(), tree, reading);
     }
     let mut walk = Walk::default();
-    let walked = walk.group(&root, &[]);
-    if walk.paths.are_too_long() {
-        return Err(damaged(NAME, name, Paths::TOO_LONG));
-    }
-    walked.map_err(refused)?;
+    walk.group(&root, &[]).map_err(refused)?;
     let Walk {
         arrays,
         datasets,

@@ -10,7 +10,6 @@ use super::cells::{Cell, Place, cell};
 use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
-use crate::files::paths::Paths;
 
 /// The deepest nesting of groups. Convention: deeper than any program writes, and within the stack.
 const DEEPEST: usize = 64;
@@ -27,7 +26,6 @@ pub(super) struct Walk {
     pub beside: Beside,
     /// Groups visited, because links may form a circle.
     seen: HashSet<u64>,
-    pub paths: Paths,
 }
 
 impl Walk {
@@ -45,7 +43,6 @@ impl Walk {
             path.join("/")
         };
         for attribute in group.attributes().unwrap_or_default() {
-            self.check_room(path)?;
             if let Some(value) = number(&attribute) {
                 let of = format!("attribute {}", key(&attribute.name));
                 self.beside.number(path, &attribute.name, &of, value);
@@ -67,7 +64,7 @@ impl Walk {
                 .iter()
                 .find(|(values, _)| values == short(dataset.name()));
             let names = names.map(|(_, names)| names.clone());
-            self.dataset(dataset, path, names.unwrap_or_default())?;
+            self.dataset(dataset, path, names.unwrap_or_default());
         }
         for group in groups {
             let mut path = path.to_vec();
@@ -78,13 +75,7 @@ impl Walk {
     }
 
     /// Adds a data set; `names` are those of its columns, if the file has them.
-    fn dataset(
-        &mut self,
-        dataset: Dataset,
-        path: &[String],
-        names: Vec<String>,
-    ) -> Result<(), Error> {
-        self.check_room(path)?;
+    fn dataset(&mut self, dataset: Dataset, path: &[String], names: Vec<String>) {
         let name = short(dataset.name()).to_owned();
         let attributes = Stated::of(&dataset);
         let shape = dataset.shape().to_vec();
@@ -105,7 +96,7 @@ impl Walk {
                             cell.at = field.byte_offset as usize;
                             fields.push((field.name.clone(), cell, elements));
                         }
-                        _ => self.skip(path, &format!("{name}.{}", field.name), of_type(of))?,
+                        _ => self.skip(path, &format!("{name}.{}", field.name), of_type(of)),
                     }
                 }
             }
@@ -126,10 +117,10 @@ impl Walk {
                         [path, std::slice::from_ref(&name)].concat().join("/")
                     );
                     if !self.beside.number(path, &name, &of, value) {
-                        self.skip(path, &name, &format!("the number {value}"))?;
+                        self.skip(path, &name, &format!("the number {value}"));
                     }
                 }
-                return Ok(());
+                return;
             }
             [rows] => (rows, 1, [1, 0]),
             [rows, columns] if rows >= columns => (rows, columns, [columns, 1]),
@@ -155,7 +146,6 @@ impl Walk {
                 .map(|(_, unit)| unit.clone())
                 .or_else(|| (!is_compound).then(|| attributes.unit.clone()).flatten());
             for column in 0..columns * elements {
-                self.check_room(&group)?;
                 let (element, column_of) = (column % elements, column / elements);
                 let named = names.get(column as usize).filter(|_| !is_compound);
                 let name = named
@@ -197,21 +187,12 @@ impl Walk {
             }
         }
         self.datasets.push(dataset);
-        Ok(())
     }
 
-    fn check_room(&mut self, path: &[String]) -> Result<(), Error> {
-        let has_room = self.paths.have_room(path);
-        let too_long = || Error::ResourceLimit(Paths::TOO_LONG.into());
-        has_room.then_some(()).ok_or_else(too_long)
-    }
-
-    fn skip(&mut self, path: &[String], name: &str, what: &str) -> Result<(), Error> {
-        self.check_room(path)?;
+    fn skip(&mut self, path: &[String], name: &str, what: &str) {
         let mut path = path.to_vec();
         path.push(name.to_owned());
         self.skipped.push(format!("{} ({what})", path.join("/")));
-        Ok(())
     }
 }
 

@@ -10,7 +10,6 @@ use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
 use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
-use super::paths::Paths;
 use super::units_beside::{UnitsBeside, are_units};
 use super::{Column, Format, Reading, Source, Tables};
 use crate::error::InputError;
@@ -60,16 +59,12 @@ impl Format for Json {
         drop(bytes);
         let mut found = Found::default();
         found.take(&[], root);
-        if found.paths.are_too_long() {
-            return Err(damaged(NAME, &name, Paths::TOO_LONG));
-        }
         let Found {
             mut arrays,
             skipped,
             mut comments,
             mut beside,
             units,
-            ..
         } = found;
         comments.extend(units.give(&mut arrays, "/"));
         beside.heed(reading);
@@ -164,14 +159,10 @@ struct Found {
     comments: Vec<String>,
     beside: Beside,
     units: UnitsBeside,
-    paths: Paths,
 }
 
 impl Found {
     fn take(&mut self, path: &[String], node: Node) {
-        if !self.paths.have_room(path) {
-            return;
-        }
         let label = || path.join("/");
         let (group, name) = match path.split_last() {
             Some((name, group)) => (group, name.as_str()),
@@ -267,10 +258,7 @@ impl Found {
     fn units(&mut self, path: &[String], fields: Fields) {
         for (of, node) in fields {
             match node {
-                Node::Text(unit) if self.paths.have_room(path) => {
-                    self.units.add(path, &of, &unit);
-                }
-                Node::Text(_) => {}
+                Node::Text(unit) => self.units.add(path, &of, &unit),
                 // An array without a unit has null.
                 Node::Number(number) if number.is_nan() => {}
                 other => {
@@ -291,7 +279,7 @@ impl Found {
     }
 
     fn array(&mut self, group: &[String], name: String, unit: Option<String>, values: Vec<f64>) {
-        if values.is_empty() || self.arrays.len() >= MOST_COLUMNS || !self.paths.have_room(group) {
+        if values.is_empty() || self.arrays.len() >= MOST_COLUMNS {
             return;
         }
         let first = values.iter().take(Column::FIRST).copied().collect();
@@ -394,28 +382,6 @@ mod tests {
         assert_eq!(found, ["time in s", "force in N"]);
         assert_eq!(table.columns[1].other_units, ["Newton", "kN"]);
         assert!(table.columns[0].other_units.is_empty());
-    }
-
-    #[test]
-    fn a_long_name_around_many_parts_is_refused() {
-        let name = "n".repeat(1 << 20);
-        for part in ["[1, 2]", "1", "\"x\""] {
-            let parts = |count: usize| -> String {
-                let parts = (0..count).map(|index| format!("\"p{index}\": {part}"));
-                format!(
-                    "{{\"{name}\": {{{}}}, \"a\": [1, 2]}}",
-                    parts.collect::<Vec<_>>().join(",")
-                )
-            };
-            assert!(columns(&parts(10)).is_ok(), "{part}");
-            let message = columns(&parts(1000)).unwrap_err();
-            assert!(message.contains(Paths::TOO_LONG), "{part}: {:.80}", message);
-        }
-        let parts = (0..1000).map(|index| format!("\"p{index}\": \"kN\""));
-        let units = parts.collect::<Vec<_>>().join(",");
-        let text = format!("{{\"{name}\": {{\"units\": {{{units}}}, \"a\": [1, 2]}}}}");
-        let message = columns(&text).unwrap_err();
-        assert!(message.contains(Paths::TOO_LONG), "{message:.80}");
     }
 
     #[test]

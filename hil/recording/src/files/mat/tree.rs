@@ -5,7 +5,6 @@ use crate::files::Column;
 use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
 use crate::files::number::Kind;
-use crate::files::paths::Paths;
 use crate::files::units_beside::{UnitsBeside, are_units};
 
 /// The deepest nesting of structures. Convention: deeper than any program writes, and within the stack.
@@ -16,9 +15,6 @@ const MOST_TEXT: usize = 1 << 16;
 /// The most values that a file may have, those in structures and cells included. Convention: a structure for each cycle of a long
 /// test, with some dozen fields.
 const MOST_VALUES: usize = 1 << 20;
-
-/// A longer name takes as much memory as several values. Convention: MATLAB's longest name before release 2025a.
-const LONG: usize = 64;
 
 /// Fields of a structure that name its data: dSPACE, Simulink and time series as structures.
 const DATA: [&str; 4] = ["data", "values", "value", "signal"];
@@ -56,7 +52,6 @@ pub(in crate::files) struct Tree {
     pub guesses: Vec<String>,
     pub beside: Beside,
     units: UnitsBeside,
-    paths: Paths,
     text: usize,
     left: usize,
 }
@@ -89,7 +84,6 @@ impl Tree {
             guesses: Vec::new(),
             beside: Beside::default(),
             units: UnitsBeside::default(),
-            paths: Paths::default(),
             text: 0,
             left: MOST_VALUES,
         }
@@ -109,7 +103,6 @@ impl Tree {
 
     /// Adds a value that is nested in structures.
     pub fn take(&mut self, group: &[String], name: &str, value: Value) -> Result<(), Broken> {
-        self.check_room(group)?;
         match value {
             Value::Numbers(dimensions, numbers) => {
                 self.numbers(group, Labelled::plain(name), &dimensions, &numbers)
@@ -264,7 +257,6 @@ impl Tree {
             return Ok(());
         }
         for column in 0..columns {
-            self.check_room(group)?;
             let values = Strided {
                 numbers: numbers.clone(),
                 first: column * steps[1],
@@ -311,11 +303,6 @@ impl Tree {
             };
             self.comments.push(line);
         }
-    }
-
-    fn check_room(&mut self, path: &[String]) -> Result<(), Broken> {
-        let has_room = self.paths.have_room(path);
-        has_room.then_some(()).ok_or(Broken(Paths::TOO_LONG))
     }
 
     fn skip(&mut self, what: String) {
@@ -443,8 +430,6 @@ fn elements(
         let mut fields = Vec::new();
         for name in &names {
             let Some(matrix) = matrix(bytes)? else { break };
-            // A long name, which is kept for each element, counts as several values.
-            *left = (left.checked_sub(name.len() / LONG)).ok_or(Broken(Paths::TOO_LONG))?;
             fields.push((name.clone(), value(matrix, depth, left)?.1));
         }
         if fields.is_empty() {
@@ -492,18 +477,4 @@ pub(in crate::files) fn rows_of_text(text: &str, dimensions: &[usize]) -> String
 fn class(bytes: &mut Bytes) -> Result<String, Broken> {
     bytes.numbers()?;
     Ok(bytes.numbers()?.text())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_long_name_around_many_parts_is_refused() {
-        let group = ["n".repeat(1 << 20)];
-        let mut tree = Tree::new();
-        let mut take = |name: usize| tree.take(&group, &name.to_string(), Value::Text("x".into()));
-        assert!((0..10).all(|name| take(name).is_ok()));
-        assert!((10..1000).any(|name| take(name).is_err()));
-    }
 }
