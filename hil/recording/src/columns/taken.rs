@@ -392,7 +392,7 @@ mod tests {
             ("Knob_V", Some("mV"), ""),
             ("Current (kA)", Some("A"), "current ?A beside kA"),
             ("CURRENT (KA)", Some("A"), "current ?A beside KA"),
-            ("Current (mA rms)", Some("A"), "current ?mA beside A"),
+            ("Current (mA coil)", Some("A"), "current ?mA beside A"),
             ("Current_mA_1", Some("A"), "current ?mA beside A"),
             ("Strom_µA", Some("A"), "current ?A beside µA"),
             ("Power (MW)", Some("W"), "power ?W beside MW"),
