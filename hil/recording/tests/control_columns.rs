@@ -143,7 +143,7 @@ fn the_unit_of_a_column_that_the_user_names_is_asked_for_if_it_is_not_clear() {
     let error = foreign("Current (mA)", "[A]", [channel, &[]]).unwrap_err();
     assert!(error.contains("is not clear: mA beside A"), "{error}");
     assert!(
-        error.contains("such as --unit current=mA or --unit current=A"),
+        error.contains("such as --unit current=A or --unit current=mA"),
         "{error}"
     );
     let kiloampere: &[(&str, &str)] = &[("current", "kA")];

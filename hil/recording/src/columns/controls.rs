@@ -16,8 +16,20 @@ use crate::error::{InputError, Place, quoted};
 /// A column whose unit for a control input is not clear.
 struct Unclear {
     quantity: String,
+    /// Its units.
+    either: Vec<&'static str>,
     column: usize,
     error: InputError,
+}
+
+impl Unclear {
+    /// Whether it may be the control input `name`: `current_A`.
+    fn may_be(&self, name: &str) -> bool {
+        let parts = name.rsplit_once('_');
+        parts.is_some_and(|(quantity, unit)| {
+            quantity == self.quantity && self.either.contains(&unit)
+        })
+    }
 }
 
 impl Choice<'_> {
@@ -77,6 +89,7 @@ impl Choice<'_> {
                     let error = self.unclear_input(&quantity, column, &units, &either);
                     unclear.push(Unclear {
                         quantity,
+                        either,
                         column,
                         error,
                     });
@@ -89,9 +102,7 @@ impl Choice<'_> {
                 of_it.retain(|(is_own, _)| *is_own);
             } else {
                 // `Current A` and `Current B` in mA: the letter of the first may be a unit, so both may be the current.
-                let rivals = unclear
-                    .iter()
-                    .filter(|each| each.quantity == quantity_of(&name));
+                let rivals = unclear.iter().filter(|each| each.may_be(&name));
                 of_it.extend(rivals.map(|each| (false, each.column)));
                 of_it.sort_by_key(|&(_, column)| column);
             }
@@ -126,7 +137,7 @@ impl Choice<'_> {
                     let found = controls.iter().find(|control| control.name == *name);
                     found.cloned().ok_or_else(|| {
                         let mut unclear = unclear.iter();
-                        let unclear = unclear.find(|each| each.quantity == quantity_of(name));
+                        let unclear = unclear.find(|each| each.may_be(name));
                         unclear.map_or_else(
                             || self.no_input(name, &in_other_units),
                             |each| each.error.clone(),
@@ -284,7 +295,7 @@ fn give_unit(quantity: &str, either: &[&str]) -> String {
     let options: Vec<String> = options.collect();
     let units = UNITS.join(", ");
     match &options[..] {
-        [] => format!("write the values in one of the units {units}"),
+        [] => format!("give the one of {units} in which its values are"),
         _ => format!(
             "give the right one of {units}, such as {}",
             options.join(" or ")

@@ -122,7 +122,6 @@ const OTHERS: &[(&str, &str)] = &[
     ("ksi", "psi"),
     ("psia", "psi"),
     ("psig", "psi"),
-    ("atm", "bar"),
     ("daN", "N"),
     ("kgf", "N"),
 ];
@@ -191,18 +190,16 @@ pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Opt
     })
 }
 
-/// The unit of control inputs that measures the same as the written one, which may be one that is not read: T for `G`, A for `kA`.
-pub(super) fn control_unit_like(written: &str) -> Option<&'static str> {
-    let written = written.trim();
+/// The unit of control inputs that measures the same as one with this symbol, which may be one that is not read: T for `G`, A for
+/// `kA`. Case counts.
+pub(super) fn control_unit_like(symbol: &str) -> Option<&'static str> {
+    let symbol = symbol.trim();
     let prefixes = ['n', 'u', 'µ', 'μ', 'm', 'k', 'K', 'M', 'G'];
-    let scaled = || {
-        let rest = written.strip_prefix(prefixes)?;
-        SCALED.iter().find(|base| **base == rest).copied()
-    };
-    let other = || OTHERS.iter().find(|(other, _)| *other == written);
-    control_unit(written, crate::control::UNITS)
-        .or_else(scaled)
-        .or_else(|| other().map(|(_, unit)| *unit))
+    let base = symbol.strip_prefix(prefixes);
+    let mut own = crate::control::UNITS.iter().copied();
+    own.find(|unit| *unit == symbol)
+        .or_else(|| SCALED.iter().copied().find(|unit| Some(*unit) == base))
+        .or_else(|| (OTHERS.iter()).find_map(|&(other, unit)| (other == symbol).then_some(unit)))
 }
 
 /// Whether a text is the word for a unit, which may also be the word for the quantity: `Volt`.

@@ -207,15 +207,13 @@ pub(super) fn control(column: &Column) -> Option<Control> {
         return None;
     }
     // A word is needed: a rig may write many quantities with the same unit.
-    let quantity = match &unit {
-        ControlUnit::Known(unit) => words::of_control(words, unit),
-        ControlUnit::Unclear(_, either) => {
-            let mut either = either.iter();
-            either.find_map(|unit| words::of_control(words, unit))
-        }
+    let stated = match &unit {
+        ControlUnit::Known(unit) => unit,
+        ControlUnit::Unclear(_, either) => either.first()?,
     };
+    let quantity = words::of_control(words, stated)?.to_owned();
     Some(Control {
-        quantity: quantity?.to_owned(),
+        quantity,
         unit,
         is_own: false,
     })
@@ -367,21 +365,28 @@ mod tests {
             ("knob_V", Some("mV"), "knob ?V beside mV"),
             ("Coil current [A]", None, "current_A"),
             ("Current (mA)", Some("A"), "current ?mA beside A"),
-            (
-                "Current (mA)",
-                Some("Milliampere"),
-                "current ?mA beside Milliampere",
-            ),
+            ("Current (mA)", Some("Milliampere"), ""),
             ("Current_mA", Some("A"), "current ?mA beside A"),
+            ("Current_ma", Some("A"), "current ?ma beside A"),
             ("Current_mA", Some("mA"), "current_mA"),
             ("Pressure A", Some("bar"), "pressure_bar"),
             ("Pressure (A)", Some("bar"), "pressure_bar"),
             ("Pressure (C)", Some("bar"), "pressure_bar"),
             ("Pressure [1]", Some("bar"), "pressure_bar"),
             ("Pressure (MV)", Some("bar"), "pressure_bar"),
-            ("Pressure (psig)", Some("bar"), "pressure ?bar beside psig"),
+            ("Druck pA [bar]", None, "pressure_bar"),
+            ("Druck pA", Some("bar"), "pressure_bar"),
+            ("Pressure (psig)", Some("bar"), "pressure ?psig beside bar"),
+            ("Pressure atm", Some("kPa"), "pressure_kPa"),
             ("pressure_A", Some("bar"), "pressure_bar"),
             ("pressure_A", Some("furlong"), ""),
+            ("pressure_V", None, "pressure_V"),
+            ("Pressure (bar) [V]", None, ""),
+            ("Pressure 400 bar [V]", None, ""),
+            ("Pressure gradient [bar/s]", None, ""),
+            ("Bridge voltage (mV/V)", None, ""),
+            ("Current density [mA/cm²]", None, ""),
+            ("Preload [kN/mm]", None, ""),
             ("Current A", Some("mA"), "current ?A beside mA"),
             ("I_A", Some("A"), ""),
             ("I_mA", None, "current_mA"),
@@ -390,18 +395,19 @@ mod tests {
             ("load_N", Some("kN"), ""),
             ("probe_A", Some("mm"), ""),
             ("Knob_V", Some("mV"), ""),
-            ("Current (kA)", Some("A"), "current ?A beside kA"),
-            ("CURRENT (KA)", Some("A"), "current ?A beside KA"),
+            ("Current (kA)", Some("A"), "current ?kA beside A"),
+            ("CURRENT (KA)", Some("A"), "current ?KA beside A"),
             ("Current (mA coil)", Some("A"), "current ?mA beside A"),
             ("Current_mA_1", Some("A"), "current ?mA beside A"),
-            ("Strom_µA", Some("A"), "current ?A beside µA"),
-            ("Power (MW)", Some("W"), "power ?W beside MW"),
-            ("Field (G)", Some("T"), "field ?T beside G"),
-            ("Field [G]", Some("T"), "field ?T beside G"),
+            ("Strom_µA", Some("A"), "current ?µA beside A"),
+            ("Power (MW)", Some("W"), "power ?MW beside W"),
+            ("Field (G)", Some("T"), "field ?G beside T"),
+            ("Field [G]", Some("T"), "field ?G beside T"),
             ("Volt", Some("mV"), "voltage_mV"),
+            ("Coil volt", Some("mV"), "voltage_mV"),
             ("Current [top]", Some("A"), "current_A"),
             ("Voltage UV", Some("V"), "voltage_V"),
-            ("Current [A]", Some("furlong"), "current ?A beside furlong"),
+            ("Current [A]", Some("furlong"), ""),
             ("Spannung", Some("V"), "voltage_V"),
             ("Spannung", Some("MPa"), ""),
             ("Extension [V]", None, ""),
@@ -411,7 +417,7 @@ mod tests {
             ("Pressure command [bar]", None, ""),
             ("Current (A) Setpoint", None, ""),
             ("Current [A] B", None, "current_A"),
-            ("Current [A] mA", None, "current ?A beside mA"),
+            ("Current [A] mA", None, "current ?mA beside A"),
             ("Current [A] x10", None, ""),
         ] {
             assert_eq!(is(of, unit), said, "{of} {unit:?}");

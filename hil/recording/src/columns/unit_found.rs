@@ -45,49 +45,55 @@ pub(super) fn unknown_unit(column: &Column) -> Option<String> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ControlUnit {
     Known(&'static str),
-    /// Two statements differ: both, `mA beside A`, and the units among them.
+    /// Two statements differ: both, `mA beside A`, and the units among them; the first is that beside the name, if there is one.
     Unclear(String, Vec<&'static str>),
 }
 
-/// The unit that a column states for a control input, in its name and beside it, and the words of the name without it; `None`
-/// without a unit that is read. `means` are words for the quantity.
+/// The unit that a column states for a control input, beside its name or in it, and the words of the name without it; `None` without
+/// a unit that is read. `means` are words for the quantity.
 ///
-/// A unit that the quantity cannot have is none: the port of `Pressure A`, the place in `Current [top]`.
+/// Every other statement in the name must be the same. One that the quantity cannot have is none: the port of `Pressure A`.
 pub(super) fn control_unit_and_words<'n>(
     column: &Column,
     name: &'n Name,
     means: &[String],
 ) -> Option<(ControlUnit, &'n [String])> {
     let read = |written: &str| control_unit(written, UNITS);
-    let is_unit = |written: &&str| {
-        control_unit_like(written).is_some_and(|unit| words::may_have(means, unit))
-    };
-    let tail = name.tails.iter().find(|tail| is_unit(&tail.text.as_str()));
     let rows = || row_units(column);
-    // Beside a stated unit a letter may also number the column: `I_A`, `I_B` and `I_C` in A.
-    let words = match tail {
-        Some(tail) if rows().next().is_none() => &tail.before,
-        _ => &name.words,
+    let marked = name.marked.as_deref();
+    let (written, unit, words) = match rows().next().or(marked) {
+        Some(written) => (written, read(written)?, &name.words),
+        None => (name.tails.iter())
+            .find_map(|tail| Some((&*tail.text, read(&tail.text)?, &tail.before)))?,
     };
-    let marked = (name.marked.as_ref().or(name.bracketed.as_ref())).map(String::as_str);
-    let marked = marked.filter(is_unit);
+    let is_possible = |unit: Option<&str>| unit.is_some_and(|unit| words::may_have(means, unit));
+    let in_brackets = marked.or(name.bracketed.as_deref());
+    let in_brackets =
+        in_brackets.filter(|text| is_possible(read(text).or(control_unit_like(text))));
+    // `Current_ma` in A. `Volt` may be the word for the quantity, and the capital of `Druck pA` belongs to a port.
+    let tails = name.tails.iter().map(|tail| &*tail.text);
+    let tails = tails.filter(|tail| {
+        let folded = read(tail).filter(|_| !is_spelt_out(tail) && !is_mixed(tail));
+        is_possible(control_unit_like(tail).or(folded))
+    });
     // `Current [A] mA`, `Current_mA_1`; a single letter may number the column: `Current [A] B`.
     let parts = column.name.split(|c: char| !c.is_alphanumeric());
-    let parts = parts.filter(|part| part.len() > 1 && !is_spelt_out(part) && is_unit(part));
-    let in_name = marked
-        .into_iter()
-        .chain(tail.map(|tail| tail.text.as_str()));
-    let mut stated = in_name.chain(parts).chain(rows());
-    let (written, unit) = (stated.clone()).find_map(|written| Some((written, read(written)?)))?;
+    let parts = parts.filter(|part| part.len() > 1 && is_possible(control_unit_like(part)));
+    let mut stated = (in_brackets.into_iter().chain(tails).chain(parts)).chain(rows());
     let found = match stated.find(|other| read(other) != Some(unit)) {
         Some(other) => {
             let either = [Some(unit), read(other)];
             let either = either.into_iter().flatten().collect();
-            ControlUnit::Unclear(format!("{written} beside {other}"), either)
+            ControlUnit::Unclear(format!("{other} beside {written}"), either)
         }
         None => ControlUnit::Known(unit),
     };
     Some((found, words))
+}
+
+/// Whether a text has small and capital letters.
+fn is_mixed(text: &str) -> bool {
+    text.chars().any(char::is_uppercase) && text.chars().any(char::is_lowercase)
 }
 
 pub(super) fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
