@@ -295,7 +295,7 @@ fn give_unit(quantity: &str, either: &[&str]) -> String {
     let options: Vec<String> = options.collect();
     let units = UNITS.join(", ");
     match &options[..] {
-        [] => format!("give the one of {units} in which its values are"),
+        [] => format!("write its values in one of {units}, and give that one"),
         _ => format!(
             "give the right one of {units}, such as {}",
             options.join(" or ")

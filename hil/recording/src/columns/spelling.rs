@@ -110,6 +110,7 @@ const CONTROLS: &[(&str, &[&str])] = &[
     ("A", &["amp", "amps", "ampere", "amperes"]),
     ("V", &["volt", "volts"]),
     ("mbar", &["hPa"]),
+    ("psi", &["psia", "psig"]),
     ("W", &["watt", "watts"]),
     ("T", &["tesla"]),
 ];
@@ -120,8 +121,6 @@ const OTHERS: &[(&str, &str)] = &[
     ("G", "T"),
     ("Oe", "T"),
     ("ksi", "psi"),
-    ("psia", "psi"),
-    ("psig", "psi"),
     ("daN", "N"),
     ("kgf", "N"),
 ];
@@ -200,13 +199,6 @@ pub(super) fn control_unit_like(symbol: &str) -> Option<&'static str> {
     own.find(|unit| *unit == symbol)
         .or_else(|| SCALED.iter().copied().find(|unit| Some(*unit) == base))
         .or_else(|| (OTHERS.iter()).find_map(|&(other, unit)| (other == symbol).then_some(unit)))
-}
-
-/// Whether a text is the word for a unit, which may also be the word for the quantity: `Volt`.
-pub(super) fn is_spelt_out(written: &str) -> bool {
-    let folded = written.to_lowercase();
-    let mut words = CONTROLS.iter().flat_map(|(_, list)| *list);
-    words.any(|word| *word == folded)
 }
 
 /// A unit without the brackets that a row of units puts around it.

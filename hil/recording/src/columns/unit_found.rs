@@ -1,7 +1,7 @@
 //! Information about a column's unit in its name and in the file.
 
 use super::name::{Name, words as words_of};
-use super::spelling::{bare, control_unit, control_unit_like, is_spelt_out, unit_of};
+use super::spelling::{bare, control_unit, control_unit_like, unit_of};
 use super::taken::own_name;
 use super::words;
 use crate::channel::Channel;
@@ -70,16 +70,24 @@ pub(super) fn control_unit_and_words<'n>(
     let in_brackets = marked.or(name.bracketed.as_deref());
     let in_brackets =
         in_brackets.filter(|text| is_possible(read(text).or(control_unit_like(text))));
-    // `Current_ma` in A. `Volt` may be the word for the quantity, and the capital of `Druck pA` belongs to a port.
+    // `Current_ma` in A. `Volt` may be the word for the quantity, and the A of `Druck pA` is a port.
     let tails = name.tails.iter().map(|tail| &*tail.text);
     let tails = tails.filter(|tail| {
-        let folded = read(tail).filter(|_| !is_spelt_out(tail) && !is_mixed(tail));
+        let folded = read(tail).filter(|_| !words::is_control(&words_of(tail)) && !is_port(tail));
         is_possible(control_unit_like(tail).or(folded))
     });
     // `Current [A] mA`, `Current_mA_1`; a single letter may number the column: `Current [A] B`.
     let parts = column.name.split(|c: char| !c.is_alphanumeric());
     let parts = parts.filter(|part| part.len() > 1 && is_possible(control_unit_like(part)));
-    let mut stated = (in_brackets.into_iter().chain(tails).chain(parts)).chain(rows());
+    let others = name.others.iter().map(String::as_str);
+    let others = others
+        .filter(|other| other.len() > 1 && is_possible(read(other).or(control_unit_like(other))));
+    let in_name = in_brackets
+        .into_iter()
+        .chain(tails)
+        .chain(parts)
+        .chain(others);
+    let mut stated = in_name.chain(rows());
     let found = match stated.find(|other| read(other) != Some(unit)) {
         Some(other) => {
             let either = [Some(unit), read(other)];
@@ -91,9 +99,12 @@ pub(super) fn control_unit_and_words<'n>(
     Some((found, words))
 }
 
-/// Whether a text has small and capital letters.
-fn is_mixed(text: &str) -> bool {
-    text.chars().any(char::is_uppercase) && text.chars().any(char::is_lowercase)
+/// Whether a text is a small letter for a quantity and a capital for a port.
+fn is_port(text: &str) -> bool {
+    let mut letters = text.chars();
+    let (small, capital) = (letters.next(), letters.next());
+    let is_pair = small.is_some_and(char::is_lowercase) && capital.is_some_and(char::is_uppercase);
+    is_pair && letters.next().is_none()
 }
 
 pub(super) fn own_unit(column: &Column, channel: Channel, symbol: &str) -> UnitFound {
