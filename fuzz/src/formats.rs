@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::files::{self, Kept, Reading, Source, Wanted};
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::files::{self, Kept, Reading, Source, Wanted};
+use mesh_damper_tables::read_limit::ReadLimit;
 
 use crate::edit::edited;
 

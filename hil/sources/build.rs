@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of the repository.
-const PACKED: [&str; 16] = [
+const PACKED: [&str; 20] = [
     ".cargo/config.toml",
     "Cargo.lock",
     "Cargo.toml",
@@ -18,10 +18,14 @@ const PACKED: [&str; 16] = [
     "firmware",
     "hil/model/Cargo.toml",
     "hil/model/src",
+    "hil/output/Cargo.toml",
+    "hil/output/src",
     "hil/recording/Cargo.toml",
     "hil/recording/src",
-    "hil/studies/bench",
-    "hil/studies/bench-baseline.json",
+    "hil/tables/Cargo.toml",
+    "hil/tables/src",
+    "hil/trials/bench",
+    "hil/trials/bench-baseline.json",
     "LICENSE-APACHE",
     "LICENSE-MIT",
     "memory.x",

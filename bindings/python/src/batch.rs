@@ -9,8 +9,8 @@ use mesh_damper_batch::table::{Table, Values, outcomes, parameters};
 use mesh_damper_batch::{Batch, List, Progress, Row, Settings, Task};
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::read_limit::ReadLimit;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 

@@ -1,7 +1,7 @@
 //! Stiffness and loss factor of a recording.
 
 use mesh_damper_characterize::{DynamicTest, StaticTest, dynamic_test, static_test};
-use mesh_damper_recording::output::{Label, LabelField, Labelled};
+use mesh_damper_output::{Label, LabelField, Labelled};
 use pyo3::prelude::*;
 use serde::Serialize;
 

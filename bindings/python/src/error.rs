@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use mesh_damper_identify::trace::TraceError;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;

@@ -1,7 +1,7 @@
 //! Tests of the simulated rig.
 
 use mesh_damper_demo::{Test, record};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use pyo3::prelude::*;
 
 use crate::error::refused;

@@ -5,8 +5,8 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::read_limit::ReadLimit;
 use sha2::{Digest as _, Sha256};
 
 use crate::list::Task;

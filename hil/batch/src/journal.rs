@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::Outcome;

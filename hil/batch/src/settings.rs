@@ -1,9 +1,9 @@
 //! The settings of all traces of a batch.
 
 use mesh_damper_identify::trace::Sought;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::files::Reading;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::files::Reading;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 use crate::identity::{contents, identity};
 use crate::list::Task;

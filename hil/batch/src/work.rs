@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use rayon::ThreadPoolBuilder;
 
 /// The threads that do the work.

@@ -6,7 +6,7 @@
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::dynamic_test::{self, DynamicResult};

@@ -12,7 +12,7 @@
 //! let force = time.iter().zip(&x).map(|(&t, x)| 2.0 * x + friction(t)).collect();
 //! let test = static_test(&Recording::new("press", time, x, force)?)?;
 //! assert_eq!(test.cycles.len(), 1);
-//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! # Ok::<(), mesh_damper_output::error::InputError>(())
 //! ```
 
 #![forbid(unsafe_code)]

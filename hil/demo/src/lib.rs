@@ -15,7 +15,7 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper_identify::trace::{Trace, TraceError, trace};
 use mesh_damper_model::{LawNode, MAX_EFFECTS, Model, ModelError};
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_reference::protocol::{self, PROTOCOL};
 use mesh_damper_rig::specimen::{DrawnEffect, Specimen, draw};
 use mesh_damper_rig::{RigRun, RigSetup, SetupError, TICK_RATE, run_rig};

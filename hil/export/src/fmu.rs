@@ -11,7 +11,7 @@ use mesh_damper_fmu::description::description;
 use mesh_damper_fmu::{IDENTIFIER, MARK};
 use mesh_damper_model::export::Export;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 use serde::Serialize;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};

@@ -16,7 +16,7 @@
 //! let request = Request::new("model.json", Format::Pack, 10_000.0, "mount.mdcp");
 //! let exported = request.export(&ModelFile::new(model, range))?;
 //! assert_eq!(exported.summary.name, "mount");
-//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! # Ok::<(), mesh_damper_output::error::InputError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 use mesh_damper::pack::NAME;
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde::Serialize;
 
 use fmu::Unit;

@@ -3,7 +3,7 @@
 use mesh_damper_model::ModelError;
 use mesh_damper_model::export::ExportError;
 use mesh_damper_model::file::model_error;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 
 use super::Request;
 

@@ -17,11 +17,11 @@ mesh_damper_recording::numbers! {
     UncertaintyPolicy {
         /// A fit reduces the residual of each sample, most where a sample determines a parameter almost alone. For the intervals, a
         /// residual is assumed to keep at least this fraction of its error.
-        least_kept: f64 = 0.1, Tuned("hil/studies/tests/studies/intervals.rs");
+        least_kept: f64 = 0.1, Tuned("hil/trials/tests/trials/intervals.rs");
         /// Residuals are taken as correlated over a lag of at most this many samples.
         longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
         /// Residuals are taken as correlated up to the first lag with a correlation of at most this.
-        uncorrelated: f64 = 0.02, Tuned("hil/studies/tests/studies/intervals.rs");
+        uncorrelated: f64 = 0.02, Tuned("hil/trials/tests/trials/intervals.rs");
         /// A parameter has no bound if its interval extends by more than this factor to either side.
         bounded: f64 = 10.0, Convention("within a decade to either side not even the order of magnitude is known");
     }

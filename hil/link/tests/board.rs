@@ -19,7 +19,7 @@ use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::{OWN_TIMER, sections};
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, Times, record};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Plant, RigSetup, Samples, TICK_RATE, Watch, run_rig};
 use orders::Orders;

@@ -9,7 +9,7 @@
 //! ```
 //! use mesh_damper_live::{About, Limits, Listener, LivePage, Sample, State};
 //!
-//! # fn main() -> Result<(), mesh_damper_recording::error::InputError> {
+//! # fn main() -> Result<(), mesh_damper_output::error::InputError> {
 //! let about = About { title: "a sine".into(), sample_rate: 1000.0, ..About::default() };
 //! let mut page = LivePage::start(0, about, Limits::default())?;
 //! println!("open {}", page.address());

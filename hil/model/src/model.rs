@@ -9,9 +9,10 @@ use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_recording::extremes::least_and_largest;
-use mesh_damper_recording::{ControlChannel, Recording};
+use mesh_damper_recording::Recording;
+use mesh_damper_tables::control::ControlChannel;
 use serde::{Deserialize, Serialize};
 
 use crate::correction::{CorrectionTable, Remembered};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+use super::faults::{ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 
 crate::numbers! {

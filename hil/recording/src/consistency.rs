@@ -1,7 +1,7 @@
 //! Detects recordings that cannot all be of one specimen.
 
 use super::Recording;
-use crate::error::InputError;
+use mesh_damper_output::error::InputError;
 use crate::policy::policy;
 
 crate::numbers! {

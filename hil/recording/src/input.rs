@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use super::channel::Channel;
+use mesh_damper_tables::channel::Channel;
 use super::faults::listed;
 use super::noise::noise_beside_tones;
-use super::{ControlChannel, Recording};
-use crate::error::{InputError, Place};
-use crate::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
+use mesh_damper_tables::control::ControlChannel;
+use super::Recording;
+use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_tables::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
 
 /// A channel at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,12 +41,12 @@ impl InputSignal {
     /// As [`Recording::read`], except that the channel may be constant.
     ///
     /// ```no_run
-    /// use mesh_damper_recording::faults::Channel;
+    /// use mesh_damper_tables::channel::Channel;
     /// use mesh_damper_recording::input::InputSignal;
-    /// use mesh_damper_recording::files::Reading;
+    /// use mesh_damper_tables::files::Reading;
     ///
     /// let force = InputSignal::read("shaker.csv", Channel::Force, &Reading::default())?;
-    /// # Ok::<(), mesh_damper_recording::error::InputError>(())
+    /// # Ok::<(), mesh_damper_output::error::InputError>(())
     /// ```
     pub fn read(
         path: impl AsRef<Path>,

@@ -28,67 +28,49 @@
 //! let recording = Recording::new("a spring at 5 Hz", time, displacement, force)?;
 //! let block = &Trajectory::of(&recording)?.blocks[0];
 //! assert!((block.frequency - 5.0).abs() < 0.01);
-//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! # Ok::<(), mesh_damper_output::error::InputError>(())
 //! ```
 
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(feature = "formats"),
-    allow(
-        dead_code,
-        unused_imports,
-        reason = "some of what reads files is for the formats that are left out"
-    )
-)]
 
 pub mod averaging;
-mod channel;
 mod clock;
-pub mod columns;
 mod consistency;
-mod control;
-pub mod csv_text;
 pub mod cycles;
 pub mod dynamic_stiffness;
-pub mod error;
 pub mod extremes;
 pub mod faults;
-pub mod files;
 mod harmonic;
+mod in_memory;
 pub mod input;
 mod kinks;
 pub mod motion;
 pub mod motion_error;
 pub mod noise;
-pub mod output;
 pub mod pink;
 pub mod policy;
 mod polynomial;
 mod read;
-pub mod read_limit;
 mod repeats;
 mod resample;
 mod rest;
-mod rows;
 mod smoother;
 pub mod spectrum;
 mod stated_rate;
 pub mod trajectory;
-pub mod units;
 mod write;
 pub mod zero;
 pub mod zeros;
 
 pub use consistency::check_consistency;
-pub use control::ControlChannel;
 pub use repeats::refuse_repeats;
 pub use resample::Uniform;
-pub use units::{Unit, Units};
-pub use write::{NoFormat, WriteAs, decimal, table};
 
-use crate::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 use faults::ChannelFault;
-use rows::{RowLines, TextRows};
+use mesh_damper_tables::control::ControlChannel;
+use mesh_damper_tables::rows::{RowLines, TextRows};
+use mesh_damper_tables::units::Units;
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";

@@ -4,7 +4,8 @@
 //! motion and has its band, so it does not lie on one line over all octaves.
 
 use super::spectrum::density;
-use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+use crate::faults::{ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 use crate::trajectory::Trajectory;
 

@@ -10,7 +10,7 @@
 //!
 //! | words | what |
 //! |---|---|
-//! | the blind trial | `hil blind`: specimens with hidden effects, `hil/studies/src/blind` |
+//! | the blind trial | `hil blind`: specimens with hidden effects, `hil/trials/src/blind` |
 //! | the injected channel faults | `hil/identify/tests/identify/channel_faults.rs` |
 //! | the estimated motions | `hil/recording/tests/motion.rs`, and the error of the motion in the blind trial |
 //! | the recordings of others | `../shared/recordings` beside the repository |

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use super::channel::Channel;
-use super::control::ControlChannel;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::ControlChannel;
 use super::faults::{ChannelFault, ChannelFaultKind};
 use super::stated_rate::{Certain, Times, contradiction};
-use super::units::Units;
+use mesh_damper_tables::units::Units;
 use super::{Recording, Source};
-use crate::columns::{Chosen, Used, choose, is_own};
-use crate::error::InputError;
-use crate::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
+use mesh_damper_tables::columns::{Chosen, Used, choose, is_own};
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included; its content determines the format, not its name. A
@@ -20,7 +20,7 @@ impl Recording {
     ///
     /// # Errors
     /// The file, the line or column, the problem and its correction: a missing file, a directory, a damaged or empty file, one
-    /// beyond the default [`ReadLimit`](crate::read_limit::ReadLimit), no header, a channel that is missing or that two columns
+    /// beyond the default [`ReadLimit`](mesh_damper_tables::read_limit::ReadLimit), no header, a channel that is missing or that two columns
     /// match, an unknown unit, a row too short or too long, a cell that is not a finite number or, except in a missing sample,
     /// empty, time that does not increase from row to row, too few samples, a constant displacement.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
@@ -46,7 +46,7 @@ impl Recording {
     ) -> Result<(Self, Option<InputError>), InputError> {
         let path = path.as_ref();
         match Self::read_as(path, reading) {
-            Err(error) if error.missing() == Some(Channel::Force) => {
+            Err(error) if error.missing() == Some(Channel::Force.name()) => {
                 let motion = Self::whole(path, reading, Kept::Cells, &Needs::motion())?;
                 Ok((motion, Some(error)))
             }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::InputError;
+use mesh_damper_output::error::InputError;
 
 /// Rejects a file that is given twice: it would be both test data and training data, or be counted twice.
 ///

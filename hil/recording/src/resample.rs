@@ -2,8 +2,10 @@
 
 use super::clock::Clock;
 use super::faults::ChannelFault;
-use super::{ControlChannel, Recording, units::Unit};
-use crate::error::InputError;
+use super::Recording;
+use mesh_damper_tables::control::ControlChannel;
+use mesh_damper_tables::units::Unit;
+use mesh_damper_output::error::InputError;
 use crate::policy::policy;
 
 crate::numbers! {
@@ -235,7 +237,7 @@ fn interpolate(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Place;
+    use mesh_damper_output::error::Place;
     use std::f64::consts::TAU;
 
     fn sine(times: &[f64]) -> Recording {

@@ -1,8 +1,8 @@
 //! Compares the times of a recording with the rates that its file states.
 
-use crate::error::quoted;
-use crate::files::table::StatedStep;
-use crate::units::{self, Unit};
+use mesh_damper_output::error::quoted;
+use mesh_damper_tables::files::table::StatedStep;
+use mesh_damper_tables::units::{self, Unit};
 
 /// Relative difference of two steps of the same clock. Convention: a nominal rate is met to a percent.
 const SAME: f64 = 0.01;

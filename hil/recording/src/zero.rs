@@ -5,7 +5,8 @@
 
 use std::ops::Range;
 
-use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+use crate::faults::{ChannelFault, ChannelFaultKind};
 use crate::noise::noise_deviation;
 use crate::policy::policy;
 use crate::trajectory::Trajectory;

@@ -3,7 +3,8 @@
 //! The search looks at the means of the residuals. Deviations that a law lacks differ between recordings too, but their means are
 //! spread out. If zeros differ, all but a few of the means agree.
 
-use crate::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+use crate::faults::{ChannelFault, ChannelFaultKind};
 use crate::policy::policy;
 use crate::trajectory::Trajectory;
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::Units;
-use mesh_damper_recording::faults::Channel;
-use mesh_damper_recording::files::{GivenColumn, Needs, Reading, Unmarked};
+use mesh_damper_tables::units::Units;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::files::{GivenColumn, Needs, Reading, Unmarked};
 use mesh_damper_recording::input::InputSignal;
 use proptest::prelude::*;
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::check_consistency;
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 fn read(header: &str, cell: impl Fn(usize) -> String) -> Recording {
     let mut text = format!("time_s,displacement_mm,force_kN,{header}\n");

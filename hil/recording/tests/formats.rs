@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::files::{self, Reading};
+use mesh_damper_tables::files::{self, Reading};
 use serde::Deserialize;
 
 /// One file of `files.json`.

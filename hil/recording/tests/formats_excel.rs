@@ -7,7 +7,7 @@
 #![cfg(feature = "xlsx")]
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 

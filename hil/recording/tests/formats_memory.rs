@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use mesh_damper_recording::files::{self, Kept, Reading, Source, Wanted};
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::files::{self, Kept, Reading, Source, Wanted};
+use mesh_damper_tables::read_limit::ReadLimit;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

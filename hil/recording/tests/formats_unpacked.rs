@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
-use mesh_damper_recording::files::{self, Kept, Reading, Source, Values, Wanted};
-use mesh_damper_recording::read_limit::ReadLimit;
-use mesh_damper_recording::table;
+use mesh_damper_tables::files::{self, Kept, Reading, Source, Values, Wanted};
+use mesh_damper_tables::read_limit::ReadLimit;
+use mesh_damper_tables::write::table;
 use zip::write::SimpleFileOptions;
 
 static TAKEN: AtomicUsize = AtomicUsize::new(0);

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use mesh_damper_recording::faults::Channel;
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::files::Reading;
 use mesh_damper_recording::input::InputSignal;
 
 fn read(text: &str, channel: Channel) -> Result<InputSignal, String> {

@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
-use mesh_damper_recording::files::Reading;
+use mesh_damper_recording::faults::{ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::files::Reading;
 use mesh_damper_recording::{Recording, units};
 use proptest::prelude::*;
 
@@ -289,7 +290,7 @@ fn notes_of_mat(more: &[(&str, Vec<f64>)]) -> Vec<String> {
         ("force_kN", (0..60).map(|n| 2.0 * wave(n)).collect()),
     ];
     columns.extend_from_slice(more);
-    let bytes = mesh_damper_recording::table("a.mat".as_ref(), &[], &columns).unwrap();
+    let bytes = mesh_damper_tables::write::table("a.mat".as_ref(), &[], &columns).unwrap();
     let read = Recording::from_bytes("a.mat".as_ref(), bytes).unwrap();
     assert!((read.sample_period() - 0.005).abs() < 1e-12);
     read.guesses().to_vec()

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::files::{self, Reading, Source};
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::files::{self, Reading, Source};
+use mesh_damper_tables::read_limit::ReadLimit;
 
 /// A group of a JSON file: 60 samples from `start` s on, whose force is called `force`.
 fn group(start: f64, force: &str) -> String {

@@ -63,7 +63,7 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
         let reading = Default::default();
         let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
         std::fs::write(&file, read.to_file(Path::new(name)).unwrap()).unwrap();
-        let (_, opened) = mesh_damper_recording::files::open(file.path(), &reading).unwrap();
+        let (_, opened) = mesh_damper_tables::files::open(file.path(), &reading).unwrap();
         let columns = &opened.tables()[0].columns;
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!(
@@ -79,7 +79,7 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
 fn columns(name: &str, bytes: Vec<u8>) -> Vec<(String, Option<String>)> {
     let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
     std::fs::write(&file, bytes).unwrap();
-    let (_, opened) = mesh_damper_recording::files::open(file.path(), &Default::default()).unwrap();
+    let (_, opened) = mesh_damper_tables::files::open(file.path(), &Default::default()).unwrap();
     let each = opened.tables()[0].columns.iter();
     each.map(|column| (column.name.clone(), column.unit.clone()))
         .collect()
@@ -148,7 +148,7 @@ fn no_column_is_lost_by_its_name() {
     let text = format!("time_s,displacement_mm,force_kN,Load cell\n{rows}");
     let file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
     std::fs::write(&file, text).unwrap();
-    let reading = mesh_damper_recording::files::Reading {
+    let reading = mesh_damper_tables::files::Reading {
         channels: vec![("force".into(), "Load cell".into())],
         units: vec![("force".into(), "kN".into())],
         ..Default::default()
@@ -172,7 +172,7 @@ fn a_prediction_has_the_units_of_the_recording() {
             .unwrap();
         let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
         std::fs::write(&file, bytes).unwrap();
-        let reading = mesh_damper_recording::files::Reading {
+        let reading = mesh_damper_tables::files::Reading {
             channels: vec![("force".into(), "predicted_force_N".into())],
             units: vec![("force".into(), "N".into())],
             ..Default::default()

@@ -1,7 +1,7 @@
 //! The paper's equations in `f64`, directly from its text. The crate shares no code with `mesh-damper`, so that it can be its
 //! oracle.
 //!
-//! Equations 8–12, the finite elements, are in `mesh_damper_studies::finite_element`.
+//! Equations 8–12, the finite elements, are in `mesh_damper_paper::finite_element`.
 //!
 //! | module | for |
 //! |---|---|

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use mesh_damper_demo::demo;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_report::{ReportData, render};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,6 +1,6 @@
 //! Memory and processor time of a trace over the number of rows, as one SVG with logarithmic axes.
 
-use mesh_damper_studies::size::{Measured, Motion, mebibytes, memory_limit};
+use mesh_damper_trials::size::{Measured, Motion, mebibytes, memory_limit};
 
 use super::palette::Colour;
 use super::picture::{Axis, Dash, Layer, Look, Mark, Panel, Picture};

@@ -18,7 +18,7 @@ use mesh_damper::rig::{
     WithTrip,
 };
 use mesh_damper::sine::{Programme, SineGenerator};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::drive::{Feeder, Motion};
 use super::expected::{Expected, expected, expected_along};

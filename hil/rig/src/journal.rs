@@ -7,8 +7,9 @@ use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::{UNFINISHED, decimal};
+use mesh_damper_output::error::InputError;
+use mesh_damper_recording::UNFINISHED;
+use mesh_damper_tables::write::decimal;
 
 use super::run::Samples;
 

@@ -6,7 +6,7 @@ use mesh_damper::law::Law;
 use mesh_damper::operating_range::{OperatingRange, RangeCounter};
 use mesh_damper::rig::{CycleReport, State, Telemetry, TripCause};
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::bench::{Bench, RigSetup, SetupError};
 use super::plant::Plant;

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::manifest::trimmed;
 

@@ -6,7 +6,7 @@
 //! ```no_run
 //! let sources = mesh_damper_sources::Sources::find()?;
 //! println!("images are built in {}", sources.root().join("firmware").display());
-//! # Ok::<(), mesh_damper_recording::error::InputError>(())
+//! # Ok::<(), mesh_damper_output::error::InputError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -15,7 +15,7 @@ mod manifest;
 
 use std::path::{Path, PathBuf};
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 
@@ -109,7 +109,7 @@ mod tests {
             "firmware/mps2-an386/src/firmware.rs",
             "firmware/microbit/Cargo.lock",
             "bindings/fmu/src/lib.rs",
-            "hil/studies/bench/peer.c",
+            "hil/trials/bench/peer.c",
         ] {
             assert!(FILES.iter().any(|(file, _)| *file == name), "{name}");
         }

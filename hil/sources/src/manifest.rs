@@ -1,7 +1,7 @@
 //! Manifests as they are where only a part of the repository is.
 
 /// The packages that are unpacked.
-const MEMBERS: &str = r#"members = ["bindings/fmu", "firmware", "firmware/mps2-an386", "hil/model", "hil/recording"]"#;
+const MEMBERS: &str = r#"members = ["bindings/fmu", "firmware", "firmware/mps2-an386", "hil/model", "hil/output", "hil/recording", "hil/tables"]"#;
 
 /// `manifest` without what it says of packages that are not there: the members of the workspace that are none here, and what tests
 /// alone depend on.

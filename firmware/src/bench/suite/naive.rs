@@ -1,7 +1,7 @@
 //! The whole tick in its obvious form, with libm: a sine, a cosine and a power per tick, and sums in plain f32.
 //!
 //! It gives the results of [`mesh_damper::simulation`], and leaves out the same ones, which a sine and an odd law make known: means
-//! and harmonics, and the displacement's extremes. `hil/studies/bench/peer.c` is the same in C, line by line.
+//! and harmonics, and the displacement's extremes. `hil/trials/bench/peer.c` is the same in C, line by line.
 
 use core::f32::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! The common conditions of all models: the motion, the temperature, the cycles, the control inputs.
 
 use mesh_damper_model::Control;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde::Serialize;
 
 use super::{ComparePolicy, Moment};

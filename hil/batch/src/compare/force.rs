@@ -2,7 +2,7 @@
 
 use mesh_damper_model::ModelError;
 use mesh_damper_model::file::model_error;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde::Serialize;
 
 use super::chance::{Chance, Spread, differences, mean_product, mean_square};

@@ -17,7 +17,7 @@ mod parameters;
 mod run;
 mod unexcited;
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde::Serialize;
 
 pub use common::CommonMotion;

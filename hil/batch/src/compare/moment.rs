@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use mesh_damper_identify::trace::result::{OperatingConditions, TraceResult};
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::{InputError, Place};
-use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 
 use super::Compared;
 use crate::one::{MODEL, TRACE};

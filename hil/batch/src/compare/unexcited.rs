@@ -1,7 +1,7 @@
 //! Effects that not all models have, and that the common motion does not show.
 
 use mesh_damper_model::{Family, Model, ModelError};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde::Serialize;
 
 use super::chance::{Chance, differences, mean_square};

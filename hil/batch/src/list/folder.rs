@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::files::FORMATS;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::files::FORMATS;
 
 use super::{List, Task, refused};
 

@@ -6,8 +6,8 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 /// One trace of a batch: the recordings that it fits, and those that it holds out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use arrow_array::cast::AsArray as _;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::DataType;
-use mesh_damper_recording::error::{InputError, Place, quoted};
+use mesh_damper_output::error::{InputError, Place, quoted};
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 
 use super::{Task, refused, resolved};
@@ -44,7 +44,7 @@ pub(super) fn csv(list: &Path, text: &str) -> Result<Option<Vec<Task>>, InputErr
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| {
-                mesh_damper_recording::csv_text::broken_csv(&list.display().to_string(), &error)
+                mesh_damper_tables::csv_text::broken_csv(&list.display().to_string(), &error)
             })?;
             let line = record.position().map_or(0, csv::Position::line);
             let cell = |place: Option<usize>| place.and_then(|place| record.get(place));

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 use super::{Task, refused, resolved};
 

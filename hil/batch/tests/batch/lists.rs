@@ -7,7 +7,7 @@ use std::sync::Arc;
 use arrow_array::types::Int32Type;
 use arrow_array::{ArrayRef, BooleanArray, DictionaryArray, Int64Array, RecordBatch, StringArray};
 use mesh_damper_batch::{List, Task};
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::read_limit::ReadLimit;
 use parquet::arrow::ArrowWriter;
 
 fn read(path: &Path) -> Result<List, String> {

@@ -7,7 +7,7 @@ use std::path::Path;
 use mesh_damper_batch::Settings;
 use mesh_damper_batch::outcome::Outcome;
 use mesh_damper_model::Family;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 use crate::rows::{batch, record, run};
 

@@ -11,7 +11,7 @@ use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_identify::trace::trace;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_tables::read_limit::ReadLimit;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use crate::simulated::drawn;

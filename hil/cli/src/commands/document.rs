@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::{Label, LabelField, Labelled, Outputs};
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::{Label, LabelField, Labelled, Outputs};
 use serde::Serialize;
 
 /// A JSON document of a command. It states its type and version.

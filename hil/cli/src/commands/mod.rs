@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 
 use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 #[cfg(feature = "full")]
 const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz";

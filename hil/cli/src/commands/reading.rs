@@ -4,10 +4,10 @@ use std::path::Path;
 
 use clap::Args;
 use mesh_damper_recording::Recording;
-pub use mesh_damper_recording::columns::shell;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::files;
-use mesh_damper_recording::read_limit::ReadLimit;
+pub use mesh_damper_tables::columns::shell;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::files;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 /// The limit on the size of a file.
 #[derive(Args, Clone, Copy, Debug)]

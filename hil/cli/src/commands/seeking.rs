@@ -7,8 +7,8 @@ use mesh_damper_identify::base_law::BaseLaw;
 use mesh_damper_identify::trace::Sought;
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::read_limit::ReadLimit;
 
 /// The families to look for in a trace.
 #[derive(Args, Clone, Debug)]

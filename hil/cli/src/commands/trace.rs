@@ -5,7 +5,7 @@ use std::sync::Once;
 
 use clap::Args;
 use mesh_damper_identify::trace::trace_for;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_recording::{Recording, refuse_repeats};
 use mesh_damper_report::{self as report, ReportData, declared};
 

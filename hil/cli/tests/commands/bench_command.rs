@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use crate::emulated;
 use crate::junit_command;
 use mesh_damper_link::image::Board;
-use mesh_damper_studies::bench::{Baseline, IMAGE};
+use mesh_damper_trials::bench::{Baseline, IMAGE};
 use serde_json::Value;
 
 fn command(arguments: &[&str], baseline: &Path) -> Output {

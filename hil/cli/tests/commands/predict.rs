@@ -326,7 +326,7 @@ fn a_prediction_goes_where_its_name_ends() {
     for name in ["pred.csv.gz", "pred.mat", "pred.parquet"] {
         predict(root.path(), "rec.csv", name, "f64");
         let path = root.path().join(name);
-        let reading = mesh_damper_recording::files::Reading {
+        let reading = mesh_damper_tables::files::Reading {
             channels: vec![("force".into(), "predicted_force_N".into())],
             units: vec![("force".into(), "N".into())],
             ..Default::default()

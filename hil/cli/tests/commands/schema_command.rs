@@ -121,7 +121,7 @@ fn documents(root: &Path) -> BTreeMap<&'static str, Value> {
     documents.insert("trace", read(root.join("demo/trace.json")));
     documents.insert("model", read(root.join("demo/model.json")));
     documents.insert("size-measurement", documents["study-size"][0].clone());
-    let baseline = "../studies/bench-baseline.json";
+    let baseline = "../trials/bench-baseline.json";
     let baseline = Path::new(env!("CARGO_MANIFEST_DIR")).join(baseline);
     documents.insert("bench-baseline", read(baseline));
     documents

@@ -12,7 +12,7 @@ use mesh_damper::effects::{Equations, LawForce};
 use mesh_damper::error::ConfigError;
 use mesh_damper_model::Family;
 use mesh_damper_model::predict::motion_at;
-use mesh_damper_recording::ControlChannel;
+use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::shape::{Extent, Shape};

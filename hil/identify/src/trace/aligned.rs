@@ -10,7 +10,7 @@ use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
 use mesh_damper_recording::zero::zero_step;

@@ -40,7 +40,7 @@ pub use split::{Role, Roles};
 
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::{Recording, check_consistency};

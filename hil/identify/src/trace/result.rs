@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
-use mesh_damper_recording::output::{Label, LabelField};
+use mesh_damper_output::{Label, LabelField};
 use mesh_damper_reference::protocol::TestBlock;
 use serde::{Deserialize, Deserializer, Serialize};
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Control, Family, ModelError};
-use mesh_damper_recording::ControlChannel;
+use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
 

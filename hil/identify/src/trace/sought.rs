@@ -2,7 +2,7 @@
 
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 
 use crate::base_law::BaseLaw;
 use crate::known_terms::{KnownTerm, known_terms};

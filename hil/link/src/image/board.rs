@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::build::check_target;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind, elf};
 use serde::Serialize;
 

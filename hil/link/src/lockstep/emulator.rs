@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::LinkError;
 use super::log::{LogDecoder, LogThread};

@@ -7,7 +7,7 @@ use std::io::Read;
 use std::thread::JoinHandle;
 
 use defmt_decoder::{DecodeError, Table};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

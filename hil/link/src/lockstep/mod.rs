@@ -27,7 +27,7 @@ use mesh_damper::message::{
 };
 use mesh_damper::rig::{ClearRefused, Knot, StartRefused, StreamConfig};
 use mesh_damper::sine::Programme;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::SetupError;
 
 use crate::image::{Board, FIRMWARE, build};

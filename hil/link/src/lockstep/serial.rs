@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use mesh_damper::frame::{Extent, extent};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FlockOperation, flock};
 use rustix::termios::{OptionalActions, QueueSelector, speed, tcflush, tcgetattr, tcsetattr};

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::Plant;
 use mesh_damper_rig::actuator::{adc_code, dac_volts};
 use mesh_damper_rig::specimen::DamperForce;

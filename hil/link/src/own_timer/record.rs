@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use mesh_damper::message::{Note, Row, TelemetryConfig};
 use mesh_damper::rig::{State, Telemetry};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::{RigRun, Samples, Watch};
 
 use crate::lockstep::{Image, LinkError, Sent, Wire};

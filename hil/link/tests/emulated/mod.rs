@@ -7,7 +7,7 @@ use std::sync::Once;
 
 use mesh_damper_link::image::{Board, Image, build};
 use mesh_damper_link::lockstep::{Emulator, LogDecoder};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde_json::Value;
 
 /// `image` built for `board`, or `None` with a message that says which test was left out and how to get the missing part. With `CI`

@@ -10,7 +10,7 @@ use mesh_damper::rig::{RigSettings, StreamSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::{Emulator, Image, ImageBench, LinkError, LogLevel, LogLine};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::{Bench, Controlled as _};
 
 use crate::support::{

@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use serde_json::{Value, json};
 
 use crate::decimate::Decimator;

@@ -3,7 +3,7 @@
 use mesh_damper::effects::CONTROLS;
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 
 use super::ModelFile;
 use crate::{AddedEffect, ModelError};

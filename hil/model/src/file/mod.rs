@@ -21,8 +21,8 @@ pub use fitted_range::FittedRange;
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::pack::Identity;
-use mesh_damper_recording::error::{InputError, Place};
-use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
@@ -179,7 +179,7 @@ impl ModelFile {
                     "format",
                     format!(
                         "{} is another format",
-                        mesh_damper_recording::error::quoted(other)
+                        mesh_damper_output::error::quoted(other)
                     ),
                     "give the model.json that `hil trace` wrote",
                 ));

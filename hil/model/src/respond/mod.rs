@@ -32,7 +32,7 @@ mod specimen;
 mod sweep;
 
 use mesh_damper::effects::CONTROLS;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 
 use crate::extrapolation::Extrapolation;
 use crate::file::{FittedRange, model_error};

@@ -19,7 +19,7 @@ pub(crate) mod sign;
 pub(crate) mod spikes;
 pub(crate) mod velocity;
 
-pub use super::channel::Channel;
+use mesh_damper_tables::channel::Channel;
 use super::resample::Uniform;
 use super::{Recording, counted};
 use crate::policy::policy;

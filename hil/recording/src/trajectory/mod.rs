@@ -10,13 +10,15 @@ use centre::{is_off, middle};
 
 use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
-use super::faults::{self, Channel, ChannelFault, ChannelFaultKind, Shift};
+use super::faults::{self, ChannelFault, ChannelFaultKind, Shift};
+use mesh_damper_tables::channel::Channel;
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use super::smoother::Band;
-use super::{ControlChannel, Recording};
-use crate::error::InputError;
+use mesh_damper_tables::control::ControlChannel;
+use super::Recording;
+use mesh_damper_output::error::InputError;
 use crate::extremes::least_and_largest;
 use crate::policy::policy;
 

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 use proptest::prelude::*;
 
 use super::corpus::{Column, KN, MM, N, S, SAMPLES, is_true, read, rows, time};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 use super::other;
 

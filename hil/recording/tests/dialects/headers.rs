@@ -1,6 +1,6 @@
 //! Lines above and below the numbers.
 
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 use super::corpus::{Dialect, NEWTONS, OWN, Outcome, SAMPLES, read, rows};
 

@@ -1,6 +1,6 @@
 //! How numbers are written.
 
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 use super::corpus::{Column, Dialect, N, NEWTONS, OWN, Outcome, S, rows};
 

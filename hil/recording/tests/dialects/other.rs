@@ -3,7 +3,7 @@
 //! If a file lacks some information, the reader cannot refuse an answer: a force without a unit is read in kN if the user says so.
 //! But an answer changes only its own subject, and an answer that contradicts the file is refused.
 
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 use super::corpus::{Column, Dialect, SAMPLES, channels, is_channel_true, read, say};
 

@@ -1,6 +1,6 @@
 //! How the times of samples are given.
 
-use mesh_damper_recording::files::Reading;
+use mesh_damper_tables::files::Reading;
 
 use super::corpus::{
     Column, Dialect, KN, MM, OWN, Outcome, S, SAMPLES, displacement, force, rows, time,

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 use mesh_damper_reference::tables::DENSITIES;
-use mesh_damper_studies::finite_element::Bore;
-use mesh_damper_studies::paper::{Compared, Paper};
+use mesh_damper_paper::finite_element::Bore;
+use mesh_damper_paper::claims::{Compared, Paper};
 
 use crate::html::table;
 use crate::text;

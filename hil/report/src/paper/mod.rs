@@ -5,7 +5,7 @@ mod figures;
 mod tables;
 
 use maud::{Markup, html};
-use mesh_damper_studies::paper::{Claim, Paper, Verdict};
+use mesh_damper_paper::claims::{Claim, Paper, Verdict};
 
 use super::html::{Section, figure, page, table};
 use super::picture;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
-use mesh_damper_studies::paper::{Paper, SurfaceErrors};
+use mesh_damper_paper::claims::{Paper, SurfaceErrors};
 
 use crate::html::table;
 use crate::text;

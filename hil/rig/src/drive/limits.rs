@@ -3,7 +3,7 @@
 //! Displacement, velocity, acceleration and command follow from the motion. The force is that of a copy of the specimen along it.
 //! The following error is that of a copy of the actuator with the command as the rig begins it: demand plus lead times velocity.
 
-use mesh_damper_recording::error::{InputError, Place as Where};
+use mesh_damper_output::error::{InputError, Place as Where};
 
 use super::Motion;
 use crate::actuator::Servo;

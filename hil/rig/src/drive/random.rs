@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use mesh_damper_recording::error::{InputError, Place, quoted};
+use mesh_damper_output::error::{InputError, Place, quoted};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use realfft::RealFftPlanner;

@@ -4,7 +4,7 @@
 //! the noise would shake. The rejected part is reported. Between samples the motion is the cubic that meets both.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::{InputError, Place as Where};
+use mesh_damper_output::error::{InputError, Place as Where};
 use mesh_damper_recording::motion::MotionEstimate;
 
 use super::{Grid, Motion, Place, cubic};

@@ -10,7 +10,7 @@ use mesh_damper_batch::outcome::Outcome;
 use mesh_damper_batch::{Batch, List, Progress as Done, Settings, Summary};
 use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::Verdict;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use crate::commands::progress::Progress;
 use crate::commands::reading::RecordingFiles;

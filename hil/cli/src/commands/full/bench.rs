@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::{Outputs, Plan};
+use mesh_damper_output::{Outputs, Plan};
 use mesh_damper_rig::check;
 use mesh_damper_sources::Sources;
-use mesh_damper_studies::bench::{self, Baseline, Verdict};
+use mesh_damper_trials::bench::{self, Baseline, Verdict};
 
 use super::bench_table;
 use super::image::{IMAGES, say_where};

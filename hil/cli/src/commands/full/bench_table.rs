@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use mesh_damper_studies::bench::{BLOCK, Core, Results, Verdict, counted_effects};
+use mesh_damper_trials::bench::{BLOCK, Core, Results, Verdict, counted_effects};
 
 use crate::commands::say;
 

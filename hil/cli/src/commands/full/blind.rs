@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::{Outputs, Plan};
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::{Outputs, Plan};
 use mesh_damper_rig::check::failures;
-use mesh_damper_studies::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
+use mesh_damper_trials::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 
 use super::junit::{Case, Junit, judged};
 use super::motions;

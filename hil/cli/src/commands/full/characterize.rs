@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 use mesh_damper_characterize::{
     DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
 };
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_report::characterization::{dynamic_chart, static_chart};
 use schemars::JsonSchema;
 use serde::Serialize;

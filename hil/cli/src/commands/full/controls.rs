@@ -2,8 +2,8 @@
 
 use clap::Args;
 use mesh_damper_model::Model;
-use mesh_damper_recording::ControlChannel;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_tables::control::ControlChannel;
+use mesh_damper_output::error::InputError;
 
 use crate::commands::warn;
 

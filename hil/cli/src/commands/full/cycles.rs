@@ -2,7 +2,7 @@
 
 use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::Programme;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::Plan;
 use mesh_damper_report::text;
-use mesh_damper_studies::design::{
+use mesh_damper_paper::design::{
     Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
 };
 use schemars::JsonSchema;
@@ -177,7 +177,7 @@ fn range(text: &str) -> Result<(f64, f64), InputError> {
             "--amplitude-range",
             format!(
                 "{} is not a range",
-                mesh_damper_recording::error::quoted(text)
+                mesh_damper_output::error::quoted(text)
             ),
             "give two amplitudes in mm, such as 0.05..0.15",
         )

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::commands::reading::{RecordingFiles, say_guesses};
 use clap::Args;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::error::{InputError, Place};
+use mesh_damper_output::error::{InputError, Place};
 use mesh_damper_rig::drive::limits::{Demands, checked};
 use mesh_damper_rig::drive::{Grid, Motion, RandomMotion, recorded};
 use mesh_damper_rig::specimen::Specimen;

@@ -1,6 +1,6 @@
 //! A hidden effect as text: `viscous:c=0.006`.
 
-use mesh_damper_recording::error::{InputError, quoted};
+use mesh_damper_output::error::{InputError, quoted};
 use mesh_damper_rig::specimen::HiddenEffect;
 use serde_json::{Map, Value, json};
 

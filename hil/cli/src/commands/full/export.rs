@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper_export::{Exported, Format, Request, fmu};
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 
 use super::fmu_library;
 use crate::commands::document::AddDocument as _;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use mesh_damper_export::fmu;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_sources::Sources;
 
 use super::image::say_where;

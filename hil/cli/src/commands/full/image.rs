@@ -7,7 +7,7 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::{self, Emulator, Image, Serial};
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_sources::Sources;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::columns;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::faults::Channel;
-use mesh_damper_recording::files::{Needs, Reading, Table};
+use mesh_damper_tables::columns;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::files::{Needs, Reading, Table};
 
 use crate::commands::reading::shell;
 

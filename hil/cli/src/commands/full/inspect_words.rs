@@ -1,8 +1,8 @@
 //! The output of `hil inspect`.
 
-use mesh_damper_recording::columns;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::files::Column;
+use mesh_damper_tables::columns;
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::files::Column;
 
 use super::inspect::{Inspected, InspectedColumn, InspectedRecording, InspectedTable};
 
@@ -187,7 +187,7 @@ pub fn question(error: &InputError) -> String {
 
 /// A number to six digits.
 fn short(value: f64) -> String {
-    mesh_damper_recording::decimal((format!("{value:.5e}")).parse().unwrap_or(value))
+    mesh_damper_tables::write::decimal((format!("{value:.5e}")).parse().unwrap_or(value))
 }
 
 /// A text in one line, of at most `longest` characters.

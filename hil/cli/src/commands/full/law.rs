@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use mesh_damper::law::Law;
 use mesh_damper::table::{PAPER, SMOOTHED};
-use mesh_damper_studies::design::Source;
+use mesh_damper_paper::design::Source;
 
 /// Source of the coefficients of eq 13.
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -8,7 +8,7 @@ use mesh_damper::rig::{CycleReport, Telemetry};
 use mesh_damper_live::{
     About, Broker, CycleResult, Limits, Listener, LivePage, MqttPublisher, Sample, State,
 };
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use mesh_damper_recording::output::{Outputs, Plan};
+use mesh_damper_output::{Outputs, Plan};
 use mesh_damper_rig::check::failures;
-use mesh_damper_studies::blind::motions::{self, FLOORS, Mark, Outcome, Row, Summary};
+use mesh_damper_trials::blind::motions::{self, FLOORS, Mark, Outcome, Row, Summary};
 
 use super::blind::{add_recordings, in_words, recordings};
 use super::junit::{Case, Junit, judged};

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
 use mesh_damper_report::text;
-use mesh_damper_studies::orthogonal::{
+use mesh_damper_paper::orthogonal::{
     AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
     against_print, analyse,
 };

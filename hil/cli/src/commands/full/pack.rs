@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mesh_damper::pack::PackInfo;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 /// The bytes of the pack at `path`, after a check of its header and checksum.
 ///

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_report as report;
-use mesh_damper_studies::paper::{self, Claim, Paper, Verdict};
+use mesh_damper_paper::claims::{self, Claim, Paper, Verdict};
 
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
@@ -34,7 +34,7 @@ impl PaperCommand {
             .writes(&self.json)
             .begin()?;
         let progress = Progress::steps();
-        let paper = paper::recompute(&|step| progress.step(step));
+        let paper = claims::recompute(&|step| progress.step(step));
         progress.step("drawing");
         outputs.add(&page, report::paper::render(&paper));
         if let Some(json) = &self.json {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::error::{InputError, Place};
-use mesh_damper_recording::read_limit::{ReadLimit, read_json};
-use mesh_damper_studies::numbers::Policies;
+use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_tables::read_limit::{ReadLimit, read_json};
+use mesh_damper_trials::numbers::Policies;
 use serde::de::DeserializeOwned;
 
 /// Uses the numbers of the file at `path`; other numbers keep their defaults.

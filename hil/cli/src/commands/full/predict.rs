@@ -11,9 +11,10 @@ use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
-use mesh_damper_recording::output::Plan;
+use mesh_damper_output::Plan;
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_recording::{Recording, WriteAs};
+use mesh_damper_recording::Recording;
+use mesh_damper_tables::write::WriteAs;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 

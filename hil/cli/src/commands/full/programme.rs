@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper_recording::error::{InputError, Place, quoted};
-use mesh_damper_recording::read_limit::{ReadLimit, read_json};
+use mesh_damper_output::error::{InputError, Place, quoted};
+use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 use serde::Deserialize;
 
 /// Largest number of blocks in a programme.

@@ -9,16 +9,16 @@ use mesh_damper_batch::Summary as BatchSummary;
 use mesh_damper_batch::compare::Comparison;
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::{Label, LabelField, Plan};
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::{Label, LabelField, Plan};
 use mesh_damper_rig::faults;
-use mesh_damper_studies::amplitude_independent::Study;
-use mesh_damper_studies::bench::{Baseline, Results};
-use mesh_damper_studies::blind;
-use mesh_damper_studies::bouc_wen::BoucWenResult;
-use mesh_damper_studies::numbers::Costs;
-use mesh_damper_studies::paper::Paper;
-use mesh_damper_studies::size::Measured;
+use mesh_damper_paper::amplitude_independent::Study;
+use mesh_damper_trials::bench::{Baseline, Results};
+use mesh_damper_trials::blind;
+use mesh_damper_trials::bouc_wen::BoucWenResult;
+use mesh_damper_trials::numbers::Costs;
+use mesh_damper_paper::claims::Paper;
+use mesh_damper_trials::size::Measured;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -270,7 +270,7 @@ fn named(name: &str) -> Result<&'static Entry, InputError> {
     ALL.iter().find(|entry| entry.name == name).ok_or_else(|| {
         let names: Vec<&str> = ALL.iter().map(|entry| entry.name).collect();
         InputError::new(
-            mesh_damper_recording::error::quoted(name),
+            mesh_damper_output::error::quoted(name),
             "no document has this name",
             format!("give one of {}", names.join(", ")),
         )

@@ -1,7 +1,7 @@
 //! A simulated specimen, as the command line describes it.
 
 use clap::Args;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::specimen::{DamperForce as _, Specimen, draw};
 
 use super::effect;

@@ -3,7 +3,7 @@
 use clap::Args;
 use mesh_damper::rig::State;
 use mesh_damper_link::lockstep::Image;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 
 use super::board::Port;
 use super::run::in_words;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::{Args, Subcommand};
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::Plan;
-use mesh_damper_studies::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::Plan;
+use mesh_damper_trials::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
 
 use super::policy;
 use super::study_bouc_wen::BoucWenCommand;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::output::Plan;
-use mesh_damper_studies::bouc_wen::{BoucWenResult, Programme, bouc_wen, records};
+use mesh_damper_output::Plan;
+use mesh_damper_trials::bouc_wen::{BoucWenResult, Programme, bouc_wen, records};
 
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;

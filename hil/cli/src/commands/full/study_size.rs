@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_recording::error::InputError;
-use mesh_damper_recording::output::{Labelled, Plan};
+use mesh_damper_output::error::InputError;
+use mesh_damper_output::{Labelled, Plan};
 use mesh_damper_report::size::picture;
-use mesh_damper_studies::size::{Measured, Motion, measure, table};
+use mesh_damper_trials::size::{Measured, Motion, measure, table};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 

@@ -1,7 +1,8 @@
 //! Faults that are injected into clean recordings, and whether they are found.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::faults::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_recording::faults::{ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

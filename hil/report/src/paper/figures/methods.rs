@@ -1,7 +1,7 @@
 //! Law and finite elements compared to measurements: loops, errors, stiffness and loss factor.
 
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
-use mesh_damper_studies::paper::{BOUND, Compared, Condition, GUARDS, JUDGED, Paper};
+use mesh_damper_paper::claims::{BOUND, Compared, Condition, GUARDS, JUDGED, Paper};
 
 use super::{Figure, corrected, loop_of};
 use crate::charts;
@@ -158,9 +158,9 @@ pub(super) fn compared_dynamics(
     conditions: &[Condition],
     at: fn(&Condition) -> f64,
 ) -> Figure {
-    let panel = |of: fn(&mesh_damper_studies::paper::Dynamics) -> f64, y: Axis| {
+    let panel = |of: fn(&mesh_damper_paper::claims::Dynamics) -> f64, y: Axis| {
         let by =
-            |dynamics: fn(&Condition) -> &mesh_damper_studies::paper::Dynamics| -> Vec<(f64, f64)> {
+            |dynamics: fn(&Condition) -> &mesh_damper_paper::claims::Dynamics| -> Vec<(f64, f64)> {
                 let points = conditions.iter();
                 points.map(|one| (at(one), of(dynamics(one)))).collect()
             };

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::surfaces::{self, Equation18};
-use mesh_damper_studies::paper::Paper;
+use mesh_damper_paper::claims::Paper;
 
 use crate::picture::Picture;
 use methods::{compared_dynamics, compared_loops, errors};

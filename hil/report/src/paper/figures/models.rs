@@ -2,7 +2,7 @@
 
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
-use mesh_damper_studies::paper::Paper;
+use mesh_damper_paper::claims::Paper;
 
 use super::{Figure, corrected, of_density};
 use crate::charts;

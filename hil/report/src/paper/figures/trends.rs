@@ -2,7 +2,7 @@
 
 use mesh_damper_reference::orthogonal_test::LEVELS;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
-use mesh_damper_studies::paper::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, Paper};
+use mesh_damper_paper::claims::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, Paper};
 
 use super::{Figure, loop_of, of_density};
 use crate::charts;
@@ -35,7 +35,7 @@ pub(super) fn loops_by_density() -> Figure {
 }
 
 pub(super) fn dynamics_by_density(paper: &Paper) -> Figure {
-    let panel = |y: Axis, of: fn(&mesh_damper_studies::paper::Cell) -> f64| {
+    let panel = |y: Axis, of: fn(&mesh_damper_paper::claims::Cell) -> f64| {
         let layers = (0..5).map(|row| {
             let points = paper.cells[row].iter().map(|cell| (cell.density, of(cell)));
             SHADES[row].both(format!("{:.2} mm", AMPLITUDES[row]), points.collect())

@@ -6,7 +6,7 @@ use mesh_damper_live::About;
 use mesh_damper_model::MAX_EFFECTS;
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::output::Outputs;
+use mesh_damper_output::Outputs;
 use mesh_damper_rig::drive::limits::Demands;
 use mesh_damper_rig::specimen::{CURRENT, Specimen};
 use mesh_damper_rig::{Journal, RigSetup, run_rig};

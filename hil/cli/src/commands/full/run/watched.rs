@@ -3,7 +3,7 @@
 use mesh_damper::health::Event;
 use mesh_damper::rig::{CycleReport, Telemetry};
 use mesh_damper_live::State;
-use mesh_damper_recording::error::InputError;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::{Journal, RigRun, Samples, SetupError, Watch};
 
 use super::super::live::Live;

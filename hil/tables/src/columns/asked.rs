@@ -1,0 +1,201 @@
+//! Questions about the columns of a recording, with the options to type.
+
+use super::choose::Choice;
+use super::taken::{self, Candidate, Rank};
+use super::unit_found::{self, UnitFound};
+use crate::channel::Channel;
+use mesh_damper_output::error::{InputError, Place, quoted};
+use crate::files::Column;
+
+/// Largest number of names in a message.
+pub(super) const MOST: usize = 12;
+/// Largest number of options in a message.
+const OPTIONS: usize = 4;
+
+impl Choice<'_> {
+    /// Several columns match a channel equally well.
+    pub(super) fn several(&self, channel: Channel, columns: &[&str]) -> InputError {
+        let channel = channel.name();
+        let options: Vec<String> = columns
+            .iter()
+            .take(MOST)
+            .map(|name| option("channel", channel, name))
+            .collect();
+        InputError::new(
+            self.file,
+            format!(
+                "{} columns could be the {channel}: {}",
+                columns.len(),
+                listed(columns)
+            ),
+            format!("say which: {}", options.join(" or ")),
+        )
+        .answered_by(format!("--channel {channel}=NAME"))
+    }
+
+    /// The unit of a channel's column is not known; it may be one of `either`.
+    pub(super) fn no_unit(
+        &self,
+        channel: Channel,
+        column: usize,
+        problem: String,
+        either: &[&str],
+    ) -> InputError {
+        let name = self.table.columns[column].name.as_str();
+        let units: Vec<&str> = channel.units().iter().map(|unit| unit.symbol).collect();
+        let quantity = channel.name();
+        let offered = if either.is_empty() {
+            &units[..2]
+        } else {
+            either
+        };
+        let options: Vec<String> = (offered.iter())
+            .map(|unit| format!("--unit {quantity}={unit}"))
+            .collect();
+        let remedy = format!(
+            "use one of {}, or give it: {}; units are {}",
+            channel.column_names(),
+            options.join(" or "),
+            units.join(", ")
+        );
+        InputError::new(self.file, problem, remedy)
+            .at(Place::Column(name.into()))
+            .answered_by(unit_option(channel))
+    }
+
+    /// The unit of a channel's column has a factor, which no option states.
+    pub(super) fn scaled_unit(&self, channel: Channel, column: usize, written: &str) -> InputError {
+        let name = self.table.columns[column].name.as_str();
+        let problem = format!("unit {} has a factor, which is not read", quoted(written));
+        let remedy = format!("write the column in one of {}", channel.column_names());
+        InputError::new(self.file, problem, remedy).at(Place::Column(name.into()))
+    }
+
+    /// No column matches a channel.
+    pub(super) fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+        let columns = &self.table.columns;
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let name = channel.name();
+        // Columns that could be it: those with a unit of it, else those without a unit, unless they are another channel.
+        let is_measured = |column: &Column| !taken::is_surely_other(column);
+        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
+            let each = columns.iter().enumerate().zip(candidates).filter(
+                |((index, column), candidates)| {
+                    let is_other = |candidate: &Candidate| {
+                        candidate.channel != channel && candidate.rank >= Rank::Word
+                    };
+                    column.is_numeric
+                        && !column.is_stamp
+                        && (channel != Channel::Time || rises(&column.first))
+                        && is_measured(column)
+                        && !self.is_spoken_for(*index)
+                        && !candidates.iter().any(is_other)
+                        && is_it(&unit_found::unit_for(column, channel))
+                },
+            );
+            each.map(|((_, column), _)| option("channel", name, &column.name))
+                .collect()
+        };
+        let is_time = channel == Channel::Time;
+        let mut options =
+            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(..)));
+        let only = |options: &[String]| match options {
+            [only] => only.clone(),
+            _ => format!("--channel {name}=NAME"),
+        };
+        let mut answer = only(&options);
+        let mut unit = String::new();
+        if options.is_empty() {
+            options = could_be(&|unit| matches!(unit, UnitFound::None));
+            if is_time && options.is_empty() {
+                answer = "--rate HZ".into();
+            } else if self.reading.units.iter().all(|(of, _)| of != name) {
+                unit = format!(
+                    ", with its unit unless its name carries one: {}",
+                    unit_option(channel)
+                );
+                answer = format!("{} {}", only(&options), unit_option(channel));
+            }
+        }
+        options.truncate(OPTIONS);
+        if options.is_empty() {
+            options.push(format!("--channel {name}=NAME"));
+        }
+        let rate = if is_time {
+            ", or give the sampling rate in Hz with --rate"
+        } else {
+            ""
+        };
+        let problem = if self.table.is_nameless {
+            format!(
+                "there is no header, the first row holds numbers; its columns are {}",
+                listed(&names)
+            )
+        } else {
+            let words = columns.iter().find_map(|column| {
+                let cell = column.words.as_ref()?;
+                let is_it = |each: &Candidate| each.channel == channel;
+                let is_named = taken::candidates(&taken::of_numbers(column))
+                    .iter()
+                    .any(is_it);
+                is_named.then(|| {
+                    let name = quoted(&column.name);
+                    format!("; column {name} holds words, such as {}", quoted(cell))
+                })
+            });
+            let words = words.unwrap_or_default();
+            format!("there is no {name} column; found {}{words}", listed(&names))
+        };
+        let error = InputError::new(
+            self.file,
+            problem,
+            format!(
+                "name one of them {}, or say which one it is: {}{unit}{rate}",
+                channel.column_names(),
+                options.join(" or ")
+            ),
+        )
+        .answered_by(answer)
+        .lacking(channel.name());
+        match self.table.header_line {
+            Some(line) => error.at(Place::Line(line)),
+            None => error,
+        }
+    }
+}
+
+/// The option for the unit of a channel, which only the user knows.
+fn unit_option(channel: Channel) -> String {
+    format!("--unit {}=UNIT", channel.name())
+}
+
+/// Whether the first values of a column can be times: they rise, and none is below the one before.
+fn rises(first: &[f64]) -> bool {
+    let mut known = first.iter().filter(|value| value.is_finite());
+    let Some(begin) = known.next() else {
+        return true;
+    };
+    let end = known.try_fold(begin, |before, value| (value >= before).then_some(value));
+    end.is_some_and(|end| end > begin || first.len() == 1)
+}
+
+pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {
+    format!("--{option} {quantity}={}", shell(name))
+}
+
+/// A name for a shell: in quotes where it needs them.
+pub fn shell(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
+    if !name.is_empty() && name.chars().all(plain) {
+        return name.to_owned();
+    }
+    format!("'{}'", name.replace('\'', "'\\''"))
+}
+
+pub(super) fn listed(names: &[&str]) -> String {
+    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
+    if names.len() > MOST {
+        shown.push(format!("and {} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}

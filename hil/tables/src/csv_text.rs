@@ -1,0 +1,417 @@
+//! Text and cells of the CSV files given to the harness.
+
+use std::collections::HashMap;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use mesh_damper_output::error::{InputError, Place, quoted};
+use crate::read_limit::{ReadLimit, open};
+
+/// The first two bytes of every gzip member (RFC 1952, 2.3.1).
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+/// Bytes that some programs write before the text.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+/// Number of bytes read at a time.
+const CHUNK: usize = 1 << 16;
+
+/// The text of a CSV file as it is read: unzipped if it is gzip, without a byte order mark, and never held as a whole.
+///
+/// An error in the file comes out of [`Read::read`] as an [`InputError`] within an [`io::Error`]; [`broken_csv`] extracts it.
+pub struct CsvText<'a> {
+    path: PathBuf,
+    limit: ReadLimit,
+    source: Box<dyn Read + 'a>,
+    is_gzip: bool,
+    /// Unpacked bytes that were read ahead, and the number of them already taken.
+    ahead: Vec<u8>,
+    taken: usize,
+    /// Decoder to UTF-8; `None` if the bytes are UTF-8.
+    decoder: Option<encoding_rs::Decoder>,
+    /// Whether bytes that are not UTF-8 are taken for Windows-1252, if all before were ASCII.
+    may_guess: bool,
+    /// The first line for which they were.
+    guessed_from: Option<u64>,
+    is_ascii: bool,
+    /// Text read and not handed on. After its first `whole` bytes an incomplete character begins.
+    chunk: Vec<u8>,
+    next: usize,
+    whole: usize,
+    /// Number of unpacked bytes read from the file, and number of bytes handed on.
+    read: u64,
+    handed: u64,
+    last: Option<u8>,
+    has_ended: bool,
+    lines: Lines,
+}
+
+/// The lines of a text so far.
+#[derive(Default)]
+struct Lines {
+    /// Number of line ends passed.
+    ends: u64,
+    /// Bytes of this line so far.
+    length: u64,
+    /// Bytes of all comment lines so far.
+    of_comments: u64,
+    comments: Vec<String>,
+    /// The bytes of this line, if it is a comment.
+    comment: Option<Vec<u8>>,
+    /// Whether a quoted cell is open.
+    quoted: bool,
+    is_within: bool,
+}
+
+impl<'a> CsvText<'a> {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// The file and why it cannot be read: it does not exist, or is a folder.
+    pub fn open(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
+        Self::of(path, open(path)?, limit)
+    }
+
+    /// The text of `source`; `path` is its name in errors.
+    pub(crate) fn of(
+        path: &Path,
+        mut source: impl Read + 'a,
+        limit: ReadLimit,
+    ) -> Result<Self, InputError> {
+        let mut head = Vec::new();
+        (source.by_ref().take(GZIP_MAGIC.len() as u64))
+            .read_to_end(&mut head)
+            .map_err(|error| InputError::io(path, "read", &error))?;
+        let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
+        let is_gzip = head == GZIP_MAGIC || (named_gzip && !head.is_empty());
+        let whole = io::Cursor::new(head).chain(source);
+        Ok(Self {
+            path: path.to_owned(),
+            limit,
+            source: if is_gzip {
+                Box::new(flate2::read::MultiGzDecoder::new(whole))
+            } else {
+                Box::new(whole)
+            },
+            is_gzip,
+            ahead: Vec::new(),
+            taken: 0,
+            decoder: None,
+            may_guess: false,
+            guessed_from: None,
+            is_ascii: true,
+            chunk: Vec::with_capacity(CHUNK),
+            next: 0,
+            whole: 0,
+            read: 0,
+            handed: 0,
+            last: None,
+            has_ended: false,
+            lines: Lines::default(),
+        })
+    }
+
+    /// The file as the user named it.
+    pub fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Its rows, also those of different lengths; comment lines are left out.
+    pub fn rows(self) -> csv::Reader<Self> {
+        csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .buffer_capacity(CHUNK)
+            .from_reader(self)
+    }
+
+    /// The lines read so far that begin with `#`, outside quoted cells.
+    pub fn comments(self) -> Vec<String> {
+        self.lines.comments
+    }
+
+    /// The first unpacked bytes, before any is handed on: `count` of them, or all.
+    ///
+    /// # Errors
+    /// An error of the file system, damaged gzip, or a file beyond the limit.
+    pub(crate) fn ahead(&mut self, count: usize) -> Result<&[u8], InputError> {
+        while self.ahead.len() < count && !self.has_ended {
+            let mut bytes = std::mem::take(&mut self.ahead);
+            let more = self.unpack(&mut bytes);
+            self.ahead = bytes;
+            self.has_ended = more? == 0;
+        }
+        Ok(&self.ahead)
+    }
+
+    /// Whether [`CsvText::ahead`] returned the whole file.
+    pub(crate) fn is_all_ahead(&self) -> bool {
+        self.has_ended
+    }
+
+    /// Sets the encoding. Without one the bytes are UTF-8, and Windows-1252 from the first byte that is not UTF-8, if all before
+    /// were ASCII.
+    pub(crate) fn decode(&mut self, encoding: Option<&'static encoding_rs::Encoding>) {
+        self.decoder = encoding.map(encoding_rs::Encoding::new_decoder_with_bom_removal);
+        self.may_guess = encoding.is_none();
+    }
+
+    /// The line from which the text was taken for Windows-1252.
+    pub(crate) fn guessed_from(&self) -> Option<u64> {
+        self.guessed_from
+    }
+
+    /// Whether the whole file was read.
+    fn is_read(&self) -> bool {
+        self.has_ended && self.taken == self.ahead.len()
+    }
+
+    /// Reads on, and takes the bytes up to their last complete character.
+    fn fill(&mut self) -> Result<(), InputError> {
+        self.chunk.drain(..self.whole);
+        (self.next, self.whole) = (0, 0);
+        while self.whole == 0 && !self.is_read() {
+            self.more()?;
+            if self.handed == 0 && self.chunk.starts_with(BYTE_ORDER_MARK) {
+                self.chunk.drain(..BYTE_ORDER_MARK.len());
+                self.lines.length = BYTE_ORDER_MARK.len() as u64;
+            }
+            let error = std::str::from_utf8(&self.chunk).err();
+            self.whole = error.map_or(self.chunk.len(), |error| error.valid_up_to());
+            self.is_ascii &= self.chunk[..self.whole].is_ascii();
+            let mut is_broken = error.is_some_and(|error| error.error_len().is_some())
+                || (self.is_read() && self.whole < self.chunk.len());
+            if is_broken && self.may_guess && self.is_ascii {
+                self.guess();
+                is_broken = false;
+            }
+            self.lines
+                .pass(&self.chunk[..self.whole], &self.name(), self.limit)?;
+            if is_broken {
+                let line = 1 + self.lines.ends;
+                return Err(InputError::new(
+                    self.name(),
+                    "not UTF-8 text",
+                    "save the file as UTF-8 CSV",
+                )
+                .at(Place::Line(line)));
+            }
+        }
+        if self.is_read() {
+            self.lines.end();
+        }
+        Ok(())
+    }
+
+    /// Takes the bytes from the first that is not UTF-8 for Windows-1252.
+    fn guess(&mut self) {
+        let ends = self.chunk[..self.whole].iter().filter(|&&b| b == b'\n');
+        self.guessed_from = Some(1 + self.lines.ends + ends.count() as u64);
+        self.may_guess = false;
+        self.decoder = Some(encoding_rs::WINDOWS_1252.new_decoder_without_bom_handling());
+        let rest = self.chunk.split_off(self.whole);
+        self.append(&rest, self.is_read());
+        self.whole = self.chunk.len();
+    }
+
+    /// Some more text of the file, or its end.
+    fn more(&mut self) -> Result<(), InputError> {
+        if self.taken < self.ahead.len() {
+            // The bytes read ahead are taken in the parts in which a file is read.
+            let end = self.ahead.len().min(self.taken + CHUNK);
+            let ahead = std::mem::take(&mut self.ahead);
+            let from = std::mem::replace(&mut self.taken, end);
+            self.append(&ahead[from..end], self.has_ended && end == ahead.len());
+            if end < ahead.len() {
+                self.ahead = ahead;
+            } else {
+                self.taken = 0;
+            }
+            return Ok(());
+        }
+        if self.decoder.is_none() {
+            let mut chunk = std::mem::take(&mut self.chunk);
+            let count = self.unpack(&mut chunk);
+            self.chunk = chunk;
+            self.has_ended = count? == 0;
+            return Ok(());
+        }
+        let mut bytes = Vec::new();
+        self.has_ended = self.unpack(&mut bytes)? == 0;
+        self.append(&bytes, self.has_ended);
+        Ok(())
+    }
+
+    /// Appends the text of `bytes` to the chunk.
+    fn append(&mut self, bytes: &[u8], is_last: bool) {
+        let Some(decoder) = &mut self.decoder else {
+            self.chunk.extend_from_slice(bytes);
+            return;
+        };
+        let most = decoder.max_utf8_buffer_length(bytes.len());
+        let held = self.chunk.len();
+        self.chunk
+            .resize(held + most.unwrap_or(3 * bytes.len() + 16), 0);
+        // There is room for all of it, and malformed bytes become a replacement character.
+        let (_, _, written, _) = decoder.decode_to_utf8(bytes, &mut self.chunk[held..], is_last);
+        self.chunk.truncate(held + written);
+    }
+
+    /// Appends some more unpacked bytes of the file; none at its end.
+    fn unpack(&mut self, to: &mut Vec<u8>) -> Result<usize, InputError> {
+        let held = to.len();
+        to.resize(held + CHUNK, 0);
+        let count = loop {
+            match self.source.read(&mut to[held..]) {
+                Ok(count) => break count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.failed(&error)),
+            }
+        };
+        to.truncate(held + count);
+        self.read += count as u64;
+        if self.read > self.limit.file() {
+            return Err(self.limit.exceeded(&self.name()));
+        }
+        Ok(count)
+    }
+
+    fn failed(&self, error: &io::Error) -> InputError {
+        // An error in the gzip has no error number of the operating system.
+        if !self.is_gzip || error.raw_os_error().is_some() {
+            return InputError::io(&self.path, "read", error);
+        }
+        InputError::new(
+            self.name(),
+            format!("not valid gzip: {error}"),
+            "copy the file again, or unpack it and name the CSV",
+        )
+    }
+}
+
+impl Read for CsvText<'_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        if self.next == self.whole && !self.is_read() {
+            self.fill().map_err(io::Error::other)?;
+        }
+        let count = to.len().min(self.whole - self.next);
+        let from = &self.chunk[self.next..self.next + count];
+        to[..count].copy_from_slice(from);
+        self.last = from.last().copied().or(self.last);
+        self.next += count;
+        self.handed += count as u64;
+        Ok(count)
+    }
+}
+
+impl Lines {
+    /// Counts the lines of `text` and keeps the comments among them.
+    fn pass(&mut self, text: &[u8], name: &str, limit: ReadLimit) -> Result<(), InputError> {
+        for &byte in text {
+            if !self.is_within && byte == b'#' && !self.quoted {
+                self.comment = Some(Vec::new());
+            }
+            self.is_within = byte != b'\n';
+            match &mut self.comment {
+                Some(comment) if byte != b'\n' => {
+                    comment.push(byte);
+                    // Each takes more memory than its text, so that many short ones take many times the size of the file.
+                    if self.of_comments + comment.len() as u64 >= limit.line().saturating_add(1) {
+                        return Err(limit.exceeded_by(name, "has comments of", "all comments"));
+                    }
+                }
+                Some(_) => self.end(),
+                None => self.quoted ^= byte == b'"',
+            }
+            // A lone carriage return ends a row too, but no line is counted there.
+            self.length = match byte {
+                b'\n' | b'\r' => 0,
+                _ => self.length + 1,
+            };
+            if self.length > limit.line() {
+                let error = limit.exceeded_by(name, "has", "a line");
+                return Err(error.at(Place::Line(1 + self.ends)));
+            }
+            self.ends += u64::from(byte == b'\n');
+        }
+        Ok(())
+    }
+
+    /// Ends a comment.
+    fn end(&mut self) {
+        let Some(comment) = self.comment.take() else {
+            return;
+        };
+        self.of_comments += comment.len() as u64 + 1;
+        let text = String::from_utf8_lossy(&comment[1..]);
+        self.comments.push(text.trim().replace('\r', " "));
+    }
+}
+
+/// Whether the last record has no line end, so that its last cell may have been cut.
+pub fn is_cut(rows: &csv::Reader<CsvText>) -> bool {
+    let text = rows.get_ref();
+    let has_end = matches!(text.last, Some(b'\n' | b'\r'));
+    // A record without a line end counts only once the text is complete.
+    text.is_read() && !has_end && rows.position().byte() == text.handed
+}
+/// The first name that a header contains twice, with both of its columns, counted from 0.
+pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
+    let mut known = HashMap::with_capacity(header.len());
+    (header.iter().enumerate()).find_map(|(index, name)| {
+        let first = *known.entry(name).or_insert(index);
+        (first != index).then_some((name, first, index))
+    })
+}
+
+/// The finite number in a cell.
+///
+/// # Errors
+/// Its error, and its correction.
+pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
+    const MEND: &str = "remove the row or correct the value";
+    if cell.is_empty() {
+        return Err(("the cell is empty".into(), MEND));
+    }
+    let value: f64 = cell.parse().map_err(|_| {
+        (
+            format!("{} is not a number", quoted(cell)),
+            "write a decimal number with a point, such as -0.125 or 1e-3",
+        )
+    })?;
+    if value.is_nan() {
+        return Err((format!("{} is not a number", quoted(cell)), MEND));
+    }
+    if value.is_infinite() {
+        return Err((format!("{} is not finite", quoted(cell)), MEND));
+    }
+    Ok(value)
+}
+
+/// Whether a cell means a missing number.
+pub(crate) fn is_blank(cell: &str) -> bool {
+    cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
+}
+
+/// The error that [`CsvText`] found in the file, if that is the cause.
+pub(crate) fn found_wrong(error: &io::Error) -> Option<InputError> {
+    error.get_ref()?.downcast_ref::<InputError>().cloned()
+}
+
+/// The error of the CSV reader, with its line, or the error in the file that [`CsvText`] found.
+pub fn broken_csv(file: &str, error: &csv::Error) -> InputError {
+    if let csv::ErrorKind::Io(error) = error.kind()
+        && let Some(found) = found_wrong(error)
+    {
+        return found;
+    }
+    let broken = InputError::new(
+        file,
+        format!("not readable as CSV: {error}"),
+        "write comma-separated rows",
+    );
+    match error.position() {
+        Some(position) => broken.at(Place::Line(position.line())),
+        None => broken,
+    }
+}

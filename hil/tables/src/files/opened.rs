@@ -1,0 +1,100 @@
+//! A file whose tables are known, and whose columns are read one by one.
+
+use super::{Kept, Table, Tables, Values, Wanted};
+use mesh_damper_output::error::{InputError, Place};
+
+/// The values of a column of a table; `None` if they are not numbers.
+type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a;
+
+/// A file of any format but text.
+pub(super) struct Opened<'a> {
+    name: String,
+    tables: Vec<Table>,
+    comments: Vec<String>,
+    read: Box<Read<'a>>,
+}
+
+impl<'a> Opened<'a> {
+    /// A file called `name`; `read` returns the values of a column of a table.
+    ///
+    /// # Errors
+    /// A file without a table.
+    pub fn new(
+        name: String,
+        tables: Vec<Table>,
+        comments: Vec<String>,
+        read: impl FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a,
+    ) -> Result<Self, InputError> {
+        if tables.iter().all(|table| table.columns.is_empty()) {
+            let skipped: Vec<&str> = tables
+                .iter()
+                .flat_map(|table| table.skipped.iter().map(String::as_str))
+                .take(8)
+                .collect();
+            let problem = if skipped.is_empty() {
+                "holds no columns of numbers".to_owned()
+            } else {
+                format!(
+                    "holds no columns of numbers; not read: {}",
+                    skipped.join(", ")
+                )
+            };
+            return Err(InputError::new(
+                name,
+                problem,
+                "check that it is the right file",
+            ));
+        }
+        Ok(Self {
+            name,
+            tables,
+            comments,
+            read: Box::new(read),
+        })
+    }
+}
+
+impl Tables for Opened<'_> {
+    fn tables(&self) -> &[Table] {
+        &self.tables
+    }
+
+    fn read(
+        mut self: Box<Self>,
+        table: usize,
+        wanted: &[Wanted],
+        _: Kept,
+    ) -> Result<Values, InputError> {
+        let mut columns: Vec<Option<Vec<f64>>> = Vec::new();
+        for wanted in wanted {
+            let column = &self.tables[table].columns[wanted.column];
+            let values = if column.is_numeric {
+                (self.read)(table, wanted.column)?
+            } else {
+                None
+            };
+            let refused = |problem: String, remedy: &str| {
+                let place = Place::Column(column.name.clone());
+                InputError::new(&self.name, problem, remedy).at(place)
+            };
+            if values.is_none() && wanted.must_be_numeric {
+                return Err(refused(
+                    "its values are not numbers".into(),
+                    "name another column, or write numbers",
+                ));
+            }
+            if let (Some(rows), Some(values)) = (self.tables[table].rows, &values)
+                && values.len() as u64 != rows
+            {
+                let problem = format!("it has {} values for {rows} rows", values.len());
+                return Err(refused(problem, "check that the file is complete"));
+            }
+            columns.push(values);
+        }
+        Ok(Values {
+            columns,
+            comments: self.comments,
+            ..Values::default()
+        })
+    }
+}

@@ -1,0 +1,298 @@
+//! The lines of a text, and the cells of a line.
+
+use std::io::{self, BufRead, BufReader, Read};
+
+use crate::csv_text::{CsvText, found_wrong};
+use mesh_damper_output::error::InputError;
+
+/// Largest number of lines in a quoted cell.
+pub(super) const QUOTED_LINES: usize = 16;
+
+/// Separator of the cells in a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Separator {
+    /// A character.
+    Sign(char),
+    /// Any number of blanks and tabs.
+    Blanks,
+}
+
+impl Separator {
+    /// The separators to try, the most distinctive first.
+    pub const ALL: [Self; 5] = [
+        Self::Sign('\t'),
+        Self::Sign(';'),
+        Self::Sign('|'),
+        Self::Sign(','),
+        Self::Blanks,
+    ];
+
+    /// Its name in messages.
+    pub fn name(self) -> String {
+        match self {
+            Self::Sign('\t') => "a tab".into(),
+            Self::Sign(';') => "a semicolon".into(),
+            Self::Sign(',') => "a comma".into(),
+            Self::Sign('|') => "a bar |".into(),
+            Self::Sign(' ') | Self::Blanks => "blanks".into(),
+            Self::Sign(sign) => format!("{sign:?}"),
+        }
+    }
+
+    /// Puts the cells of a line into `cells`, without the blanks around them and the quotes about them. The quote of a cell that
+    /// the line does not end is an ordinary character.
+    pub fn split<'t>(self, line: &'t str, cells: &mut Vec<&'t str>) {
+        cells.clear();
+        let sign = match self {
+            Self::Sign(sign) => sign,
+            Self::Blanks => return split_at_blanks(line, cells),
+        };
+        if !line.contains('"') {
+            cells.extend(line.split(sign).map(str::trim));
+            return;
+        }
+        let mut rest = line;
+        loop {
+            let begin = rest.trim_start_matches(|c: char| c != sign && c.is_whitespace());
+            let quoted = begin.strip_prefix('"').and_then(|inner| {
+                let end = closing(inner)?;
+                let behind = &inner[end + 1..];
+                let stop = behind.find(sign).unwrap_or(behind.len());
+                behind[..stop]
+                    .trim()
+                    .is_empty()
+                    .then_some((&inner[..end], &behind[stop..]))
+            });
+            let (cell, behind) = quoted.unwrap_or_else(|| {
+                let stop = rest.find(sign).unwrap_or(rest.len());
+                (rest[..stop].trim(), &rest[stop..])
+            });
+            cells.push(cell.trim());
+            match behind.strip_prefix(sign) {
+                Some(behind) => rest = behind,
+                None => return,
+            }
+        }
+    }
+
+    /// Whether a quoted cell begins in the line and does not end in it.
+    pub fn is_open(self, line: &str) -> bool {
+        let Self::Sign(sign) = self else { return false };
+        let mut rest = line;
+        loop {
+            let Some(at) = rest.find('"') else {
+                return false;
+            };
+            let before = rest[..at].trim_end_matches(|c: char| c != sign && c.is_whitespace());
+            let begins = before.is_empty() || before.ends_with(sign);
+            let inner = &rest[at + 1..];
+            if !begins {
+                rest = inner;
+                continue;
+            }
+            match closing(inner) {
+                Some(end) => rest = &inner[end + 1..],
+                None => return true,
+            }
+        }
+    }
+}
+
+/// Position of the quote that ends a cell; two quotes are one within it.
+fn closing(inner: &str) -> Option<usize> {
+    let bytes = inner.as_bytes();
+    let mut at = 0;
+    while let Some(next) = bytes[at..].iter().position(|&byte| byte == b'"') {
+        at += next;
+        if bytes.get(at + 1) != Some(&b'"') {
+            return Some(at);
+        }
+        at += 2;
+    }
+    None
+}
+
+fn split_at_blanks<'t>(line: &'t str, cells: &mut Vec<&'t str>) {
+    let mut rest = line.trim();
+    while !rest.is_empty() {
+        let quoted = rest.strip_prefix('"').and_then(|inner| {
+            let end = closing(inner)?;
+            let behind = &inner[end + 1..];
+            (behind.is_empty() || behind.starts_with(char::is_whitespace))
+                .then_some((&inner[..end], behind))
+        });
+        let (cell, behind) = quoted.unwrap_or_else(|| {
+            let stop = rest.find(char::is_whitespace).unwrap_or(rest.len());
+            rest.split_at(stop)
+        });
+        cells.push(cell.trim());
+        rest = behind.trim_start();
+    }
+}
+
+/// The lines of a text, one after the other.
+pub(super) struct Lines<R> {
+    from: BufReader<R>,
+    /// Number of lines so far.
+    count: u64,
+    after_return: bool,
+    bytes: Vec<u8>,
+}
+
+/// A line that was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Line {
+    /// Counted from 1.
+    pub number: u64,
+    /// Whether it has a line end: a line at the end of the file without one may have been cut.
+    pub has_end: bool,
+}
+
+impl<'a> Lines<CsvText<'a>> {
+    /// Appends the next line, or the lines of a quoted cell, to `text`; `None` at the end.
+    pub fn row(
+        &mut self,
+        separator: Separator,
+        text: &mut String,
+    ) -> Result<Option<Line>, InputError> {
+        text.clear();
+        let Some(mut line) = self.next(text)? else {
+            return Ok(None);
+        };
+        let mut more = 1;
+        while text.contains('"') && separator.is_open(text) && more < QUOTED_LINES {
+            text.push('\n');
+            match self.next(text)? {
+                Some(next) => line.has_end = next.has_end,
+                None => break,
+            }
+            more += 1;
+        }
+        Ok(Some(line))
+    }
+
+    fn next(&mut self, text: &mut String) -> Result<Option<Line>, InputError> {
+        self.read(text).map_err(|error| {
+            let path = || self.from.get_ref().name();
+            found_wrong(&error).unwrap_or_else(|| InputError::io(path().as_ref(), "read", &error))
+        })
+    }
+
+    /// Passes over lines.
+    pub fn skip(&mut self, count: u64) -> Result<(), InputError> {
+        let mut text = String::new();
+        while self.count < count && self.next(&mut text)?.is_some() {
+            text.clear();
+        }
+        Ok(())
+    }
+
+    /// The text from which they were read.
+    pub fn into_text(self) -> CsvText<'a> {
+        self.from.into_inner()
+    }
+
+    /// The same, during reading.
+    pub fn text(&self) -> &CsvText<'a> {
+        self.from.get_ref()
+    }
+}
+
+impl<R: Read> Lines<R> {
+    pub fn of(from: R) -> Self {
+        Self {
+            from: BufReader::with_capacity(1 << 16, from),
+            count: 0,
+            after_return: false,
+            bytes: Vec::new(),
+        }
+    }
+
+    /// Appends the next line to `text`. A line ends with a line feed, a carriage return, or both.
+    fn read(&mut self, text: &mut String) -> io::Result<Option<Line>> {
+        self.bytes.clear();
+        let mut has_end = false;
+        while !has_end {
+            let mut buffer = self.from.fill_buf()?;
+            if buffer.is_empty() {
+                break;
+            }
+            if std::mem::take(&mut self.after_return) && buffer[0] == b'\n' {
+                self.from.consume(1);
+                continue;
+            }
+            let end = buffer.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            if let Some(end) = end {
+                self.after_return = buffer[end] == b'\r';
+                buffer = &buffer[..end];
+                has_end = true;
+            }
+            self.bytes.extend_from_slice(buffer);
+            let taken = buffer.len() + usize::from(has_end);
+            self.from.consume(taken);
+        }
+        if self.bytes.is_empty() && !has_end {
+            return Ok(None);
+        }
+        // The text arrives in whole characters.
+        text.push_str(&String::from_utf8_lossy(&self.bytes));
+        self.count += 1;
+        Ok(Some(Line {
+            number: self.count,
+            has_end,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split(separator: Separator, line: &str) -> Vec<&str> {
+        let mut cells = Vec::new();
+        separator.split(line, &mut cells);
+        cells
+    }
+
+    #[test]
+    fn cells_are_divided_and_quotes_taken_off() {
+        let comma = Separator::Sign(',');
+        assert_eq!(split(comma, "1, 2 ,3"), ["1", "2", "3"]);
+        assert_eq!(
+            split(comma, "\"1,5\", \"a \"\"b\"\"\" ,"),
+            ["1,5", "a \"\"b\"\"", ""]
+        );
+        assert_eq!(split(comma, "Gauge 5\", 3"), ["Gauge 5\"", "3"]);
+        assert_eq!(split(comma, "\"open, 3"), ["\"open", "3"]);
+        assert_eq!(split(comma, ""), [""]);
+        assert_eq!(split(Separator::Sign('\t'), "a\t\tb\t"), ["a", "", "b", ""]);
+        assert_eq!(
+            split(Separator::Blanks, "  1.5\t 2 \"a b\" "),
+            ["1.5", "2", "a b"]
+        );
+        assert!(comma.is_open("1,\"a"));
+        assert!(!comma.is_open("5\" x,2"));
+        assert!(!comma.is_open("\"a\"\"b\",2"));
+    }
+
+    #[test]
+    fn each_line_end_ends_one_line() {
+        let mut lines = Lines::of(&b"a\r\nb\rc\n\nd"[..]);
+        let mut all = Vec::new();
+        let mut text = String::new();
+        while let Some(line) = lines.read(&mut text).unwrap() {
+            all.push((std::mem::take(&mut text), line.number, line.has_end));
+        }
+        let expected = [
+            ("a", true),
+            ("b", true),
+            ("c", true),
+            ("", true),
+            ("d", false),
+        ];
+        for (index, (text, has_end)) in expected.into_iter().enumerate() {
+            assert_eq!(all[index], (text.to_owned(), index as u64 + 1, has_end));
+        }
+        assert_eq!(all.len(), 5);
+    }
+}

@@ -1,0 +1,16 @@
+//! Trials of the tracer and of the firmware: each answers one question about this project.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`mod@blind`] | does a trace name effects that it does not know? |
+//! | [`mod@bouc_wen`] | does a trace find the oscillator of the Bouc–Wen benchmark? |
+//! | [`size`] | how much time and memory does a trace take? |
+//! | [`numbers`] | how much does each policy number matter? |
+//! | [`mod@bench`] | how many instructions does the crate take, compared to its peers? |
+#![forbid(unsafe_code)]
+
+pub mod bench;
+pub mod blind;
+pub mod bouc_wen;
+pub mod numbers;
+pub mod size;

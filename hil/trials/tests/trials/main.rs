@@ -1,0 +1,11 @@
+//! The results of the trials.
+
+mod averaging;
+mod bench;
+mod blind;
+mod bouc_wen;
+mod cost_of_effects;
+#[path = "../../../link/tests/emulated/mod.rs"]
+mod emulated;
+mod intervals;
+mod motions;
