@@ -7,7 +7,7 @@ use std::path::Path;
 
 use mesh_damper_model::export::Export;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::policy::policy;
+use mesh_damper_recording::trajectory::TrajectoryPolicy;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
@@ -63,7 +63,7 @@ impl Contents {
             name: info.name.to_string(),
             tick_rate,
             amplitude: export.amplitude(),
-            temperature: policy().trajectory.room,
+            temperature: TrajectoryPolicy::in_use().room,
             density: info.density.map(f64::from),
             revision: info.stamp.revision,
         };

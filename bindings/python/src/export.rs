@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use mesh_damper_export::{Exported, Format, Request};
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use pyo3::prelude::*;
 
 use crate::error::refused;

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording as recording;
 use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::files::{self, Column, GivenColumn, Needs, Unmarked};
 use mesh_damper_tables::read_limit::ReadLimit;
-use mesh_damper_recording as recording;
 use mesh_damper_tables::units::Units;
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;

@@ -5,10 +5,10 @@ use mesh_damper_model::respond::{
     EnergyBalance, Excitation, LeftOut, Moment, Settings, SweepRange, respond as integrate,
     sweep as steady,
 };
-use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_output::error::InputError;
-use mesh_damper_tables::channel::Channel;
 use mesh_damper_recording::input::InputSignal;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::ControlChannel;
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -8,9 +8,9 @@ use std::time::Instant;
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_identify::trace::trace_for;
 use mesh_damper_model::file::ModelFile;
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Labelled, Plan};
+use mesh_damper_recording::Recording;
 use mesh_damper_report::{self as report, ReportData};
 
 use crate::identity::Content;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Instant;
 
-use mesh_damper_output::error::{InputError, quoted};
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::{InputError, quoted};
 
 use crate::identity::{Content, contents, identity};
 use crate::journal::Journal;

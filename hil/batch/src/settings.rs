@@ -33,8 +33,8 @@ impl Settings {
     /// for, and the policy numbers. The read limit is no part of it: a file within one limit is the same within another.
     pub(crate) fn decisive(&self) -> String {
         let numbers = (
-            mesh_damper_recording::policy::policy(),
-            mesh_damper_identify::policy::policy(),
+            mesh_damper_recording::policy::Policy::in_use(),
+            mesh_damper_identify::policy::Policy::in_use(),
         );
         let reading = Reading {
             limit: ReadLimit::default(),

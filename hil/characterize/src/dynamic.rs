@@ -4,9 +4,9 @@
 //! crossing to crossing of its mid level. Noise makes the extremes of eq 3 too large. The average of a block's cycles, phase by
 //! phase, has less noise.
 
+use mesh_damper_output::error::{InputError, Place};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
-use mesh_damper_output::error::{InputError, Place};
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::dynamic_test::{self, DynamicResult};

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_recording::Recording;
 use mesh_damper_reference::static_test::{self, StaticResult};
 use serde::Serialize;
 

@@ -1,7 +1,5 @@
 //! The error of a law beyond the noise. Laws are compared by it where their errors are mostly noise.
 
-use crate::policy::policy;
-
 mesh_damper_recording::numbers! {
     /// The error of a law beyond the noise.
     BeyondNoisePolicy {
@@ -13,6 +11,7 @@ mesh_damper_recording::numbers! {
 
 /// Root of a sum: the mean square error beyond that of the noise, and a small part of the noise, below which no law can get.
 pub(crate) fn beyond_noise(error_squared: f64, noise_squared: f64) -> f64 {
-    ((error_squared - noise_squared).max(0.0) + policy().beyond_noise.uncertain * noise_squared)
+    ((error_squared - noise_squared).max(0.0)
+        + BeyondNoisePolicy::in_use().uncertain * noise_squared)
         .sqrt()
 }

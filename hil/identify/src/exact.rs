@@ -16,17 +16,12 @@ use super::families::Entry;
 use super::normal::Normal;
 use super::solution::Solution;
 use super::tangent::Tangent;
-use crate::policy::policy;
 
 /// Coefficients of eq 13 at a node.
 const LOCAL: usize = 4;
 mesh_damper_recording::numbers! {
     /// The last steps of a fit, with the force as the crate computes it.
     ExactPolicy {
-        /// For a derivative by a linear coefficient, the coefficient is changed so that the force changes by this fraction of its RMS.
-        change: f64 = 1e-3, Convention("above rounding, below the curvature of the force");
-        /// For a derivative by an exponent or a searched parameter (a logarithm, or a change of a force), the parameter is changed by this.
-        step: f64 = 1e-3, Convention("above rounding, below the curvature of the force");
         /// In the last steps of a fit, the derivatives are computed at most this many times.
         tangents: usize = 2, Tuned("the blind trial");
         /// In the last steps of a fit, at most this many steps are made with the same derivatives.
@@ -38,6 +33,14 @@ mesh_damper_recording::numbers! {
     }
 }
 
+/// For a derivative by an exponent or a searched parameter (a logarithm, or a change of a force), the parameter is changed by this.
+/// Convention: above rounding, below the curvature of the force.
+const PARAMETER_STEP: f64 = 1e-3;
+
+/// For a derivative by a linear coefficient, the coefficient is changed so that the force changes by this fraction of its RMS.
+/// Convention: above rounding, below the curvature of the force.
+const FORCE_CHANGE: f64 = 1e-3;
+
 /// `solution` with all its parameters moved to the smallest error of the crate's force (Gauss–Newton); unchanged if the crate
 /// refuses it.
 pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
@@ -48,22 +51,22 @@ pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
         squares: squares(basis, &force),
         ..solution
     };
-    for _ in 0..policy().exact.tangents {
+    for _ in 0..ExactPolicy::in_use().tangents {
         let Some(tangent) = tangent(basis, &best) else {
             return best;
         };
         let before = best.squares;
-        for _ in 0..policy().exact.steps {
+        for _ in 0..ExactPolicy::in_use().steps {
             let Some((tried, its_force)) = stepped(basis, &tangent, &best, &force) else {
                 break;
             };
             let saved = best.squares - tried.squares;
             (best, force) = (tried, its_force);
-            if saved < policy().exact.settled * best.squares {
+            if saved < ExactPolicy::in_use().settled * best.squares {
                 break;
             }
         }
-        if before - best.squares < policy().exact.settled * best.squares {
+        if before - best.squares < ExactPolicy::in_use().settled * best.squares {
             break;
         }
     }
@@ -109,13 +112,13 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         (values.map(|value| value * value).sum::<f64>() / rows.len() as f64).sqrt()
     };
-    let change = policy().exact.change * rms(&mut rows.force.iter().copied());
+    let change = FORCE_CHANGE * rms(&mut rows.force.iter().copied());
     let over = |unit: f64| if unit > 0.0 { change / unit } else { 0.0 };
     let added = columns.added();
     let mut sizes = added.iter();
     let local: Vec<f64> = (0..3)
         .map(|slot| over(rms(&mut columns.law().iter().map(|row| row[slot]))))
-        .chain([policy().exact.step])
+        .chain([PARAMETER_STEP])
         .collect();
     let shared: Vec<f64> = (0..basis.terms.len())
         .flat_map(|term| {
@@ -124,7 +127,7 @@ pub(super) fn tangent(basis: &Basis, solution: &Solution) -> Option<Tangent> {
                 .take(added_by(basis, term))
                 .map(|column| over(rms(&mut column.iter().copied())))
                 .collect();
-            let searched = basis.slot(term).map(|_| policy().exact.step);
+            let searched = basis.slot(term).map(|_| PARAMETER_STEP);
             of_sizes.into_iter().chain(searched).collect::<Vec<_>>()
         })
         .collect();
@@ -184,7 +187,7 @@ fn stepped(
     let normal = Normal::assemble(rows, &missing, &tangent.node, &tangent.local, &shared);
     let (step, _) = normal.solve(|_| false)?;
     let at = DVector::from_vec(parameters(basis, from));
-    (0..=policy().exact.halvings).find_map(|halving| {
+    (0..=ExactPolicy::in_use().halvings).find_map(|halving| {
         let tried = &at + &step * 0.5_f64.powi(halving as i32);
         let mut tried = at_parameters(basis, tried.as_slice());
         let force = self::force(basis, &tried)?;

@@ -1,37 +1,37 @@
-//! The numbers that decide what a fit and a trace find. How they are stated, [`mod@mesh_damper_recording::policy`] says.
+//! All numbers that decide what a fit and a trace find, for whoever changes or prints them; the code itself reads them in their places.
+//! [`mod@mesh_damper_recording::numbers`] says how they are stated.
 
-pub use crate::beyond_noise::BeyondNoisePolicy;
-pub use crate::correction::CorrectionPolicy;
-pub use crate::correction::design::DesignPolicy;
-pub use crate::correction::edges::EdgesPolicy;
-pub use crate::correction::gram::GramPolicy;
-pub use crate::correction::growth::GrowthPolicy;
-pub use crate::correction::memory::{MemoryKind, MemoryPolicy};
-pub use crate::correction::search::SearchPolicy;
-pub use crate::correction::settle::SettlePolicy;
-pub use crate::correction::system::SystemPolicy;
-pub use crate::correction::trend::TrendPolicy;
-pub use crate::exact::ExactPolicy;
-pub use crate::problem::ProblemPolicy;
-pub use crate::rows::RowsPolicy;
-pub use crate::shape::ShapePolicy;
-pub use crate::tolerance::TolerancePolicy;
-pub use crate::trace::TracePolicy;
-pub use crate::trace::adopt::AdoptPolicy;
-pub use crate::trace::aligned::AlignedPolicy;
-pub use crate::trace::confirm::ConfirmPolicy;
-pub use crate::trace::held_range::HeldRangePolicy;
-pub use crate::trace::left_out::LeftOutPolicy;
-pub use crate::trace::remainder::RemainderPolicy;
-pub use crate::trace::score::ScorePolicy;
-pub use crate::trace::select::SelectPolicy;
-pub use crate::trace::separating::SeparatingPolicy;
-pub use crate::trace::split::SplitPolicy;
-pub use crate::trace::tones::TonesPolicy;
-pub use crate::trace::unexplained::UnexplainedPolicy;
-pub use crate::trace::verdict::VerdictPolicy;
-pub use crate::trace::wander::WanderPolicy;
-pub use crate::uncertainty::UncertaintyPolicy;
+use crate::beyond_noise::BeyondNoisePolicy;
+use crate::correction::CorrectionPolicy;
+use crate::correction::design::DesignPolicy;
+use crate::correction::edges::EdgesPolicy;
+use crate::correction::gram::GramPolicy;
+use crate::correction::growth::GrowthPolicy;
+use crate::correction::memory::MemoryPolicy;
+use crate::correction::search::SearchPolicy;
+use crate::correction::settle::SettlePolicy;
+use crate::correction::system::SystemPolicy;
+use crate::correction::trend::TrendPolicy;
+use crate::exact::ExactPolicy;
+use crate::problem::ProblemPolicy;
+use crate::shape::ShapePolicy;
+use crate::tolerance::TolerancePolicy;
+use crate::trace::TracePolicy;
+use crate::trace::adopt::AdoptPolicy;
+use crate::trace::aligned::AlignedPolicy;
+use crate::trace::confirm::ConfirmPolicy;
+use crate::trace::held_range::HeldRangePolicy;
+use crate::trace::left_out::LeftOutPolicy;
+use crate::trace::remainder::RemainderPolicy;
+use crate::trace::score::ScorePolicy;
+use crate::trace::select::SelectPolicy;
+use crate::trace::separating::SeparatingPolicy;
+use crate::trace::split::SplitPolicy;
+use crate::trace::tones::TonesPolicy;
+use crate::trace::unexplained::UnexplainedPolicy;
+use crate::trace::verdict::VerdictPolicy;
+use crate::trace::wander::WanderPolicy;
+use crate::uncertainty::UncertaintyPolicy;
 
 mesh_damper_recording::policy! {
     /// What recordings of one rig share.
@@ -68,8 +68,6 @@ mesh_damper_recording::policy! {
     remainder: RemainderPolicy,
     /// The fit of the law and of effects.
     problem: ProblemPolicy,
-    /// How many samples a fit is made to.
-    rows: RowsPolicy,
     /// Whether one law predicts better than another.
     score: ScorePolicy,
     /// How a residual table is sought.

@@ -17,7 +17,6 @@ use super::rows::Rows;
 use super::shape::Extent;
 use super::solution::Solution;
 use super::term::Term;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// The fit of the law and of effects.
@@ -27,14 +26,16 @@ mesh_damper_recording::numbers! {
         exponents: [f64; 3] = [0.15, 0.35, 0.6], Tuned("the blind trial");
         /// The deflection of a spring in series is computed this many times before all parameters are fitted together.
         series_rounds: usize = 4, Tuned("the blind trial");
-        /// A fit ends when a step saves less than this fraction of the squared error.
-        saved: f64 = 1e-7, Convention("below any gain that counts");
-        /// A fit ends when a step changes its parameters by less than this fraction.
-        changed: f64 = 1e-5, Convention("below any interval");
         /// A fit ends after this many evaluations, multiplied by the number of its parameters plus one.
         patience: usize = 8, Tuned("the blind trial");
     }
 }
+
+/// A fit ends when a step changes its parameters by less than this fraction. Convention: below any interval.
+const ENOUGH_CHANGED: f64 = 1e-5;
+
+/// A fit ends when a step saves less than this fraction of the squared error. Convention: below any gain that counts.
+const ENOUGH_SAVED: f64 = 1e-7;
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -67,7 +68,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 searched(term.form, shapes)
             })
             .collect();
-        let starts = policy().problem.exponents.map(|alpha| {
+        let starts = ProblemPolicy::in_use().exponents.map(|alpha| {
             let alphas = std::iter::repeat_n(alpha, self.rows.nodes.len());
             alphas.chain(ends.iter().copied()).collect::<Vec<f64>>()
         });
@@ -83,7 +84,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         let at = self.start(start, shapes);
         let mut solution = self.minimized(self.basis().around(start), at);
         if self.terms.iter().any(|term| term.form.gives_way) {
-            for _ in 1..policy().problem.series_rounds {
+            for _ in 1..ProblemPolicy::in_use().series_rounds {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
@@ -100,7 +101,7 @@ impl<'r, 'a> Problem<'r, 'a> {
                 .law
                 .iter()
                 .min_by(|a, b| distance(a, amplitude).total_cmp(&distance(b, amplitude)));
-            nearest.map_or(policy().problem.exponents[1], |node| node.alpha)
+            nearest.map_or(ProblemPolicy::in_use().exponents[1], |node| node.alpha)
         });
         let rest = &known.search[known.law.len()..];
         let start = Solution {
@@ -134,10 +135,10 @@ impl<'r, 'a> Problem<'r, 'a> {
     fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
         let search = Search::new(&basis, DVector::from_vec(start));
         LevenbergMarquardt::new()
-            .with_ftol(policy().problem.saved)
-            .with_xtol(policy().problem.changed)
+            .with_ftol(ENOUGH_SAVED)
+            .with_xtol(ENOUGH_CHANGED)
             .with_gtol(0.0)
-            .with_patience(policy().problem.patience)
+            .with_patience(ProblemPolicy::in_use().patience)
             .minimize(search)
             .0
             .solution()

@@ -8,19 +8,9 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
 use super::tolerance::certainty;
-mesh_damper_recording::numbers! {
-    /// How many samples a fit uses at most, approximately. They are picked evenly.
-    RowsPolicy {
-        /// A fit in the search for effects, or for a residual table, uses at most about this many samples.
-        search: usize = 4_000, Convention("a fit then takes a second");
-        /// The final fit uses at most about this many samples.
-        closing: usize = 60_000, Convention("a minute at 1 kHz");
-        /// A fit that leaves out one block or condition uses at most about this many samples.
-        in_turn: usize = 8_000, Convention("all of these fits then take a few seconds");
-        /// A fit to simulated forces, by which effects are told apart, uses at most about this many samples.
-        separating: usize = 1_500, Convention("there are hundreds of these fits");
-    }
-}
+/// A fit in the search for effects, or for a residual table, uses at most about this many samples. Convention: a fit then takes a
+/// second.
+pub(crate) const SEARCH_ROWS: usize = 4_000;
 
 /// The samples of a fit, from several trajectories.
 pub struct Rows<'a> {

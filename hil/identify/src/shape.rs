@@ -1,8 +1,8 @@
 //! The ranges within which shapes are searched, and the starts of a search, spread over the range that the data can show.
 
-use crate::policy::policy;
 use mesh_damper::effects::CONTROLS;
 use mesh_damper_recording::trajectory::Trajectory;
+
 mesh_damper_recording::numbers! {
     /// The ranges in which the parameters of effects are searched for, and the starting values.
     ShapePolicy {
@@ -78,57 +78,33 @@ mesh_damper_recording::numbers! {
         relaxation_starts: usize = 12, Tuned("the blind trial");
         /// The stretch at which a dashpot yields is at least this fraction of the amplitude.
         shortest_yield: f64 = 1e-3, Convention("its spring is then practically rigid");
-        /// Number of starting values of the stretch at which a dashpot yields.
-        yield_starts: usize = 4, Convention("each is four times the one before: a fit goes on from there");
         /// Smallest and largest rate at which a dashpot yields, as fractions of the largest velocity.
         yield_rate: [f64; 2] = [0.01, 3.0],
             Derived("at the first it slips nearly at once, at the second tanh(1/3) is a straight line to within 1/25");
-        /// Number of starting values of the rate at which a dashpot yields.
-        yield_rate_starts: usize = 3, Convention("each is four times the one before: a fit goes on from there");
         /// Smallest and largest ratio of viscosity to stiffness of a yielding dashpot, as multiples of amplitude/largest velocity, about
         /// the time of a swing.
         yield_time: [f64; 2] = [1e-4, 3.0],
             Derived("at the first it adds less to the force than the shortest stretch, at the second the dashpot hardly moves");
-        /// Number of starting values of the ratio of viscosity to stiffness of a yielding dashpot.
-        yield_time_starts: usize = 1, Convention("stretch and rate determine where the dashpot yields");
         /// The lag of a control input is at least this fraction of a tick.
         shortest_lag: f64 = 0.5, Derived("after a shorter lag all of the input has arrived at the next tick");
         /// The lag of a control input is at most this fraction of the longest recording.
         longest_lag: f64 = 0.2, Convention("a fifth: a longer lag has hardly been seen twice");
-        /// Number of starting values of the lag of a control input.
-        lag_starts: usize = 4, Convention("each is some seven times the one before: a fit goes on from there");
         /// Smallest and largest saturation of a control input, as multiples of the largest input.
         saturation: [f64; 2] = [0.1, 10.0],
             Derived("at the first the largest input has 10/11 of its final strength, at the second a tenth less than on a straight line");
-        /// Number of starting values of the saturation of a control input.
-        saturation_starts: usize = 2, Convention("one below and one above the largest input");
-        /// Number of starting values of the slip limit of friction behind free play.
-        backlash_starts: usize = 4, Convention("each is three times the one before: a fit goes on from there");
         /// Half of a free play is at least this fraction of the amplitude.
         shortest_slack: f64 = 0.02,
             Tuned("the blind trial: a shorter play rounds the corner of a slider just as a tick does that falls into the corner");
-        /// Number of starting values of a free play.
-        slack_starts: usize = 3, Convention("each is four times the one before: a fit goes on from there");
         /// A spring that degrades has lost half of its stiffness at a largest displacement between these two, in amplitudes.
         softening: [f64; 2] = [0.03, 10.0],
             Derived("at the first the force is practically the same at every largest displacement, at the second it loses an eleventh");
-        /// Number of starting values of the displacement at which a degrading spring has lost half of its stiffness.
-        softening_starts: usize = 4, Convention("each is three times the one before: a fit goes on from there");
         /// Smallest and largest pinching of a spring that degrades: the fraction by which it is softer near 0.
         pinching: [f64; 2] = [0.02, 1.0], Convention("less is practically no pinching, and 1 is all of the stiffness");
-        /// Number of starting values of the pinching of a spring that degrades.
-        pinching_starts: usize = 2, Convention("the softening is known by then");
-        /// Number of starting values of the slip limit of a slider that weakens.
-        weakening_starts: usize = 6, Convention("each is two to three times the one before: a fit goes on from there");
         /// Smallest and largest fraction of its strength that a weakening slider finally loses.
         strength_loss: [f64; 2] = [0.05, 1.0], Convention("less is practically no weakening, and 1 is all of the strength");
-        /// Starting values of the fraction of its strength that a weakening slider finally loses.
-        strength_loss_starts: [f64; 2] = [0.3, 0.7], Convention("a third and two thirds");
         /// A weakening slider has lost half of its final loss after an energy between the first number times that of one cycle and the
         /// second number times that of all cycles.
         loss_energy: [f64; 2] = [0.1, 3.0], Convention("from within one cycle to later than all that are recorded");
-        /// Number of starting values of the energy after which a weakening slider has lost half of its final loss.
-        loss_energy_starts: usize = 3, Convention("the fewest that tell early from late");
         /// A Maxwell branch cannot be told from a dashpot if ω·(relaxation time) is below this at the highest frequency.
         dashpot: f64 = 0.2, Tuned("the blind trial; such a branch differs from its dashpot by ωτ/√(1 + ω²τ²), a fifth");
         /// A Maxwell branch cannot be told from a spring if ω·(relaxation time) is above this at the lowest frequency.
@@ -165,8 +141,8 @@ impl Shape {
             low,
             high,
             starts: (1..=count).map(|i| low * step.powi(i as i32)).collect(),
-            simple_below: policy().shape.at_end * low,
-            simple_above: high / policy().shape.at_end,
+            simple_below: ShapePolicy::in_use().at_end * low,
+            simple_above: high / ShapePolicy::in_use().at_end,
         }
     }
 
@@ -261,7 +237,7 @@ impl Extent {
     /// The shortest length of the search, mm. A length below the noise cannot be distinguished from an error of the velocity at a
     /// reversal.
     pub(crate) fn shortest(&self) -> f64 {
-        let policy = &policy().shape;
+        let policy = ShapePolicy::in_use();
         (policy.noises * self.noise)
             .max(policy.shortest * self.amplitude)
             .min(policy.longest_shortest * self.amplitude)

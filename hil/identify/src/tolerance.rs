@@ -2,8 +2,6 @@
 
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::policy::policy;
-
 mesh_damper_recording::numbers! {
     /// The smallest error that a law is expected to reach.
     TolerancePolicy {
@@ -26,7 +24,7 @@ pub fn noise_of(trajectory: &Trajectory) -> f64 {
 
 /// The tolerated error: the noise, or [`TolerancePolicy::quiet`] if the recording is quieter.
 pub fn goal(noise_floor: f64) -> f64 {
-    noise_floor.max(policy().tolerance.quiet)
+    noise_floor.max(TolerancePolicy::in_use().quiet)
 }
 
 /// Variance of the tolerated error where the motion is certain, kN².
@@ -37,7 +35,7 @@ pub fn least(trajectory: &Trajectory) -> f64 {
 /// Variance of the tolerated error at a sample of `trajectory`, kN²: from [`Trajectory::tolerance`], or [`TolerancePolicy::quiet`]
 /// if the recording is quieter.
 pub fn held_to(trajectory: &Trajectory, sample: usize) -> f64 {
-    let quiet = policy().tolerance.quiet * trajectory.force_rms;
+    let quiet = TolerancePolicy::in_use().quiet * trajectory.force_rms;
     trajectory.tolerance(sample).max(quiet * quiet)
 }
 

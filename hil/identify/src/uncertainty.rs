@@ -10,7 +10,6 @@ use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
 use super::term::{Term, TermValue};
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// The intervals of fitted parameters.
@@ -18,14 +17,15 @@ mesh_damper_recording::numbers! {
         /// A fit reduces the residual of each sample, most where a sample determines a parameter almost alone. For the intervals, a
         /// residual is assumed to keep at least this fraction of its error.
         least_kept: f64 = 0.1, Tuned("hil/trials/tests/trials/intervals.rs");
-        /// Residuals are taken as correlated over a lag of at most this many samples.
-        longest_lag: usize = 200, Convention("a cycle of 5 Hz at 1 kHz");
         /// Residuals are taken as correlated up to the first lag with a correlation of at most this.
         uncorrelated: f64 = 0.02, Tuned("hil/trials/tests/trials/intervals.rs");
         /// A parameter has no bound if its interval extends by more than this factor to either side.
         bounded: f64 = 10.0, Convention("within a decade to either side not even the order of magnitude is known");
     }
 }
+
+/// Residuals are taken as correlated over a lag of at most this many samples. Convention: a cycle of 5 Hz at 1 kHz.
+const LONGEST_LAG: usize = 200;
 
 /// Half widths of the 90 % intervals, in the units of the parameters.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ impl TermUncertainty {
         self.sizes.iter().all(|half| half.is_finite())
             && shapes
                 .into_iter()
-                .all(|&factor| factor <= policy().uncertainty.bounded)
+                .all(|&factor| factor <= UncertaintyPolicy::in_use().bounded)
     }
 
     /// The elements of `value` as [`TermValue::elements`] gives them, each parameter with its smallest and its largest value.
@@ -207,7 +207,7 @@ impl Uncertainty {
                 .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
                 .map(|(i, j, product)| inverse[(i, j)] * product)
                 .sum();
-            let kept = (1.0 - leverage).max(policy().uncertainty.least_kept);
+            let kept = (1.0 - leverage).max(UncertaintyPolicy::in_use().least_kept);
             add_square(&mut spread, &row, (residual / kept).powi(2));
         }
         let covariance = &inverse * spread * &inverse * autocorrelation_time(&residuals);
@@ -296,8 +296,8 @@ fn autocorrelation_time(residuals: &[f64]) -> f64 {
             .sum::<f64>()
             / power
     };
-    (1..policy().uncertainty.longest_lag.min(residuals.len()))
+    (1..LONGEST_LAG.min(residuals.len()))
         .map(correlation)
-        .take_while(|&rho| rho > policy().uncertainty.uncorrelated)
+        .take_while(|&rho| rho > UncertaintyPolicy::in_use().uncorrelated)
         .fold(1.0, |total, rho| total + 2.0 * rho)
 }

@@ -22,6 +22,7 @@ use mesh_damper_link::own_timer::{BoardRun, EmulatedBoard, Lost, RecordError, Ti
 use mesh_damper_output::error::InputError;
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Plant, RigSetup, Samples, TICK_RATE, Watch, run_rig};
+
 use orders::Orders;
 
 const EVERY: u32 = 10;

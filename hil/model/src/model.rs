@@ -10,8 +10,8 @@ use mesh_damper::law::Law;
 use mesh_damper::pack::{self, LARGEST, PackError, PackInfo};
 use mesh_damper::real::Real;
 use mesh_damper_output::error::InputError;
-use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_tables::control::ControlChannel;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The blocks of equal cycles in a recording: `cargo run -p mesh-damper-recording --example cycles -- rig-test.csv`.
 
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 
 fn main() -> Result<(), InputError> {

@@ -12,13 +12,10 @@ use std::ops::Range;
 use super::cycles::median;
 use super::noise::SIXTH_DIFFERENCE;
 use super::spectrum::powers;
-use crate::policy::policy;
 
 crate::numbers! {
     /// How a moving average that smoothed the channels is recognized: by notches at equal distances in their spectra.
     AveragingPolicy {
-        /// At most this many notches of the spectrum are examined, from the lowest frequency upwards.
-        most_notches: usize = 5, Convention("higher notches lie in the noise");
         /// A moving average shows at least this many notches in the spectrum.
         fewest_notches: usize = 2, Derived("a filter against mains hum has one notch");
         /// Half the width of a notch in the spectrum, as a fraction of the distance between two notches.
@@ -41,6 +38,10 @@ crate::numbers! {
     }
 }
 
+/// At most this many notches of the spectrum are examined, from the lowest frequency upwards. Convention: higher notches lie in the
+/// noise.
+const MOST_NOTCHES: usize = 5;
+
 /// A moving average, centred on each sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingAverage {
@@ -57,8 +58,8 @@ impl MovingAverage {
         };
         let bins = displacement.bins();
         let mut found: Vec<(f64, f64)> = Vec::new();
-        let mut distance = policy().averaging.fewest_bins / policy().averaging.notch;
-        while distance * policy().averaging.fewest_notches as f64 <= bins {
+        let mut distance = AveragingPolicy::in_use().fewest_bins / AveragingPolicy::in_use().notch;
+        while distance * AveragingPolicy::in_use().fewest_notches as f64 <= bins {
             let depths = [&displacement, &force].map(|spectrum| spectrum.depth(distance));
             if let [Some(one), Some(other)] = depths
                 && displacement.has_notches(distance)
@@ -66,13 +67,14 @@ impl MovingAverage {
             {
                 found.push((distance, one.max(other)));
             }
-            distance += (policy().averaging.finer * distance).max(policy().averaging.finest);
+            distance +=
+                (AveragingPolicy::in_use().finer * distance).max(AveragingPolicy::in_use().finest);
         }
         // Every second notch of an average is a notch too, so the closest spacing counts.
         let (first, _) = *found.first()?;
         let same = found
             .iter()
-            .take_while(|(distance, _)| *distance < policy().averaging.near * first);
+            .take_while(|(distance, _)| *distance < AveragingPolicy::in_use().near * first);
         let (distance, _) = same.min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(Self {
             window: 2.0 * bins / distance,
@@ -184,13 +186,17 @@ impl Spectrum {
 
     /// The same with `level` of the logarithms in a range of bins.
     fn depth_by(&self, distance: f64, level: impl Fn(Range<usize>) -> f64) -> Option<f64> {
-        let notches = ((self.bins() + policy().averaging.notch * distance) / distance) as usize;
-        let depths: Vec<f64> = (1..=notches.min(policy().averaging.most_notches))
+        let notches =
+            ((self.bins() + AveragingPolicy::in_use().notch * distance) / distance) as usize;
+        let depths: Vec<f64> = (1..=notches.min(MOST_NOTCHES))
             .map(|notch| {
                 let at = |place: f64| (notch as f64 + place) * distance;
                 let within = |from: f64, to: f64| Some(level(self.range(at(from), at(to))?));
-                let [near, far] = policy().averaging.between;
-                let inside = within(-policy().averaging.notch, policy().averaging.notch)?;
+                let [near, far] = AveragingPolicy::in_use().between;
+                let inside = within(
+                    -AveragingPolicy::in_use().notch,
+                    AveragingPolicy::in_use().notch,
+                )?;
                 let below = within(-far, -near)?;
                 let above = (at(far) <= self.bins())
                     .then(|| within(near, far))
@@ -199,9 +205,11 @@ impl Spectrum {
             })
             .collect::<Option<_>>()?;
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;
-        let is_average = depths.len() >= policy().averaging.fewest_notches
-            && mean < policy().averaging.deep
-            && depths.iter().all(|depth| *depth < policy().averaging.seen);
+        let is_average = depths.len() >= AveragingPolicy::in_use().fewest_notches
+            && mean < AveragingPolicy::in_use().deep
+            && depths
+                .iter()
+                .all(|depth| *depth < AveragingPolicy::in_use().seen);
         is_average.then_some(mean)
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
+
 use super::faults::{ChannelFault, ChannelFaultKind};
-use crate::policy::policy;
 
 crate::numbers! {
     /// How the clock behind a recording's times is found.
@@ -49,7 +49,7 @@ impl Clock {
         let positions: Vec<f64> = time.iter().map(|t| (t - time[0]) / period).collect();
         if positions
             .iter()
-            .all(|p| (p - p.round()).abs() <= policy().clock.rounding)
+            .all(|p| (p - p.round()).abs() <= ClockPolicy::in_use().rounding)
         {
             return Self {
                 period,
@@ -65,7 +65,7 @@ impl Clock {
         let mut ticks = vec![0];
         for pair in time.windows(2) {
             let step = (pair[1] - pair[0]) / period;
-            let ahead = if step > policy().clock.gap {
+            let ahead = if step > ClockPolicy::in_use().gap {
                 step.round() as usize
             } else {
                 1
@@ -105,13 +105,13 @@ impl Clock {
             .map(|(a, &m)| a - m as f64)
             .collect();
         let jitter = rms(apart.iter().copied());
-        if jitter > policy().clock.keeps_no_clock {
+        if jitter > ClockPolicy::in_use().keeps_no_clock {
             return None;
         }
         let largest = apart
             .iter()
             .fold(0.0_f64, |largest, a| largest.max(a.abs()));
-        let rounded = largest * period <= policy().clock.rounded * rounding(time);
+        let rounded = largest * period <= ClockPolicy::in_use().rounded * rounding(time);
         let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
         // The channels are interpolated anyway, so the ticks end with the samples.
         let span = time[time.len() - 1] - time[0];
@@ -142,7 +142,7 @@ impl Clock {
     pub fn faults(&self) -> Vec<ChannelFault> {
         let channel = Channel::Time;
         let mut faults = Vec::new();
-        if self.jitter > policy().clock.worth_saying {
+        if self.jitter > ClockPolicy::in_use().worth_saying {
             let kind = ChannelFaultKind::Jitter {
                 rms: self.jitter,
                 stamps_only: self.on_ticks,
@@ -168,13 +168,13 @@ fn mean_step(time: &[f64]) -> f64 {
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     let (short, long): (Vec<f64>, Vec<f64>) = steps
         .into_iter()
-        .partition(|step| *step <= policy().clock.gap * median);
+        .partition(|step| *step <= ClockPolicy::in_use().gap * median);
     let period = short.iter().sum::<f64>() / short.len() as f64;
     // Over gaps of whole periods the count is longer and the period finer.
     let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
     let span = time[time.len() - 1] - time[0];
     let refined = span / (short.len() as f64 + missing);
-    if (refined / period - 1.0).abs() < policy().clock.refinement {
+    if (refined / period - 1.0).abs() < ClockPolicy::in_use().refinement {
         refined
     } else {
         period
@@ -192,7 +192,7 @@ fn lock(time: &[f64]) -> Option<(f64, f64)> {
     let middle = steps.len() / 2;
     let mut period = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     let mut start = time[0];
-    let mut count = policy().clock.first.min(time.len());
+    let mut count = ClockPolicy::in_use().first.min(time.len());
     loop {
         for _ in 0..3 {
             start = phase(&time[..count], period);
@@ -258,7 +258,7 @@ fn rounding(time: &[f64]) -> f64 {
         .map(|decimals| 10f64.powi(-decimals))
         .find(|step| {
             time.iter()
-                .all(|t| (t / step - (t / step).round()).abs() < policy().clock.decimal)
+                .all(|t| (t / step - (t / step).round()).abs() < ClockPolicy::in_use().decimal)
         })
         .unwrap_or(0.0)
 }

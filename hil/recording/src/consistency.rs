@@ -1,8 +1,10 @@
 //! Detects recordings that cannot all be of one specimen.
 
-use super::Recording;
 use mesh_damper_output::error::InputError;
-use crate::policy::policy;
+
+use super::Recording;
+use crate::faults::FaultsPolicy;
+use crate::faults::scale::ScalePolicy;
 
 crate::numbers! {
     /// Which recordings contradict each other.
@@ -63,8 +65,8 @@ pub fn check_consistency(recordings: &[&Recording]) -> Result<(), InputError> {
 /// unit, whatever their motions.
 fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
     let (a, b) = (Character::of(earlier), Character::of(later));
-    if a.dissipation.min(b.dissipation) < -policy().consistency.dissipates
-        && a.dissipation.max(b.dissipation) > policy().consistency.dissipates
+    if a.dissipation.min(b.dissipation) < -ConsistencyPolicy::in_use().dissipates
+        && a.dissipation.max(b.dissipation) > ConsistencyPolicy::in_use().dissipates
     {
         let giving = if a.dissipation < 0.0 { earlier } else { later };
         return Err(InputError::new(
@@ -77,7 +79,9 @@ fn check_character(earlier: &Recording, later: &Recording) -> Result<(), InputEr
         ));
     }
     let factor = b.stiffness / a.stiffness;
-    if !(1.0 / policy().scale.unit_apart..=policy().scale.unit_apart).contains(&factor) {
+    if !(1.0 / ScalePolicy::in_use().unit_apart..=ScalePolicy::in_use().unit_apart)
+        .contains(&factor)
+    {
         return Err(InputError::new(
             &later.name,
             format!(
@@ -110,9 +114,9 @@ impl Character {
         );
         let (mut work, mut most) = (0.0, 0.0);
         // Over strides, so that the displacement's noise is small compared with its steps.
-        for index in policy().consistency.stride..y.len() {
-            let step = y[index] - y[index - policy().consistency.stride];
-            let force = f[index - policy().consistency.stride / 2];
+        for index in ConsistencyPolicy::in_use().stride..y.len() {
+            let step = y[index] - y[index - ConsistencyPolicy::in_use().stride];
+            let force = f[index - ConsistencyPolicy::in_use().stride / 2];
             work += force * step;
             most += (force * step).abs();
         }
@@ -161,18 +165,19 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
         .iter()
         .map(|pair| (pair.displacement.0 - a, pair.displacement.1 - b));
     let moved = sum_of_squares(about.clone().map(|(a, _)| a)) / pairs.len() as f64;
-    let stands = moved.sqrt() <= policy().faults.same_value * a.abs();
-    if difference(pairs.iter().map(|pair| pair.displacement)) > policy().consistency.same_motion
+    let stands = moved.sqrt() <= FaultsPolicy::in_use().same_value * a.abs();
+    if difference(pairs.iter().map(|pair| pair.displacement))
+        > ConsistencyPolicy::in_use().same_motion
         || stands
-        || difference(about) > policy().consistency.same_moves
+        || difference(about) > ConsistencyPolicy::in_use().same_moves
     {
         return Ok(());
     }
     let allowed = match (mean(&earlier.temperature), mean(&later.temperature)) {
-        (Some(a), Some(b)) if (a - b).abs() > policy().consistency.same_temperature => {
-            policy().consistency.contradiction_between_temperatures
+        (Some(a), Some(b)) if (a - b).abs() > ConsistencyPolicy::in_use().same_temperature => {
+            ConsistencyPolicy::in_use().contradiction_between_temperatures
         }
-        _ => policy().consistency.contradiction,
+        _ => ConsistencyPolicy::in_use().contradiction,
     };
     let apart = difference(pairs.iter().map(|pair| pair.force));
     if apart <= allowed {
@@ -180,7 +185,7 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
     }
     let factor = scale_between(pairs.iter().map(|pair| pair.force));
     let (how, remedy) = match factor {
-        Some(factor) if (factor + 1.0).abs() < policy().consistency.opposite => (
+        Some(factor) if (factor + 1.0).abs() < ConsistencyPolicy::in_use().opposite => (
             "its force has the opposite sign".to_owned(),
             "reverse the sign of one force channel, or drop one of the two",
         ),
@@ -209,7 +214,7 @@ fn are_controlled_otherwise(earlier: &Recording, later: &Recording) -> bool {
             let pairs = || before.values.iter().zip(&after.values);
             let apart: f64 = pairs().map(|(a, b)| (a - b).abs()).sum();
             let size: f64 = pairs().map(|(a, b)| a.abs().max(b.abs())).sum();
-            apart > policy().consistency.same_control * size
+            apart > ConsistencyPolicy::in_use().same_control * size
         })
     })
 }
@@ -241,7 +246,7 @@ fn common_stretch(earlier: &Recording, later: &Recording) -> Option<Vec<Pair>> {
             force: (earlier.force[index], at(&later.force)),
         });
     }
-    (pairs.len() >= policy().consistency.shortest).then_some(pairs)
+    (pairs.len() >= ConsistencyPolicy::in_use().shortest).then_some(pairs)
 }
 
 fn sum_of_squares(values: impl Iterator<Item = f64>) -> f64 {
@@ -268,7 +273,8 @@ fn scale_between(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64>
     let second = sum_of_squares(pairs.map(|(_, b)| b));
     let correlation = product / (first * second).sqrt();
     // sin of the angle between them is the part that a factor cannot explain.
-    (1.0 - correlation * correlation < policy().consistency.is_factor).then_some(product / first)
+    (1.0 - correlation * correlation < ConsistencyPolicy::in_use().is_factor)
+        .then_some(product / first)
 }
 
 fn mean(values: &Option<Vec<f64>>) -> Option<f64> {

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
 
 crate::numbers! {
     /// Which cycles and which blocks are alike.
@@ -156,7 +155,7 @@ impl Cycles {
             let near = kinks
                 .iter()
                 .copied()
-                .find(|kink| kink.abs_diff(boundary) <= policy().cycles.snap);
+                .find(|kink| kink.abs_diff(boundary) <= CyclesPolicy::in_use().snap);
             near.unwrap_or(boundary)
         };
         for block in &mut self.blocks {
@@ -219,12 +218,12 @@ fn ends_a_cycle(
 
 /// Whether two periods, frequencies or amplitudes belong to one block.
 pub fn alike(a: f64, b: f64) -> bool {
-    (a - b).abs() < policy().cycles.alike * a.abs().max(b.abs())
+    (a - b).abs() < CyclesPolicy::in_use().alike * a.abs().max(b.abs())
 }
 
 /// Whether two amplitudes in mm are the same: amplitudes with separate coefficients of the law lie further apart.
 pub fn same_amplitude(a: f64, b: f64) -> bool {
-    (a - b).abs() < policy().cycles.same_amplitude * a.max(b)
+    (a - b).abs() < CyclesPolicy::in_use().same_amplitude * a.max(b)
 }
 
 /// The levels in mm of these amplitudes, in order: the means of those that are the same.

@@ -11,7 +11,6 @@ use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::cycles::{Cycles, FoundBlock};
 use super::motion::{MotionEstimate, leaves_only_noise};
-use crate::policy::policy;
 
 crate::numbers! {
     /// Which motion is a sine.
@@ -34,7 +33,7 @@ impl MotionEstimate {
         let mut refined = Vec::new();
         for block in &cycles.blocks {
             let step = TAU * tick * block.frequency;
-            let is_sine = block.cycles.len() > policy().harmonic.several;
+            let is_sine = block.cycles.len() > HarmonicPolicy::in_use().several;
             let halves = half_cycles(block, &self.kinks);
             for (index, own) in halves.iter().enumerate() {
                 let steady = windows_around(index, halves.len())

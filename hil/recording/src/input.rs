@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use mesh_damper_output::error::{InputError, Place};
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::ControlChannel;
+use mesh_damper_tables::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
+
+use super::Recording;
 use super::faults::listed;
 use super::noise::noise_beside_tones;
-use mesh_damper_tables::control::ControlChannel;
-use super::Recording;
-use mesh_damper_output::error::{InputError, Place};
-use mesh_damper_tables::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
 
 /// A channel at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::polynomial::{Cubic, fit_polynomial, left_by_polynomial};
-use crate::policy::policy;
+use crate::motion::MotionPolicy;
 
 /// Degree of a polynomial with as many coefficients as two quadratics.
 const SMOOTH: usize = 5;
@@ -43,9 +43,9 @@ crate::numbers! {
 /// is not a kink, and a single polynomial with as many coefficients describes it as well.
 pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64) -> Vec<usize> {
     let count = samples.len();
-    let [shortest, longest] = policy().kinks.windows;
+    let [shortest, longest] = KinksPolicy::in_use().windows;
     let width = |index: usize| {
-        ((policy().kinks.window * period[index] / tick) as usize).clamp(shortest, longest)
+        ((KinksPolicy::in_use().window * period[index] / tick) as usize).clamp(shortest, longest)
     };
     let widths = |index: usize| {
         (
@@ -59,8 +59,8 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
             let Some(jump) = Jump::at(samples, index, before, after, 2, noise) else {
                 return 0.0;
             };
-            let stands_out = jump.difference > policy().kinks.stands_out * jump.deviation;
-            if stands_out && jump.difference > policy().kinks.large * jump.largest_slope {
+            let stands_out = jump.difference > KinksPolicy::in_use().stands_out * jump.deviation;
+            if stands_out && jump.difference > KinksPolicy::in_use().large * jump.largest_slope {
                 jump.surely()
             } else {
                 0.0
@@ -87,7 +87,7 @@ pub(super) fn find_kinks(samples: &[f64], tick: f64, period: &[f64], noise: f64)
     kinks.sort_unstable_by_key(|&(kink, _)| kink);
     // Of two without a window between them one is an artefact of the other.
     kinks.dedup_by(|next, kept| {
-        let is_shadow = next.0 - kept.0 <= policy().motion.shortest;
+        let is_shadow = next.0 - kept.0 <= MotionPolicy::in_use().shortest;
         if is_shadow && next.1 > kept.1 {
             *kept = *next;
         }
@@ -103,7 +103,7 @@ fn is_sharp(samples: &[f64], kink: usize, before: usize, after: usize, noise: f6
     let end = (kink + after).min(samples.len());
     let left = |range: Range<usize>, degree| left_by_polynomial(&samples[range], degree);
     let apart = left(start..kink, 2) + left(kink..end, 2);
-    left(start..end, SMOOTH) - apart > (policy().kinks.clearly * noise).powi(2)
+    left(start..end, SMOOTH) - apart > (KinksPolicy::in_use().clearly * noise).powi(2)
 }
 
 /// Polynomials on both sides of a sample that belongs to neither.
@@ -149,7 +149,7 @@ impl Jump {
 
     /// Lower bound of the difference, given its uncertainty.
     fn surely(&self) -> f64 {
-        self.difference - policy().kinks.surely * self.deviation
+        self.difference - KinksPolicy::in_use().surely * self.deviation
     }
 }
 
@@ -169,15 +169,19 @@ fn locate_kink(
     // are a small part of a long window on the other side.
     let mut at = index;
     let mut meeting = jump.meeting;
-    for _ in 0..policy().kinks.meetings {
-        at = (at as f64 + meeting.clamp(-policy().kinks.farthest, policy().kinks.farthest)).round()
-            as usize;
+    for _ in 0..KinksPolicy::in_use().meetings {
+        at = (at as f64
+            + meeting.clamp(
+                -KinksPolicy::in_use().farthest,
+                KinksPolicy::in_use().farthest,
+            ))
+        .round() as usize;
         meeting = Jump::at(samples, at, before, after, 3, noise)?.meeting;
-        if meeting.abs() <= policy().kinks.closest {
+        if meeting.abs() <= KinksPolicy::in_use().closest {
             break;
         }
     }
     // The sample at the kink itself belongs to the part after it.
-    let first_after = (at as f64 + meeting - policy().kinks.at_kink).ceil();
-    (meeting.abs() <= policy().kinks.closest).then_some(first_after as usize)
+    let first_after = (at as f64 + meeting - KinksPolicy::in_use().at_kink).ceil();
+    (meeting.abs() <= KinksPolicy::in_use().closest).then_some(first_after as usize)
 }

@@ -2,21 +2,20 @@
 //!
 //! Files are CSV or CSV.gz: `#` comment lines, a header whose names contain their unit, then samples. `time_s`, a displacement and
 //! a force are required; `velocity_mm_s` (or `velocity_mm/s`) and `temperature_degC` are used if present. A column of another
-//! quantity with a unit, such as `current_A`, is a [control input](ControlChannel); any other is kept and ignored. See [`units`]
+//! quantity with a unit, such as `current_A`, is a [control input](ControlChannel); any other is kept and ignored. See [`units`](mesh_damper_tables::units)
 //! for the known units. Every row ends with a line end. A last row without it may have been cut within its last number, and is left
 //! out.
 //!
 //! | module | for |
 //! |---|---|
 //! | the root | [`Recording`]: its channels, read from a file and written to one; [`Uniform`]: the same at even times |
-//! | [`units`] | units in a column's name |
 //! | [`faults`] | channel faults, and their repair |
 //! | [`noise`], [`averaging`], [`spectrum`] | the noise of a channel, and its smoothing |
 //! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all inputs of a law |
 //! | [`dynamic_stiffness`] | storage and loss stiffness of a cycle |
 //! | [`input`] | a single channel that drives something |
-//! | [`mod@policy`] | the numbers that decide all this, each with its source |
-//! | [`csv_text`], [`read_limit`], [`output`], [`error`], [`extremes`] | reading files, limits of their size, writing files completely or not at all, errors in one line, two extremes |
+//! | [`mod@numbers`], [`mod@policy`] | the numbers that decide all this, each with its source, and the list of them |
+//! | [`extremes`] | the smallest and the largest of some values |
 //!
 //! ```
 //! use mesh_damper_recording::Recording;
@@ -47,6 +46,7 @@ mod kinks;
 pub mod motion;
 pub mod motion_error;
 pub mod noise;
+pub mod numbers;
 pub mod pink;
 pub mod policy;
 mod polynomial;
@@ -67,10 +67,11 @@ pub use repeats::refuse_repeats;
 pub use resample::Uniform;
 
 use mesh_damper_output::error::{InputError, Place};
-use faults::ChannelFault;
 use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::rows::{RowLines, TextRows};
 use mesh_damper_tables::units::Units;
+
+use faults::ChannelFault;
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";

@@ -16,7 +16,6 @@ use super::noise::noise_deviation;
 use super::polynomial::{Cubic, fit_polynomial};
 use super::rest::find_rests;
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
 
 crate::numbers! {
     /// How velocity and acceleration are estimated.
@@ -78,7 +77,8 @@ impl MotionEstimate {
         }
         for (velocity, deviation) in rest.iter_mut().zip(&self.velocity_deviation[started..]) {
             if velocity.abs()
-                < (policy().motion.uncertain * deviation).min(policy().motion.at_rest * largest)
+                < (MotionPolicy::in_use().uncertain * deviation)
+                    .min(MotionPolicy::in_use().at_rest * largest)
             {
                 *velocity = 0.0;
             }
@@ -98,7 +98,7 @@ impl MotionEstimate {
             .zip(measured)
             .map(|(own, other)| own - other);
         let own = mean(&mut error.velocity.iter().copied());
-        if mean(&mut differs) > policy().motion.worse.powi(2) * own {
+        if mean(&mut differs) > MotionPolicy::in_use().worse.powi(2) * own {
             return;
         }
         let noise = noise_deviation(measured);
@@ -122,7 +122,8 @@ impl MotionEstimate {
         };
         let way = self.velocity[last].signum();
         let is_certain = |&index: &usize| {
-            way * self.velocity[index] > policy().motion.uncertain * self.velocity_deviation[index]
+            way * self.velocity[index]
+                > MotionPolicy::in_use().uncertain * self.velocity_deviation[index]
         };
         let certain = (0..start).rev().take_while(is_certain).last();
         certain.unwrap_or_default()
@@ -152,7 +153,7 @@ impl MotionEstimate {
         let bounds = segment_bounds(&motion.kinks, count);
         let start_from_rest = StartFromRest::fit(
             displacement,
-            (policy().motion.start * period[0] / tick) as usize,
+            (MotionPolicy::in_use().start * period[0] / tick) as usize,
             noise,
         );
         motion.start_from_rest = start_from_rest.as_ref().map_or(0, |start| start.length);
@@ -239,13 +240,13 @@ impl HalfWindow {
             return half;
         }
         let theta = TAU * self.tick / period;
-        let longest = (policy().motion.longest * period / self.tick) as usize;
+        let longest = (MotionPolicy::in_use().longest * period / self.tick) as usize;
         let error = |half: usize| {
             let n = half as f64;
             let bias = amplitude * theta * (theta * n).powi(4) / 280.0;
             self.noise * self.noise * 75.0 / (4.0 * n.powi(3)) + bias * bias
         };
-        let mut half = policy().motion.shortest;
+        let mut half = MotionPolicy::in_use().shortest;
         while half < longest && error(half + 1) < error(half) {
             half += 1;
         }
@@ -283,7 +284,7 @@ impl StartFromRest {
     /// Fits the first `longest` samples, or fewer if the residual exceeds the noise; `None` if the motion does not begin at rest.
     fn fit(samples: &[f64], longest: usize, noise: f64) -> Option<Self> {
         let mut length = longest.min(samples.len());
-        while length >= 4 * policy().motion.shortest {
+        while length >= 4 * MotionPolicy::in_use().shortest {
             let window = length as f64;
             let mut gram = Matrix4::zeros();
             let mut right = Vector4::zeros();
@@ -362,16 +363,16 @@ fn fit_window(
             index as f64 - low as f64,
             degree,
         );
-        if half <= policy().motion.shortest
+        if half <= MotionPolicy::in_use().shortest
             || leaves_only_noise(cubic.error, length as f64 - 4.0, noise)
         {
             return cubic;
         }
-        half = (half * 3 / 4).max(policy().motion.shortest);
+        half = (half * 3 / 4).max(MotionPolicy::in_use().shortest);
     }
 }
 
 /// Whether a sum of squares is consistent with white noise of deviation `noise` with this many degrees of freedom.
 pub(super) fn leaves_only_noise(error: f64, freedom: f64, noise: f64) -> bool {
-    error <= noise * noise * (freedom + policy().motion.only_noise * (2.0 * freedom).sqrt())
+    error <= noise * noise * (freedom + MotionPolicy::in_use().only_noise * (2.0 * freedom).sqrt())
 }

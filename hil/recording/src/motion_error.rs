@@ -6,7 +6,6 @@
 //! 1979). This works for any kind of estimate: windows, sines, rests and kinks.
 
 use super::motion::MotionEstimate;
-use crate::policy::policy;
 
 crate::numbers! {
     /// How far a motion may be off.
@@ -119,7 +118,7 @@ impl MotionError {
             }
             sums.push((sum, counted));
         }
-        let about = policy().motion_error.about;
+        let about = MotionErrorPolicy::in_use().about;
         let variance = |index: usize| {
             if !telling[index] {
                 return off[index].powi(2);

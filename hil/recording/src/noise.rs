@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::cycles::median;
 use super::spectrum::{place_of_line, powers};
-use crate::policy::policy;
 
 /// The weights of the samples of a sixth difference.
 pub const SIXTH_DIFFERENCE: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
@@ -44,7 +43,7 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
     let mut rest: Vec<f64> = sixth_differences(samples).collect();
     let seen = deviation(&rest);
     let mut beside = seen;
-    for _ in 0..policy().noise.most_tones {
+    for _ in 0..NoisePolicy::in_use().most_tones {
         let quiet = without_jumps(&rest, beside);
         let powers = powers(quiet.clone());
         let Some(bin) = strongest_tone(&powers, rest.len()) else {
@@ -54,7 +53,7 @@ pub fn noise_beside_tones(samples: &[f64]) -> f64 {
         take_off(&mut rest, &quiet, turn);
         beside = deviation(&rest).min(beside);
     }
-    if beside < policy().noise.left * seen {
+    if beside < NoisePolicy::in_use().left * seen {
         beside
     } else {
         seen
@@ -89,7 +88,7 @@ fn deviation(differences: &[f64]) -> f64 {
 /// `differences` with 0 in place of those that are too large for noise of this deviation or a tone: a force that jumps at reversals
 /// has spectral lines too, which would hide a tone's.
 fn without_jumps(differences: &[f64], deviation: f64) -> Vec<f64> {
-    let most = policy().noise.jump * deviation * POWER.sqrt();
+    let most = NoisePolicy::in_use().jump * deviation * POWER.sqrt();
     let quiet = |d: &f64| if d.abs() > most { 0.0 } else { *d };
     differences.iter().map(quiet).collect()
 }
@@ -99,26 +98,26 @@ fn strongest_tone(powers: &[f64], count: usize) -> Option<usize> {
     // For white noise they are proportional to (2 sin(ω/2))¹².
     let half_turn = |bin: usize| bin as f64 / count as f64 * PI;
     let flat = |bin: usize| powers[bin] / (2.0 * half_turn(bin).sin()).powi(12);
-    let first = ((policy().noise.lowest * count as f64) as usize).max(1);
+    let first = ((NoisePolicy::in_use().lowest * count as f64) as usize).max(1);
     let flat: Vec<f64> = (first..powers.len()).map(flat).collect();
-    let medians = flat.chunks(policy().noise.around);
+    let medians = flat.chunks(NoisePolicy::in_use().around);
     let medians: Vec<f64> = medians
         .filter_map(|bins| median(bins.iter().copied()))
         .collect();
     let ratio = |bin: usize| {
         let place = bin - first;
-        flat[place] / medians[place / policy().noise.around].max(f64::MIN_POSITIVE)
+        flat[place] / medians[place / NoisePolicy::in_use().around].max(f64::MIN_POSITIVE)
     };
     (first..powers.len().saturating_sub(1))
         .max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)))
-        .filter(|&bin| ratio(bin) > policy().noise.stands_out)
+        .filter(|&bin| ratio(bin) > NoisePolicy::in_use().stands_out)
 }
 
 /// Removes the tone of about this many radians per sample from `rest`, as `samples` contain it, by least squares.
 fn take_off(rest: &mut [f64], samples: &[f64], turn: f64) {
     let mut turn = turn;
     let mut tone = Tone::fitted(samples, turn);
-    for _ in 0..policy().noise.rounds {
+    for _ in 0..NoisePolicy::in_use().rounds {
         // With a slightly wrong frequency the residual grows to either side of the middle.
         let (mut product, mut square) = (0.0, 0.0);
         let mut time = -0.5 * samples.len() as f64;

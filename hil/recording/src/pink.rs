@@ -3,10 +3,10 @@
 //! It is searched for in the residual of a law, which no longer contains the motion. The residual of a missing effect follows the
 //! motion and has its band, so it does not lie on one line over all octaves.
 
-use super::spectrum::density;
 use mesh_damper_tables::channel::Channel;
+
+use super::spectrum::density;
 use crate::faults::{ChannelFault, ChannelFaultKind};
-use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
@@ -32,7 +32,7 @@ pub fn pink_deviation(left: &[f64]) -> Option<f64> {
         stretches,
         octaves: fewest,
         straight,
-    } = policy().pink;
+    } = *PinkPolicy::in_use();
     let mut length = longest;
     while length * stretches > left.len() {
         length /= 2;

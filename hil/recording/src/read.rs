@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
+use mesh_damper_output::error::InputError;
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::columns::{Chosen, Used, choose, is_own};
 use mesh_damper_tables::control::ControlChannel;
+use mesh_damper_tables::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
+use mesh_damper_tables::units::Units;
+
 use super::faults::{ChannelFault, ChannelFaultKind};
 use super::stated_rate::{Certain, Times, contradiction};
-use mesh_damper_tables::units::Units;
 use super::{Recording, Source};
-use mesh_damper_tables::columns::{Chosen, Used, choose, is_own};
-use mesh_damper_output::error::InputError;
-use mesh_damper_tables::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included; its content determines the format, not its name. A

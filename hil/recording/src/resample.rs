@@ -1,12 +1,12 @@
 //! A recording on a uniform time base.
 
-use super::clock::Clock;
-use super::faults::ChannelFault;
-use super::Recording;
+use mesh_damper_output::error::InputError;
 use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::units::Unit;
-use mesh_damper_output::error::InputError;
-use crate::policy::policy;
+
+use super::Recording;
+use super::clock::Clock;
+use super::faults::ChannelFault;
 
 crate::numbers! {
     /// How a recording is brought to equal steps.
@@ -120,7 +120,7 @@ impl Recording {
                 ((self.time[sample] - start) / period).round() as usize
             }
         };
-        if tick_of(last) > policy().resample.most_ticks_per_sample * self.len() {
+        if tick_of(last) > ResamplePolicy::in_use().most_ticks_per_sample * self.len() {
             return Err(self.mostly_gaps(period));
         }
         let ticks = tick_of(last) + 1;
@@ -132,9 +132,9 @@ impl Recording {
             self.time.clone()
         };
         let longest = if clock.on_ticks {
-            policy().resample.longest_on_ticks
+            ResamplePolicy::in_use().longest_on_ticks
         } else {
-            policy().resample.longest
+            ResamplePolicy::in_use().longest
         } * period;
         let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
         // A cubic overshoots where an input is switched; a line stays between the values.

@@ -7,7 +7,6 @@ use std::ops::Range;
 
 use super::motion::leaves_only_noise;
 use super::polynomial::left_by_polynomial;
-use crate::policy::policy;
 
 crate::numbers! {
     /// Where the displacement stands still.
@@ -25,7 +24,7 @@ crate::numbers! {
 ///
 /// Within the noise a turn stands still for a while too. There one cubic describes the run and as much again about it.
 pub(super) fn find_rests(samples: &[f64], noise: f64) -> Vec<Range<usize>> {
-    let shortest = policy().rest.shortest;
+    let shortest = RestPolicy::in_use().shortest;
     // Rounding errors are not white: at a turn the error may be half a step for a long time.
     let noise = noise + 0.5 * step_of(samples);
     let mut rests = Vec::new();
@@ -66,7 +65,7 @@ fn stands_still(samples: &[f64], noise: f64) -> bool {
 
 /// Number of samples, from the first on, that stand still.
 fn extended<'s>(samples: impl Iterator<Item = &'s f64>, noise: f64) -> usize {
-    let RestPolicy { shortest, same } = policy().rest;
+    let RestPolicy { shortest, same } = *RestPolicy::in_use();
     let mut recent = std::collections::VecDeque::with_capacity(shortest);
     // Sums for the samples before the recent ones, and for these.
     let (mut sum, mut count, mut recent_sum) = (0.0, 0.0, 0.0);
@@ -127,7 +126,8 @@ fn is_turn(samples: &[f64], rest: &Range<usize>, noise: f64) -> bool {
     let around = rest.start.saturating_sub(more)..(rest.end + more).min(samples.len());
     let error = left_by_polynomial(&samples[around.clone()], 3);
     let freedom = around.len() as f64 - 4.0;
-    let noise_squares = noise * noise * (freedom + policy().rest.same * (2.0 * freedom).sqrt());
+    let noise_squares =
+        noise * noise * (freedom + RestPolicy::in_use().same * (2.0 * freedom).sqrt());
     around != *rest && error <= noise_squares
 }
 
@@ -186,7 +186,7 @@ mod tests {
             let beyond = [start - rest.start as f64, rest.end as f64 - end];
             prop_assert!(beyond.iter().all(|beyond| *beyond <= near), "{:?} of {} {}", rest, start, end);
             let missed = length - rest.len().min(length);
-            prop_assert!(missed <= 2 * policy().rest.shortest, "{:?} of {} {}", rest, start, end);
+            prop_assert!(missed <= 2 * RestPolicy::in_use().shortest, "{:?} of {} {}", rest, start, end);
         }
 
         /// A sine does not stand still at its turns, however slow, nor does a motion at constant speed.

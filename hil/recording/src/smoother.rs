@@ -14,7 +14,6 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::motion::{MotionEstimate, leaves_only_noise};
 use super::motion_error::{MotionError, as_noisy};
 use super::spectrum::{density, floor};
-use crate::policy::policy;
 
 crate::numbers! {
     /// How a motion with few samples per cycle is estimated: from the spectrum of the displacement.
@@ -97,7 +96,7 @@ impl Smoother {
             fine,
             quiet,
             ..
-        } = policy().smoother;
+        } = *SmootherPolicy::in_use();
         let count = displacement.len();
         let bins = bins.min(count / stretches);
         let most = most.min(bins / 4);
@@ -285,7 +284,7 @@ impl Band {
             of_own += (own[index] - truth).powi(2);
             of_other += (tick * other[index] - truth).powi(2);
         }
-        let is_better = of_own < policy().smoother.better * of_other;
+        let is_better = of_own < SmootherPolicy::in_use().better * of_other;
         is_better.then_some((Self { smoother, holds }, smoothed))
     }
 
@@ -345,7 +344,7 @@ fn left_by(displacement: &[f64], estimated: &[f64]) -> Vec<f64> {
 impl Smoother {
     /// The samples about which the residual `left`, mm, is only noise.
     fn leaves_only_noise(&self, left: &[f64]) -> Vec<bool> {
-        let SmootherPolicy { about, exact, .. } = policy().smoother;
+        let SmootherPolicy { about, exact, .. } = *SmootherPolicy::in_use();
         let noise = self.noise.max(exact * self.variances[0].sqrt());
         let mut sums = vec![0.0];
         let mut sum = 0.0;
@@ -368,7 +367,7 @@ impl Smoother {
     fn corners(&self, displacement: &[f64], motion: &MotionEstimate, left: &[f64]) -> Vec<usize> {
         let SmootherPolicy {
             corner, some_noise, ..
-        } = policy().smoother;
+        } = *SmootherPolicy::in_use();
         let explained = self.leaves_only_noise(&left_by(displacement, &motion.displacement));
         let mut kinks = motion.kinks.clone();
         kinks.retain(|&kink| explained[kink]);

@@ -206,4 +206,3 @@ fn needs_all_digits(name: &str, unit: Unit, values: &[f64]) -> bool {
     let is_first = |value: &f64| decimal(written(value)) == decimal(written(&values[0]));
     name.starts_with("displacement") && values.iter().all(is_first)
 }
-

@@ -6,9 +6,9 @@
 use std::ops::Range;
 
 use mesh_damper_tables::channel::Channel;
+
 use crate::faults::{ChannelFault, ChannelFaultKind};
 use crate::noise::noise_deviation;
-use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
@@ -43,12 +43,12 @@ pub struct ZeroStep {
 /// The largest step in the residuals of several laws for the same force, taken from the law whose residual shows steps most
 /// clearly. `None` if there is no step. After the force is moved back, a law fits better, and the next step shows.
 pub fn zero_step(left: &[&[f64]]) -> Option<ZeroStep> {
-    let mut best = (policy().zero.stands_out, Vec::new());
+    let mut best = (ZeroPolicy::in_use().stands_out, Vec::new());
     for left in left {
         let sums = Sums::of(left);
         let noise = noise_deviation(left);
-        let lasts = (policy().zero.lasts * left.len() as f64) as usize;
-        let mut width = policy().zero.narrowest;
+        let lasts = (ZeroPolicy::in_use().lasts * left.len() as f64) as usize;
+        let mut width = ZeroPolicy::in_use().narrowest;
         while width <= lasts {
             let (stands_out, steps) = sums.outstanding(width);
             if stands_out > best.0 && sums.stay(&steps, lasts, noise) {
@@ -92,7 +92,7 @@ impl Sums {
     fn outstanding(&self, width: usize) -> (f64, Vec<ZeroStep>) {
         let places = width..=self.count() - width;
         let mut largest: Vec<ZeroStep> = Vec::new();
-        for _ in 0..=policy().zero.most {
+        for _ in 0..=ZeroPolicy::in_use().most {
             let is_new = |place: &usize| {
                 largest
                     .iter()
@@ -126,7 +126,7 @@ impl Sums {
     /// Where two levels describe the samples within `width` of `place` best, then those within half of `width`, and so on.
     fn edge(&self, place: usize, width: usize) -> usize {
         let (mut place, mut width) = (place, width);
-        while width >= policy().zero.narrowest {
+        while width >= ZeroPolicy::in_use().narrowest {
             let (start, end) = (place - width, place + width);
             // The reduction of the sum of squares by two means.
             let taken = |edge: usize| {
@@ -153,15 +153,15 @@ impl Sums {
         let of_levels = levels
             .windows(2)
             .map(|pair| self.mean(pair[1].clone()) - self.mean(pair[0].clone()));
-        let narrow = policy().zero.narrowest;
+        let narrow = ZeroPolicy::in_use().narrowest;
         // Deviation of the change of two means, minus half the change of two others on either side.
-        let of_noise = policy().zero.noises * noise * (5.0 / narrow as f64).sqrt();
+        let of_noise = ZeroPolicy::in_use().noises * noise * (5.0 / narrow as f64).sqrt();
         let at_once = |place: usize| {
             let beside = self.change(place - narrow, narrow) + self.change(place + narrow, narrow);
             self.change(place, narrow) - 0.5 * beside
         };
         let agrees = |change: f64, step: &ZeroStep, beside: f64| {
-            (change - step.change).abs() < policy().zero.stays * step.change.abs() + beside
+            (change - step.change).abs() < ZeroPolicy::in_use().stays * step.change.abs() + beside
         };
         levels
             .iter()
@@ -180,7 +180,7 @@ impl Trajectory {
             *force -= change;
         }
         let now = sample as f64 * self.tick;
-        let about = policy().zero.narrowest as f64 * self.tick;
+        let about = ZeroPolicy::in_use().narrowest as f64 * self.tick;
         for fault in &mut self.faults {
             if let ChannelFaultKind::ZeroStep {
                 time,

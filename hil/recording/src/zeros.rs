@@ -4,8 +4,8 @@
 //! spread out. If zeros differ, all but a few of the means agree.
 
 use mesh_damper_tables::channel::Channel;
+
 use crate::faults::{ChannelFault, ChannelFaultKind};
-use crate::policy::policy;
 use crate::trajectory::Trajectory;
 
 crate::numbers! {
@@ -34,7 +34,7 @@ pub struct LeftOfOne {
 /// How far the zeros of some recordings lie from the zeros of the others, with the place of each in `left`. Empty if none differ,
 /// or if the correction hardly reduces the residual of the law. `noise` is the possible error of a mean, kN.
 pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
-    if left.len() < policy().zeros.fewest {
+    if left.len() < ZerosPolicy::in_use().fewest {
         return Vec::new();
     }
     let mut order: Vec<usize> = (0..left.len()).collect();
@@ -55,7 +55,7 @@ pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
     let Some((stands_out, start, end)) = outstanding.max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Vec::new();
     };
-    if stands_out.is_nan() || stands_out <= policy().zeros.stands_out {
+    if stands_out.is_nan() || stands_out <= ZerosPolicy::in_use().stands_out {
         return Vec::new();
     }
     let alike = &order[start..end];
@@ -69,7 +69,7 @@ pub fn odd_zeros(left: &[LeftOfOne], noise: f64) -> Vec<(usize, f64)> {
     for &(place, change) in &odd {
         without[place].mean -= change;
     }
-    let is_needed = scattered(&without) < policy().zeros.needed.powi(2) * scattered(left);
+    let is_needed = scattered(&without) < ZerosPolicy::in_use().needed.powi(2) * scattered(left);
     if is_needed { odd } else { Vec::new() }
 }
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use mesh_damper_recording::Recording;
-use mesh_damper_tables::units::Units;
+use mesh_damper_recording::input::InputSignal;
 use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::files::{GivenColumn, Needs, Reading, Unmarked};
-use mesh_damper_recording::input::InputSignal;
+use mesh_damper_tables::units::Units;
 use proptest::prelude::*;
 
 type Columns = Vec<(&'static str, Vec<f64>)>;

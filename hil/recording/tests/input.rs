@@ -2,9 +2,9 @@
 
 use std::fs;
 
+use mesh_damper_recording::input::InputSignal;
 use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::files::Reading;
-use mesh_damper_recording::input::InputSignal;
 
 fn read(text: &str, channel: Channel) -> Result<InputSignal, String> {
     let root = tempfile::tempdir().unwrap();

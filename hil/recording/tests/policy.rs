@@ -1,7 +1,8 @@
 //! The numbers that decide: which policy file is used, and when.
 
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::policy::{AlreadyInUse, Field, Mark, Policy, install, policy};
+use mesh_damper_recording::numbers::{AlreadyInUse, Field, Mark};
+use mesh_damper_recording::policy::Policy;
 use mesh_damper_recording::trajectory::Trajectory;
 
 #[test]
@@ -45,9 +46,9 @@ fn every_number_says_what_it_decides_and_where_it_comes_from() {
 fn a_policy_is_installed_before_any_work_and_then_decides() {
     let mut other = Policy::default();
     other.trajectory.fewest_samples = 200;
-    assert_eq!(install(other.clone()), Ok(()));
-    assert_eq!(install(other), Err(AlreadyInUse));
-    assert_eq!(policy().trajectory.fewest_samples, 200);
+    assert_eq!(other.clone().install(), Ok(()));
+    assert_eq!(other.install(), Err(AlreadyInUse));
+    assert_eq!(Policy::in_use().trajectory.fewest_samples, 200);
     let time: Vec<f64> = (0..150).map(|i| 0.001 * f64::from(i)).collect();
     let displacement: Vec<f64> = time.iter().map(|t| (62.8 * t).sin()).collect();
     let recording = Recording::new("short", time, displacement.clone(), displacement).unwrap();

@@ -5,8 +5,8 @@ use mesh_damper::health::Event;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::{OperatingRange, RangeCounter};
 use mesh_damper::rig::{CycleReport, State, Telemetry, TripCause};
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::Recording;
 
 use super::bench::{Bench, RigSetup, SetupError};
 use super::plant::Plant;

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use mesh_damper_output::error::{InputError, Place, quoted};
+
 use crate::read_limit::{ReadLimit, open};
 
 /// The first two bytes of every gzip member (RFC 1952, 2.3.1).

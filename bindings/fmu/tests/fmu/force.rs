@@ -7,8 +7,8 @@ use mesh_damper_fmu::functions::*;
 use mesh_damper_fmu::types::ValueReference;
 use mesh_damper_fmu::variables::{AMPLITUDE, CYCLES, FIRST_CONTROL, TEMPERATURE};
 use mesh_damper_model::predict::{motion_at, predict};
-use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_tables::control::ControlChannel;
 
 use crate::master::{MOTION, Master, Unpacked};
 

@@ -4,7 +4,7 @@
 //! then has the force at the middle of the recording's temperatures, and is off at both ends.
 
 use mesh_damper::effects::DESCRIPTIONS;
-use mesh_damper_identify::policy::policy;
+use mesh_damper_identify::trace::VerdictPolicy;
 use mesh_damper_model::{Model, ModelError};
 
 use super::Moment;
@@ -88,7 +88,7 @@ fn off(
     let unseen = moment.trace.as_ref().map_or(f64::INFINITY, |trace| {
         let noise = trace.noise_floor_nrmse;
         // A trace attributes a remainder up to this multiple of the noise to noise; a larger remainder is seen.
-        let limited = policy().verdict.noise_limited * noise;
+        let limited = VerdictPolicy::in_use().noise_limited * noise;
         let errors = trace.augmented;
         let error = errors.nrmse_fitted.max(errors.nrmse_held_out).max(limited);
         (error * error - noise * noise).sqrt()

@@ -2,8 +2,8 @@
 
 use mesh_damper_batch::compare::{Comparison, Conclusion, Moment, compare};
 use mesh_damper_identify::trace::trace;
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::Recording;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables;
 use rand::{RngExt as _, SeedableRng as _};

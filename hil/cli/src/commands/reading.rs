@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use clap::Args;
+use mesh_damper_output::error::InputError;
 use mesh_damper_recording::Recording;
 pub use mesh_damper_tables::columns::shell;
-use mesh_damper_output::error::InputError;
 use mesh_damper_tables::files;
 use mesh_damper_tables::read_limit::ReadLimit;
 

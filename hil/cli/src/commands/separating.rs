@@ -5,8 +5,8 @@ use std::path::Path;
 use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper_identify::trace::result::TraceResult;
-use mesh_damper_tables::write::decimal;
 use mesh_damper_output::error::InputError;
+use mesh_damper_tables::write::decimal;
 
 /// Name of the file in a trace's folder.
 pub const FILE: &str = "separating-test.csv";

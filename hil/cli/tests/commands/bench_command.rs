@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::emulated;
-use crate::junit_command;
 use mesh_damper_link::image::Board;
 use mesh_damper_trials::bench::{Baseline, IMAGE};
 use serde_json::Value;
+
+use crate::emulated;
+use crate::junit_command;
 
 fn command(arguments: &[&str], baseline: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hil"))

@@ -7,11 +7,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
-use crate::bad_input::MODEL;
+use mesh_damper_paper::orthogonal::Experiment;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::{ChannelFault, ChannelFaultKind};
 use mesh_damper_tables::channel::Channel;
-use mesh_damper_paper::orthogonal::Experiment;
+
+use crate::bad_input::MODEL;
 
 const HEADER: &str = "time_s,displacement_mm,force_kN\n";
 /// Address space of the command itself, MiB.

@@ -2,11 +2,11 @@
 
 use std::process::Command;
 
+use mesh_damper_paper::amplitude_independent::Sine;
+use mesh_damper_paper::surfaces::{DEGREE, fit};
 use mesh_damper_reference::dynamic_test::characterize;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::interpolate;
-use mesh_damper_paper::amplitude_independent::Sine;
-use mesh_damper_paper::surfaces::{DEGREE, fit};
 
 /// K of a steady cycle of the law that `hil run` computes next to the specimen, at 2.75 g/cm³, 0.1 mm, 1 Hz.
 fn stiffness_in_the_rig(law: &str) -> f64 {

@@ -4,8 +4,9 @@
 
 use std::process::Command;
 
-use crate::command::hil;
 use mesh_damper_trials::size::{BYTES_PER_ROW, Measured, Motion, measure};
+
+use crate::command::hil;
 
 /// Far enough apart for the memory of the rows to exceed the memory that an allocator keeps in reserve.
 const ROWS: [usize; 2] = [50_000, 450_000];

@@ -10,22 +10,25 @@ use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::policy::policy;
+use crate::rows::SEARCH_ROWS;
 
 mesh_damper_recording::numbers! {
     /// The samples that a residual table is fitted to.
     DesignPolicy {
-        /// Where a moving average smoothed the channels, the mean over its window is computed from at most this many samples.
-        most_instants: usize = 9, Convention("the mean of a cubic over the window is then right to one per cent");
         /// A residual table over the frequency needs frequencies that span more than this many octaves.
         one_frequency: f64 = 0.1, Tuned("the blind trial");
-        /// At most this many blocks are left out of the fit of a residual table, one at a time.
-        most_left_out: usize = 48,
-            Convention("bounds time and memory, which each block needs separately; if no cycles are alike, every cycle is a block");
         /// A residual table does not use a memory that changes by less than this fraction of its range.
         changes: f64 = 1e-3, Convention("a thousandth");
     }
 }
+
+/// At most this many blocks are left out of the fit of a residual table, one at a time. Convention: bounds time and memory, which
+/// each block needs separately; if no cycles are alike, every cycle is a block.
+const MOST_LEFT_OUT: usize = 48;
+
+/// Where a moving average smoothed the channels, the mean over its window is computed from at most this many samples. Convention: the
+/// mean of a cubic over the window is then right to one per cent.
+const MOST_INSTANTS: usize = 9;
 
 /// The range of the motion.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +161,7 @@ impl<'a> Design<'a> {
             })
             .collect();
         let nodes: Vec<f64> = model.law.iter().map(|node| node.amplitude).collect();
-        let every = picked.len().div_ceil(policy().rows.search).max(1);
+        let every = picked.len().div_ceil(SEARCH_ROWS).max(1);
         let rows: Vec<Row> = picked
             .iter()
             .step_by(every)
@@ -239,7 +242,7 @@ impl<'a> Design<'a> {
             Remembered::Frequency { .. } => {
                 let (slowest, fastest) = self.frequencies();
                 let range = [slowest.log2(), fastest.log2()];
-                return (range[1] - range[0] > policy().design.one_frequency)
+                return (range[1] - range[0] > DesignPolicy::in_use().one_frequency)
                     .then(|| self.recall_within(of, range))?;
             }
         };
@@ -247,7 +250,7 @@ impl<'a> Design<'a> {
         let (low, high) = least_and_largest(memories.into_iter().flatten());
         let place = |memory: f64| wide[0] + memory * (wide[1] - wide[0]);
         let range = [place(low), place(high)];
-        if high - low < policy().design.changes {
+        if high - low < DesignPolicy::in_use().changes {
             return None;
         }
         self.recall_within(of, range)
@@ -398,7 +401,7 @@ impl Row {
 /// The samples of the motion that the force at a sample depends on: that sample, or those within a moving average.
 fn seen_at(trajectory: &Trajectory, sample: usize) -> impl Iterator<Item = usize> {
     let window = trajectory.average.map_or(1.0, |average| average.window);
-    let count = (window as usize).clamp(1, policy().design.most_instants);
+    let count = (window as usize).clamp(1, MOST_INSTANTS);
     let last = trajectory.len() - 1;
     (0..count).map(move |place| {
         let place = (place as f64 + 0.5) / count as f64 - 0.5;
@@ -472,7 +475,7 @@ fn left_out(trajectories: &[Trajectory], rows: &[Row]) -> Vec<usize> {
         })
         .collect();
     let known = if inner.is_empty() { all } else { inner };
-    let count = known.len().min(policy().design.most_left_out);
+    let count = known.len().min(MOST_LEFT_OUT);
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
         .collect()

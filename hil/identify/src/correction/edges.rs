@@ -5,7 +5,6 @@ use mesh_damper_model::correction::Remembered;
 use super::design::{Coefficients, Design};
 use super::gram::{GramRows, TableForm};
 use super::trend::Trend;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// Where something may touch, as an edge in a residual table.
@@ -19,8 +18,8 @@ mesh_damper_recording::numbers! {
 /// Contacts on one side, and on both, placed so that friction and damping of the zones beyond eq 13 are most alike within each
 /// part.
 pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Remembered>; 2]> {
-    let (zones, power) = design.zones(policy().edges.zones);
-    let of_zones = (0..2 * policy().edges.zones).map(|cell| Trend::of(vec![(cell, 1.0)]));
+    let (zones, power) = design.zones(EdgesPolicy::in_use().zones);
+    let of_zones = (0..2 * EdgesPolicy::in_use().zones).map(|cell| Trend::of(vec![(cell, 1.0)]));
     let trends: Vec<Trend> = of_zones.collect();
     let form = TableForm {
         trends: &trends,
@@ -28,7 +27,8 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
     };
     let rows = GramRows::over(design, at, Some(&zones));
     let cells = rows.solved(form)?.cells;
-    let (friction, damping) = cells[..2 * policy().edges.zones].split_at(policy().edges.zones);
+    let (friction, damping) =
+        cells[..2 * EdgesPolicy::in_use().zones].split_at(EdgesPolicy::in_use().zones);
 
     // Σ w·(x − mean)² over the zones of one part.
     let unlike = |from: usize, to: usize| -> f64 {
@@ -46,10 +46,11 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
         one(friction, &power[0]) + one(damping, &power[1])
     };
     let edge = |zone: usize| {
-        (2.0 * zone as f64 / policy().edges.zones as f64 - 1.0) * design.reach.displacement
+        (2.0 * zone as f64 / EdgesPolicy::in_use().zones as f64 - 1.0) * design.reach.displacement
     };
     let pair = |below: usize, above: usize| {
-        let left = unlike(0, below) + unlike(below, above) + unlike(above, policy().edges.zones);
+        let left =
+            unlike(0, below) + unlike(below, above) + unlike(above, EdgesPolicy::in_use().zones);
         let sides = Remembered::Sides {
             below: edge(below),
             above: edge(above),
@@ -61,11 +62,12 @@ pub(super) fn likely_sides(design: &Design, at: &Coefficients) -> Option<[Vec<Re
         let best = pairs.min_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, sides)| sides)
     };
-    let mut one = (1..policy().edges.zones).map(|above| (0, above));
-    let mut as_far = (policy().edges.zones / 2 + 1..policy().edges.zones)
-        .map(|above| (policy().edges.zones - above, above));
-    let mut two = (1..policy().edges.zones)
-        .flat_map(|below| (below + 1..policy().edges.zones).map(move |above| (below, above)));
+    let mut one = (1..EdgesPolicy::in_use().zones).map(|above| (0, above));
+    let mut as_far = (EdgesPolicy::in_use().zones / 2 + 1..EdgesPolicy::in_use().zones)
+        .map(|above| (EdgesPolicy::in_use().zones - above, above));
+    let mut two = (1..EdgesPolicy::in_use().zones).flat_map(|below| {
+        (below + 1..EdgesPolicy::in_use().zones).map(move |above| (below, above))
+    });
     let both = [best(&mut as_far), best(&mut two)];
     Some([
         best(&mut one).into_iter().collect(),

@@ -10,7 +10,6 @@ use super::hat::hats;
 use super::system::System;
 use super::trend::Trend;
 use crate::beyond_noise::beyond_noise;
-use crate::policy::policy;
 
 /// A trend counts as a combination of others if the rest is less than this fraction of it, in squares. Derived: above rounding.
 const ALIKE: f64 = 1e-9;
@@ -396,7 +395,10 @@ impl<'d, 't> Sums<'d, 't> {
                 return [k1, k3, c, alpha];
             }
             let change = |i: usize| x[4 * node + i];
-            let step = change(3).clamp(-policy().gram.largest_step, policy().gram.largest_step);
+            let step = change(3).clamp(
+                -GramPolicy::in_use().largest_step,
+                GramPolicy::in_use().largest_step,
+            );
             [
                 k1 + change(0),
                 k3 + change(1),

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use super::design::{Coefficients, Design};
 use super::edges;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// The memories that a residual table may have in place of speed.
@@ -117,7 +116,7 @@ pub(super) fn sides(of: Remembered, design: &Design) -> usize {
 /// The possible memories, kind by kind, each with its limit or time over the whole range that the data can show, together with eq
 /// 13 at `at`.
 pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> {
-    let policy = &policy().memory;
+    let policy = MemoryPolicy::in_use();
     let trajectories = design.trajectories;
     let reach = design.reach.displacement;
     let longest =
@@ -174,7 +173,7 @@ pub(super) fn kinds(design: &Design, at: &Coefficients) -> Vec<Vec<Remembered>> 
 pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Remembered> {
     let reach = design.reach.displacement;
     if let Remembered::Sides { below, above } = of {
-        let step = 0.5_f64.powi(sought as i32) * policy().memory.edge * reach;
+        let step = 0.5_f64.powi(sought as i32) * MemoryPolicy::in_use().edge * reach;
         let ways = if sides(of, design) == 1 {
             &WAYS[..2]
         } else {
@@ -211,7 +210,7 @@ pub(super) fn around(of: Remembered, sought: u32, design: &Design) -> Vec<Rememb
             time: factor * time,
         }),
     };
-    let factors = policy().memory.around.into_iter();
+    let factors = MemoryPolicy::in_use().around.into_iter();
     factors.filter_map(scaled).collect()
 }
 

@@ -21,7 +21,6 @@ use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::beyond_noise::beyond_noise;
-use crate::policy::policy;
 use design::{Coefficients, Design, Reach, Recalled};
 use gram::{GramRows, Solved, TableForm};
 use search::{Memorable, momentary, promising, remembering};
@@ -109,8 +108,8 @@ pub fn fit(
         return Ok(None);
     };
     // If the error is near the noise without a memory, a memory cannot reduce it much.
-    let may_remember =
-        policy().correction.remembered * plain.solved.error > beyond_noise(0.0, design.noise());
+    let may_remember = CorrectionPolicy::in_use().remembered * plain.solved.error
+        > beyond_noise(0.0, design.noise());
     let mut kinds = if may_remember {
         promising(&design, &plain)
     } else {
@@ -119,7 +118,7 @@ pub fn fit(
     let best_of = |kinds: &[Memorable]| {
         let remembered = remembering(&design, &plain, kinds);
         let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
-        let is_worthwhile = solved.error <= policy().correction.worthwhile * alone.error;
+        let is_worthwhile = solved.error <= CorrectionPolicy::in_use().worthwhile * alone.error;
         is_worthwhile.then(|| (corrected(model, &solved, &choice), choice))
     };
     let found = best_of(&kinds);
@@ -197,7 +196,7 @@ pub fn depends_on(
                 ..TableForm::NONE
             };
             if least([along_trends(Some(variable)), error_of(table)])
-                > policy().correction.needed * all
+                > CorrectionPolicy::in_use().needed * all
             {
                 names.push(name);
             }

@@ -8,7 +8,7 @@ use super::gram::{GramRows, Solved, TableForm};
 use super::settle::{settle, settle_needed};
 use super::trend::{self, Trend};
 use super::{Choice, Fitted, growth, memory};
-use crate::policy::policy;
+use crate::correction::CorrectionPolicy;
 
 mesh_damper_recording::numbers! {
     /// How a residual table is searched for.
@@ -36,7 +36,7 @@ pub(super) fn momentary(design: &Design, alone: &Solved) -> Option<Fitted> {
     let mut at = alone.coefficients.clone();
     let mut trends = Vec::new();
     // The exponents of eq 13 may be far off until another term covers the missing effect.
-    for _ in 0..policy().search.rounds {
+    for _ in 0..SearchPolicy::in_use().rounds {
         let rows = GramRows::over(design, &at, None);
         (_, trends) = growth::grown(&rows, &trend::trends(None, None))?;
         let solved;
@@ -59,9 +59,8 @@ fn around(
         table,
     };
     let mut solved = rows.sums(form(None))?.cross_validated(form(None))?;
-    let sums = rows.sums(form(Some(policy().search.typical)))?;
-    let solved_with = policy()
-        .search
+    let sums = rows.sums(form(Some(SearchPolicy::in_use().typical)))?;
+    let solved_with = SearchPolicy::in_use()
         .smoothness
         .par_iter()
         .filter_map(|&smoothness| {
@@ -69,7 +68,8 @@ fn around(
             Some((sums.cross_validated(form(table))?, table))
         });
     let best = solved_with.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
-    let best = best.filter(|(with, _)| with.error < policy().search.tabulated * solved.error);
+    let best =
+        best.filter(|(with, _)| with.error < SearchPolicy::in_use().tabulated * solved.error);
     let mut table = None;
     if let Some((with, smoothness)) = best {
         table = smoothness;
@@ -103,7 +103,7 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let at = &plain.solved.coefficients;
     let tabulated = TableForm {
         trends: &[],
-        table: Some(policy().search.typical),
+        table: Some(SearchPolicy::in_use().typical),
     };
     let fitted = |of: Remembered| {
         let recalled = design.recall(of)?;
@@ -117,19 +117,19 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
     let kinds = memory::kinds(design, at);
     let best_of_each = kinds.into_par_iter().filter_map(|kind| {
         let coarse = best_of(kind)?;
-        if coarse.0 > policy().correction.worthwhile * plain.solved.inside {
+        if coarse.0 > CorrectionPolicy::in_use().worthwhile * plain.solved.inside {
             return None;
         }
         let finer = |best: (f64, Remembered), sought| {
             let near = best_of(memory::around(best.1, sought, design));
             near.filter(|near| near.0 < best.0).unwrap_or(best)
         };
-        Some((0..policy().search.sought).fold(coarse, finer))
+        Some((0..SearchPolicy::in_use().sought).fold(coarse, finer))
     });
     let mut best_of_each: Vec<(f64, Remembered)> = best_of_each.collect();
     let mut each = best_of_each.iter();
     if let Some(&(with_one, _)) = each.find(|(_, of)| memory::sides(*of, design) == 1) {
-        let pays = |error: f64| error < policy().search.another_side * with_one;
+        let pays = |error: f64| error < SearchPolicy::in_use().another_side * with_one;
         best_of_each.retain(|(error, of)| memory::sides(*of, design) != 2 || pays(*error));
     }
     // Whether the table may remember how long a test has run is decided later.
@@ -138,7 +138,8 @@ pub(super) fn promising(design: &Design, plain: &Fitted) -> Vec<Memorable> {
         .filter(|(_, of)| !memory::goes_on_with_time(*of));
     let least = of_motion.fold(f64::INFINITY, |least, (error, _)| least.min(*error));
     let comparable = best_of_each.into_par_iter();
-    let comparable = comparable.filter(|(error, _)| *error <= policy().search.comparable * least);
+    let comparable =
+        comparable.filter(|(error, _)| *error <= SearchPolicy::in_use().comparable * least);
     let memories = comparable.filter_map(|(_, of)| {
         let recalled = design.recall(of)?;
         let rows = GramRows::over(design, at, Some(&recalled));
@@ -163,6 +164,6 @@ pub(super) fn remembering(design: &Design, plain: &Fitted, kinds: &[Memorable]) 
     let fitted = around(design, &solved.coefficients, trends, recalled)?;
     let choice = &fitted.choice;
     let remembers = choice.table.is_some() || choice.trends.iter().any(Trend::is_over_memory);
-    let pays = fitted.solved.error <= policy().correction.remembered * plain.solved.error;
+    let pays = fitted.solved.error <= CorrectionPolicy::in_use().remembered * plain.solved.error;
     (remembers && pays).then_some(fitted)
 }

@@ -5,17 +5,19 @@ use rayon::prelude::*;
 use super::design::{Coefficients, Design, Recalled};
 use super::gram::{GramRows, Solved, TableForm};
 use super::trend::Trend;
-use crate::policy::policy;
+use crate::correction::growth::GrowthPolicy;
 
 mesh_damper_recording::numbers! {
     /// When the law's exponents have settled in the fit of a residual table.
     SettlePolicy {
-        /// The law's exponents are fitted together with a residual table in at most this many steps.
-        steps: usize = 8, Convention("they settle in three or four");
         /// The law's exponents have settled if none of them changes by this or more in a step.
         settled: f64 = 2e-3, Convention("below their intervals");
     }
 }
+
+/// The law's exponents are fitted together with a residual table in at most this many steps. Convention: they settle in three or
+/// four.
+const MOST_STEPS: usize = 8;
 
 /// Settles with these trends. Then settles with fewer, if unneeded ones covered for the exponents of eq 13.
 pub(super) fn settle_needed(
@@ -40,7 +42,9 @@ pub(super) fn settle_needed(
         });
         let fewer = fewer.min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error));
         match fewer {
-            Some((without, fewer)) if policy().growth.worthwhile * without.error < solved.error => {
+            Some((without, fewer))
+                if GrowthPolicy::in_use().worthwhile * without.error < solved.error =>
+            {
                 (solved, trends) = (without, fewer);
             }
             _ => break,
@@ -74,7 +78,7 @@ pub(super) fn settled(
         let solved = GramRows::over(design, &at, recalled).solved(form)?;
         let changes = at.0.iter().zip(&solved.coefficients.0);
         let change = changes.fold(0.0_f64, |most, (a, b)| most.max((a[3] - b[3]).abs()));
-        if change < policy().settle.settled || step == policy().settle.steps {
+        if change < SettlePolicy::in_use().settled || step == MOST_STEPS {
             return Some(solved);
         }
         at = solved.coefficients;

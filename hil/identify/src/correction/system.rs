@@ -9,7 +9,6 @@ use super::cholesky::Cholesky;
 use super::design::{Coefficients, Design};
 use super::gram::{BlockSums, Layout, TableForm};
 use super::hat::KNOTS;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// How smooth a residual table is.
@@ -73,7 +72,7 @@ impl System {
             }
             if layout.of.is_some_and(Remembered::is_line) {
                 for cell in first..first + layout.hats {
-                    system.add(&[(cell, 1.0)], 0.0, policy().system.level * per_cell);
+                    system.add(&[(cell, 1.0)], 0.0, SystemPolicy::in_use().level * per_cell);
                 }
             }
         }
@@ -97,7 +96,7 @@ impl System {
             let power = |node: usize| total.gram[(4 * node + i, 4 * node + i)];
             if i == 3 {
                 for node in 0..count {
-                    let weight = policy().system.step * power(node) + f64::MIN_POSITIVE;
+                    let weight = SystemPolicy::in_use().step * power(node) + f64::MIN_POSITIVE;
                     self.add(&[(4 * node + 3, 1.0)], 0.0, weight);
                 }
                 continue;
@@ -112,7 +111,7 @@ impl System {
                     .sum::<f64>();
                 // The smallest of the three: y⁶ of large amplitudes would outweigh all data on the k3 of a small one.
                 let least = (node..node + 3).map(power).fold(f64::INFINITY, f64::min);
-                self.add(&terms, -bend, policy().system.bend * least);
+                self.add(&terms, -bend, SystemPolicy::in_use().bend * least);
             }
         }
     }
@@ -128,14 +127,14 @@ impl System {
                         self.add(
                             &[(cell(i, j), -1.0), (cell(i + 1, j), 1.0)],
                             0.0,
-                            policy().system.slope * weight,
+                            SystemPolicy::in_use().slope * weight,
                         );
                     }
                     if j + 1 < along {
                         self.add(
                             &[(cell(i, j), -1.0), (cell(i, j + 1), 1.0)],
                             0.0,
-                            policy().system.slope * weight,
+                            SystemPolicy::in_use().slope * weight,
                         );
                     }
                     if i + 2 < across {

@@ -3,7 +3,6 @@
 //! A table that is only smooth knows little between two blocks of a test and nothing beyond them. A table that follows a few
 //! products of a function of displacement and a function of speed knows more. Its cells then hold only the rest.
 
-use crate::policy::policy;
 use mesh_damper::effects::residual_table::{CELLS, DISPLACEMENTS, NODES, part_of_speed};
 use mesh_damper_model::correction::Remembered;
 
@@ -130,9 +129,9 @@ pub(super) fn trends(of: Option<Remembered>, without: Option<Variable>) -> Vec<T
 
 fn over_speed() -> Vec<Along> {
     let powers = OVER_SPEED.map(Along::Speed);
-    let growing = policy().trend.first_growing.map(Along::Growing);
+    let growing = TrendPolicy::in_use().first_growing.map(Along::Growing);
     let fading = FIRST_FADING.into_iter().flat_map(|curve| {
-        let widths = policy().trend.first_fading.into_iter();
+        let widths = TrendPolicy::in_use().first_fading.into_iter();
         widths.map(move |width| Along::Fading(curve, width))
     });
     let all = [Along::Nothing].into_iter().chain(powers);
@@ -254,11 +253,11 @@ impl Along {
         };
         match self {
             Self::Nothing | Self::Speed(_) | Self::Memory(_) => Vec::new(),
-            Self::Growing(width) => scaled(width, policy().trend.growing_widths)
+            Self::Growing(width) => scaled(width, TrendPolicy::in_use().growing_widths)
                 .map(Self::Growing)
                 .collect(),
             Self::Fading(curve, width) => {
-                let widths = scaled(width, policy().trend.fading_widths);
+                let widths = scaled(width, TrendPolicy::in_use().fading_widths);
                 let widths = widths.map(|width| Self::Fading(curve, width));
                 let curves = (0..FADING.len()).filter(|other| *other != curve);
                 widths

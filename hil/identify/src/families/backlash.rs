@@ -3,8 +3,15 @@
 use mesh_damper::effects::Backlash;
 
 use super::{Form, FormSpec, one, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
+
+/// Number of starting values of a free play. Convention: each is four times the one before: a fit goes on from there.
+const SLACK_STARTS: usize = 3;
+
+/// Number of starting values of the slip limit of friction behind free play. Convention: each is three times the one before: a fit
+/// goes on from there.
+const BACKLASH_STARTS: usize = 4;
 
 /// Its size is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -30,12 +37,12 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
 })];
 
 fn shapes(extent: &Extent) -> Vec<Shape> {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     vec![
         Shape::spread(
             extent.shortest(),
             policy.longest * extent.amplitude,
-            policy.backlash_starts,
+            BACKLASH_STARTS,
         ),
         // Half of the play on each side of the start.
         Shape::spread(
@@ -43,7 +50,7 @@ fn shapes(extent: &Extent) -> Vec<Shape> {
                 .shortest()
                 .max(policy.shortest_slack * extent.amplitude),
             2.0 * policy.longest * extent.amplitude,
-            policy.slack_starts,
+            SLACK_STARTS,
         ),
     ]
 }

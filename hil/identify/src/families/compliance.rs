@@ -1,8 +1,8 @@
 //! A spring in series.
 
 use super::{Entry, Form, FormSpec, one};
-use crate::policy::policy;
 use crate::shape::Shape;
+use crate::shape::ShapePolicy;
 
 /// Its shape is the stiffness.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -12,11 +12,11 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     shape_names: &["stiffness"],
     gives_way: true,
     shapes: |extent| {
-        let [softest, stiffest] = policy().shape.series;
+        let [softest, stiffest] = ShapePolicy::in_use().series;
         vec![Shape::spread(
             softest * extent.stiffness,
             stiffest * extent.stiffness,
-            policy().shape.series_starts,
+            ShapePolicy::in_use().series_starts,
         )]
     },
     // x = y − d

@@ -6,9 +6,16 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::yielding::stretch_and_rate;
 use super::{Element, Entry, Form, FormSpec, Input, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
+
+/// Number of starting values of the saturation of a control input. Convention: one below and one above the largest input.
+const SATURATION_STARTS: usize = 2;
+
+/// Number of starting values of the lag of a control input. Convention: each is some seven times the one before: a fit goes on from
+/// there.
+const LAG_STARTS: usize = 4;
 
 /// For each input: immediate and proportional, delayed, with a strength that saturates, and both.
 pub const FORMS: [Form; 4 * CONTROLS] = {
@@ -71,13 +78,13 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
     };
 
     fn shapes(extent: &Extent) -> Vec<Shape> {
-        let policy = &policy().shape;
+        let policy = ShapePolicy::in_use();
         let mut shapes = stretch_and_rate(extent).to_vec();
         if LATE {
             shapes.push(Shape::spread(
                 policy.shortest_lag * extent.tick,
                 policy.longest_lag * extent.duration,
-                policy.lag_starts,
+                LAG_STARTS,
             ));
         }
         if BENT {
@@ -86,7 +93,7 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
             shapes.push(Shape::spread(
                 least * largest,
                 most * largest,
-                policy.saturation_starts,
+                SATURATION_STARTS,
             ));
         }
         shapes

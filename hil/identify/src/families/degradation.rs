@@ -4,8 +4,26 @@
 use mesh_damper::effects::{Degradation, Weakening};
 
 use super::{Form, FormSpec, one, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
+
+/// Starting values of the fraction of its strength that a weakening slider finally loses. Convention: a third and two thirds.
+const STRENGTH_LOSS_STARTS: [f64; 2] = [0.3, 0.7];
+
+/// Number of starting values of the energy after which a weakening slider has lost half of its final loss. Convention: the fewest
+/// that tell early from late.
+const LOSS_ENERGY_STARTS: usize = 3;
+
+/// Number of starting values of the slip limit of a slider that weakens. Convention: each is two to three times the one before: a fit
+/// goes on from there.
+const WEAKENING_STARTS: usize = 6;
+
+/// Number of starting values of the pinching of a spring that degrades. Convention: the softening is known by then.
+const PINCHING_STARTS: usize = 2;
+
+/// Number of starting values of the displacement at which a degrading spring has lost half of its stiffness. Convention: each is
+/// three times the one before: a fit goes on from there.
+const SOFTENING_STARTS: usize = 4;
 
 /// A spring; a spring that pinches; a slider. The size of each is the stiffness.
 pub const FORMS: [Form; 3] = [
@@ -85,25 +103,25 @@ const SPRING: FormSpec = FormSpec {
 };
 
 fn spring_shapes(extent: &Extent) -> Vec<Shape> {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let [least, most] = policy.softening;
     let [slightest, whole] = policy.pinching;
     vec![
         Shape::spread(
             least * extent.amplitude,
             most * extent.amplitude,
-            policy.softening_starts,
+            SOFTENING_STARTS,
         ),
         Shape {
             // A total loss does not make it a simpler spring.
             simple_above: f64::INFINITY,
-            ..Shape::spread(slightest, whole, policy.pinching_starts)
+            ..Shape::spread(slightest, whole, PINCHING_STARTS)
         },
     ]
 }
 
 fn slider_shapes(extent: &Extent) -> Vec<Shape> {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let [slightest, whole] = policy.strength_loss;
     let [soonest, latest] = policy.loss_energy;
     // The most energy that a cycle of a slider of stiffness 1 dissipates.
@@ -112,10 +130,10 @@ fn slider_shapes(extent: &Extent) -> Vec<Shape> {
         Shape::spread(
             extent.shortest(),
             policy.longest * extent.amplitude,
-            policy.weakening_starts,
+            WEAKENING_STARTS,
         ),
         Shape {
-            starts: policy.strength_loss_starts.to_vec(),
+            starts: STRENGTH_LOSS_STARTS.to_vec(),
             // A total loss of strength does not make it a simpler slider.
             simple_above: f64::INFINITY,
             ..Shape::spread(slightest, whole, 1)
@@ -123,7 +141,7 @@ fn slider_shapes(extent: &Extent) -> Vec<Shape> {
         Shape::spread(
             soonest * cycle,
             latest * extent.cycles.max(1.0) * cycle,
-            policy.loss_energy_starts,
+            LOSS_ENERGY_STARTS,
         ),
     ]
 }

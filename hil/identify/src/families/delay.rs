@@ -7,7 +7,7 @@ use mesh_damper::effects::{Delay, Equations, ForceFilter};
 
 use super::{Entry, Form, FormSpec, Step, one};
 use crate::moved::through;
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 
 /// A fixed time; a low-pass, whose shape is the corner frequency.
@@ -17,7 +17,7 @@ pub const FORMS: [Form; 2] = [
         shape_names: &["time"],
         shapes: |extent| {
             let [shortest, longest] = lags(extent);
-            let starts = policy().shape.delay_starts;
+            let starts = ShapePolicy::in_use().delay_starts;
             vec![Shape::spread(shortest, longest, starts)]
         },
         moves: |trajectory, time, _| {
@@ -38,7 +38,7 @@ pub const FORMS: [Form; 2] = [
         rank: 1,
         shapes: |extent| {
             let [shortest, longest] = lags(extent);
-            let starts = policy().shape.delay_starts;
+            let starts = ShapePolicy::in_use().delay_starts;
             vec![Shape::spread(SLOW / longest, SLOW / shortest, starts)]
         },
         shows: Some(|forces, corner, tick| {
@@ -73,7 +73,7 @@ pub(crate) fn lag(parameters: &BTreeMap<String, f64>) -> Option<f64> {
 /// The shortest and the longest delay of the search, s. The shortest is far below a tick, where either form has little effect and
 /// from where a search converges.
 fn lags(extent: &Extent) -> [f64; 2] {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let longest = (policy.longest_delay / extent.lowest_frequency)
         .min(policy.longest_delay_in_ticks * extent.tick);
     [policy.shortest_delay * extent.tick, longest]

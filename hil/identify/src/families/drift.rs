@@ -4,8 +4,8 @@ use mesh_damper::effects::Drift;
 use mesh_damper::limits;
 
 use super::{Entry, Form, FormSpec, one, run};
-use crate::policy::policy;
 use crate::shape::Shape;
+use crate::shape::ShapePolicy;
 
 /// A stiffness; both forces of the law.
 pub const FORMS: [Form; 2] = [
@@ -47,9 +47,9 @@ const DRIFT: FormSpec = FormSpec {
     shape_names: &["cycles"],
     shapes: |extent| {
         vec![Shape::spread(
-            policy().shape.shortest_drift,
-            policy().shape.longest_drift * extent.cycles,
-            policy().shape.drift_starts,
+            ShapePolicy::in_use().shortest_drift,
+            ShapePolicy::in_use().longest_drift * extent.cycles,
+            ShapePolicy::in_use().drift_starts,
         )]
     },
     ..FormSpec::PLAIN

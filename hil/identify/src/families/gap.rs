@@ -4,8 +4,8 @@ use mesh_damper::effects::Gap;
 
 use super::{Entry, Form, FormSpec, one};
 use crate::moved::through;
-use crate::policy::policy;
 use crate::shape::Shape;
+use crate::shape::ShapePolicy;
 
 /// Without force; with friction only.
 pub const FORMS: [Form; 2] = [
@@ -38,9 +38,9 @@ const GAP: FormSpec = FormSpec {
     shape_names: &["half_width"],
     shapes: |extent| {
         vec![Shape::spread(
-            policy().shape.gap_shortest * extent.shortest(),
-            policy().shape.longest * extent.amplitude,
-            policy().shape.gap_starts,
+            ShapePolicy::in_use().gap_shortest * extent.shortest(),
+            ShapePolicy::in_use().longest * extent.amplitude,
+            ShapePolicy::in_use().gap_starts,
         )]
     },
     ..FormSpec::PLAIN

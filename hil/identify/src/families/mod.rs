@@ -12,8 +12,8 @@ use mesh_damper::effects::{Equations, LawForce};
 use mesh_damper::error::ConfigError;
 use mesh_damper_model::Family;
 use mesh_damper_model::predict::motion_at;
-use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_tables::control::ControlChannel;
 
 use crate::shape::{Extent, Shape};
 use crate::solution::Deflection;

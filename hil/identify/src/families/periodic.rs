@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use mesh_damper::effects::{MAX_TONES, Periodic};
 
 use super::{Entry, Form, FormSpec, Step, one, run};
-use crate::policy::policy;
 use crate::shape::Shape;
+use crate::shape::ShapePolicy;
 
 /// Its sizes are those of a sine and of a cosine.
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
@@ -19,8 +19,8 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
         vec![Shape {
             starts: extent.tones.clone(),
             ..Shape::spread(
-                policy().shape.fewest_periods / extent.duration,
-                policy().shape.highest_tone / extent.tick,
+                ShapePolicy::in_use().fewest_periods / extent.duration,
+                ShapePolicy::in_use().highest_tone / extent.tick,
                 1,
             )
         }]

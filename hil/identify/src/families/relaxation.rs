@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use mesh_damper::effects::{MAX_BRANCHES, Relaxation};
 
 use super::{Form, FormSpec, one, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 
 /// Its size is the stiffness.
@@ -30,16 +30,16 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
 /// dashpot, and none is simpler than the truth may be.
 fn shapes(extent: &Extent) -> Vec<Shape> {
     let spread = Shape::spread(
-        policy().shape.shortest_relaxation * extent.tick,
+        ShapePolicy::in_use().shortest_relaxation * extent.tick,
         extent.duration,
-        policy().shape.relaxation_starts,
+        ShapePolicy::in_use().relaxation_starts,
     );
-    if extent.highest_frequency < policy().shape.several * extent.lowest_frequency {
+    if extent.highest_frequency < ShapePolicy::in_use().several * extent.lowest_frequency {
         return vec![spread];
     }
     vec![Shape {
-        simple_below: policy().shape.dashpot / (TAU * extent.highest_frequency),
-        simple_above: policy().shape.spring / (TAU * extent.lowest_frequency),
+        simple_below: ShapePolicy::in_use().dashpot / (TAU * extent.highest_frequency),
+        simple_above: ShapePolicy::in_use().spring / (TAU * extent.lowest_frequency),
         ..spread
     }]
 }

@@ -3,7 +3,7 @@
 use mesh_damper::effects::{BoucWen, HardeningFriction, MAX_STICK_SLIP_ELEMENTS, StickSlip};
 
 use super::{Element, Entry, Form, FormSpec, one, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 use crate::term::TermValue;
 
@@ -19,8 +19,8 @@ pub const FORMS: [Form; 4] = [
         shapes: |extent| {
             vec![Shape::spread(
                 extent.shortest(),
-                policy().shape.longest * extent.amplitude,
-                policy().shape.slip_starts,
+                ShapePolicy::in_use().longest * extent.amplitude,
+                ShapePolicy::in_use().slip_starts,
             )]
         },
         unit_forces: |shapes, motion| Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motion)]),
@@ -59,9 +59,9 @@ pub const FORMS: [Form; 4] = [
         // The largest of the limits; the others are equal fractions of it.
         shapes: |extent| {
             vec![Shape::spread(
-                policy().shape.iwan_shortest * extent.shortest(),
-                policy().shape.longest * extent.amplitude,
-                policy().shape.iwan_starts,
+                ShapePolicy::in_use().iwan_shortest * extent.shortest(),
+                ShapePolicy::in_use().longest * extent.amplitude,
+                ShapePolicy::in_use().iwan_starts,
             )]
         },
         unit_forces: |shapes, motion| {
@@ -77,7 +77,7 @@ pub const FORMS: [Form; 4] = [
         shape_names: &["stretch_limit", "sharpness", "loss"],
         rank: 1,
         shapes: |extent| {
-            let policy = &policy().shape;
+            let policy = ShapePolicy::in_use();
             let [shortest, longest] = policy.stretch_limit;
             let [bluntest, sharpest] = policy.hardening_sharpness;
             let [least, most] = policy.hardening_loss;
@@ -95,7 +95,7 @@ pub const FORMS: [Form; 4] = [
             ]
         },
         unit_forces: |shapes, motion| {
-            let hardening = policy().shape.hardening;
+            let hardening = ShapePolicy::in_use().hardening;
             let friction = HardeningFriction::new(1.0, shapes[0], shapes[1], hardening, shapes[2]);
             Ok(vec![run(&friction?, motion)])
         },
@@ -104,7 +104,7 @@ pub const FORMS: [Form; 4] = [
                 ("stiffness", value.size(0)),
                 ("stretch_limit", value.shape(0)),
                 ("sharpness", value.shape(1)),
-                ("hardening", policy().shape.hardening),
+                ("hardening", ShapePolicy::in_use().hardening),
                 ("loss", value.shape(2)),
             ])
         },
@@ -119,7 +119,7 @@ const SLIDER: FormSpec = FormSpec {
 };
 
 fn bouc_wen_shapes(extent: &Extent) -> Vec<Shape> {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let [bluntest, sharpest] = policy.sharpness;
     let starts = policy.sharpness_starts.to_vec();
     vec![

@@ -3,8 +3,8 @@
 use mesh_damper::effects::Stop;
 
 use super::{Form, FormSpec, one, run};
-use crate::policy::policy;
 use crate::shape::Shape;
+use crate::shape::ShapePolicy;
 
 /// On the side of positive displacement, and of negative.
 pub const FORMS: [Form; 2] = [
@@ -26,11 +26,11 @@ pub const FORMS: [Form; 2] = [
 
 /// For a contact on the side with this largest displacement, mm.
 fn shapes(largest: f64) -> Vec<Shape> {
-    let [nearest, farthest] = policy().shape.contact;
+    let [nearest, farthest] = ShapePolicy::in_use().contact;
     vec![Shape::spread(
         nearest * largest,
         farthest * largest,
-        policy().shape.contact_starts,
+        ShapePolicy::in_use().contact_starts,
     )]
 }
 

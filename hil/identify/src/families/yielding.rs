@@ -3,8 +3,20 @@
 use mesh_damper::effects::Yielding;
 
 use super::{Form, FormSpec, one, run};
-use crate::policy::policy;
+use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
+
+/// Number of starting values of the ratio of viscosity to stiffness of a yielding dashpot. Convention: stretch and rate determine
+/// where the dashpot yields.
+const YIELD_TIME_STARTS: usize = 1;
+
+/// Number of starting values of the rate at which a dashpot yields. Convention: each is four times the one before: a fit goes on from
+/// there.
+const YIELD_RATE_STARTS: usize = 3;
+
+/// Number of starting values of the stretch at which a dashpot yields. Convention: each is four times the one before: a fit goes on
+/// from there.
+const YIELD_STARTS: usize = 4;
 
 /// Without viscosity, and with it. Its size is the stiffness; the yield force and the viscosity are proportional to it.
 pub const FORMS: [Form; 2] = [
@@ -47,27 +59,27 @@ const BRANCH: FormSpec = FormSpec {
 };
 
 fn shapes(extent: &Extent) -> Vec<Shape> {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let swing = extent.amplitude / extent.velocity;
     let [briefest, longest] = policy.yield_time;
-    let time = Shape::spread(briefest * swing, longest * swing, policy.yield_time_starts);
+    let time = Shape::spread(briefest * swing, longest * swing, YIELD_TIME_STARTS);
     stretch_and_rate(extent).into_iter().chain([time]).collect()
 }
 
 /// The stretch at which a dashpot yields and its rate, for any branch.
 pub(super) fn stretch_and_rate(extent: &Extent) -> [Shape; 2] {
-    let policy = &policy().shape;
+    let policy = ShapePolicy::in_use();
     let [slowest, fastest] = policy.yield_rate;
     [
         Shape::spread(
             policy.shortest_yield * extent.amplitude,
             policy.longest * extent.amplitude,
-            policy.yield_starts,
+            YIELD_STARTS,
         ),
         Shape::spread(
             slowest * extent.velocity,
             fastest * extent.velocity,
-            policy.yield_rate_starts,
+            YIELD_RATE_STARTS,
         ),
     ]
 }

@@ -1,7 +1,7 @@
 //! Whether an extended law is better than the law alone on conditions that it was not fitted to.
 
 use super::relative_error::RelativeError;
-use crate::policy::policy;
+use crate::trace::unexplained::UnexplainedPolicy;
 
 mesh_damper_recording::numbers! {
     /// When a law with effects or a table is adopted in place of the law alone.
@@ -16,12 +16,12 @@ mesh_damper_recording::numbers! {
 /// worst conditions count most, and on average over conditions, where each counts equally. A law that wins on one of the two only
 /// would lose on the next condition.
 pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    gains_by(policy().adopt.gain, alone, with)
+    gains_by(AdoptPolicy::in_use().gain, alone, with)
 }
 
 /// The same, with the threshold by which one law is [clearly better](super::unexplained::UnexplainedPolicy::better) than another.
 pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    gains_by(policy().unexplained.better, alone, with)
+    gains_by(UnexplainedPolicy::in_use().better, alone, with)
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
@@ -31,7 +31,7 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
     };
     // A condition with nearly equal errors says nothing, however large they are: the coefficients of an amplitude that occurs in
     // one condition only may be far off with both laws.
-    let same = -policy().adopt.gain.ln();
+    let same = -AdoptPolicy::in_use().gain.ln();
     let differ = |[alone, with]: &[f64; 2]| (with / alone).ln().abs() > same;
     let squares = pairs().filter(differ).fold([0.0; 2], |sum, pair| {
         [sum[0] + pair[0].powi(2), sum[1] + pair[1].powi(2)]

@@ -1,20 +1,22 @@
 //! Corrects channel faults that recordings of one rig share: a force that is early or late, and the zero of the displacement. Each
 //! recording shows them only roughly.
 
+use mesh_damper_model::predict::predict;
+use mesh_damper_model::{Model, ModelError};
+use mesh_damper_output::error::InputError;
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::cycles::FoundBlock;
+use mesh_damper_recording::faults::ShiftPolicy;
+use mesh_damper_recording::pink::pink_deviation;
+use mesh_damper_recording::trajectory::{Known, Trajectory};
+use mesh_damper_recording::zero::ZeroPolicy;
+use mesh_damper_recording::zero::zero_step;
+use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
+
 use crate::families::delay;
-use crate::policy::policy;
 use crate::trace::closing::{Closed, Forces};
 use crate::trace::result::Verdict;
 use crate::trace::split::Role;
-use mesh_damper_model::predict::predict;
-use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::Recording;
-use mesh_damper_recording::cycles::FoundBlock;
-use mesh_damper_output::error::InputError;
-use mesh_damper_recording::pink::pink_deviation;
-use mesh_damper_recording::trajectory::{Known, Trajectory};
-use mesh_damper_recording::zero::zero_step;
-use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
 mesh_damper_recording::numbers! {
     /// The properties that recordings of one rig share.
@@ -59,7 +61,7 @@ impl<'r> Aligned<'r> {
         if let Some(shifted) = aligned.shifted() {
             let (late, tick) = (shifted.late, shifted.tick);
             aligned.estimate = Some(late);
-            aligned.move_from(late, late - policy().aligned.too_far * tick)?;
+            aligned.move_from(late, late - AlignedPolicy::in_use().too_far * tick)?;
         }
         Ok(aligned)
     }
@@ -244,7 +246,7 @@ impl<'r> Aligned<'r> {
     fn move_from(&mut self, from: f64, to: f64) -> Result<(), InputError> {
         self.again(|trajectory| {
             let differs = (trajectory.late - from).abs() / trajectory.tick;
-            let shares = trajectory.late != 0.0 && differs < policy().aligned.same_shift;
+            let shares = trajectory.late != 0.0 && differs < AlignedPolicy::in_use().same_shift;
             (shares || trajectory.may_be_late_by(to)).then_some(Known {
                 late: Some(to),
                 is_off: Some(trajectory.centre != 0.0),
@@ -259,7 +261,8 @@ impl<'r> Aligned<'r> {
         };
         let (middle, largest) = (off.middle, largest_amplitude(off));
         self.again(|trajectory| {
-            let same = policy().aligned.same_zero * largest.min(largest_amplitude(trajectory));
+            let same =
+                AlignedPolicy::in_use().same_zero * largest.min(largest_amplitude(trajectory));
             let shares = trajectory.centre == 0.0 && (trajectory.middle - middle).abs() < same;
             shares.then_some(Known {
                 is_off: Some(true),
@@ -331,13 +334,12 @@ fn noise_of_means(trajectories: &[Trajectory]) -> f64 {
 /// Whether the motion changes there, or samples of `open` are missing. The deviations that a law lacks change with the amplitude
 /// and over time.
 fn changes_near(trajectory: &Trajectory, open: &[usize], place: usize) -> bool {
-    let policy = mesh_damper_recording::policy::policy();
     // Two of the narrowest means on each side show whether the step comes at once.
-    let reach = 2 * policy.zero.narrowest;
+    let reach = 2 * ZeroPolicy::in_use().narrowest;
     let about = place.saturating_sub(reach)..(place + reach).min(open.len());
     let is_spliced = open[about].windows(2).any(|pair| pair[1] > pair[0] + 1);
     let blocks = trajectory.blocks.windows(2).filter(|pair| {
-        let steady = |block: &FoundBlock| block.cycles.len() >= policy.shift.steady;
+        let steady = |block: &FoundBlock| block.cycles.len() >= ShiftPolicy::in_use().steady;
         pair.iter().all(steady)
     });
     let cycle = |block: &FoundBlock| (1.0 / (block.frequency * trajectory.tick)) as usize;

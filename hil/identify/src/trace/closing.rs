@@ -20,7 +20,6 @@ use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
 use crate::base_law::BaseLaw;
 use crate::basis::Basis;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
@@ -28,7 +27,16 @@ use crate::solution::Solution;
 use crate::staged::staged;
 use crate::term::TermValue;
 use crate::tolerance::noise_floor;
+use crate::trace::TracePolicy;
+use crate::trace::verdict::VerdictPolicy;
 use crate::uncertainty::Uncertainty;
+
+/// A fit that leaves out one block or condition uses at most about this many samples. Convention: all of these fits then take a few
+/// seconds.
+const IN_TURN_ROWS: usize = 8_000;
+
+/// The final fit uses at most about this many samples. Convention: a minute at 1 kHz.
+const CLOSING_ROWS: usize = 60_000;
 
 /// A trace without the trajectories that it was made of; the caller has those.
 pub(super) struct Closed {
@@ -94,13 +102,9 @@ impl<'a> Closing<'a> {
             rows: nodes
                 .into_iter()
                 .map(|nodes| {
-                    Rows::gather(
-                        fitted,
-                        sought.law,
-                        nodes,
-                        policy().rows.closing,
-                        |which, sample| roles.is_open(which, sample),
-                    )
+                    Rows::gather(fitted, sought.law, nodes, CLOSING_ROWS, |which, sample| {
+                        roles.is_open(which, sample)
+                    })
                 })
                 .collect(),
             extent: Extent::of(fitted),
@@ -217,7 +221,8 @@ impl<'a> Closing<'a> {
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
         // For a law that predicts the held-out samples less well, its error on those.
         let left_there = over_noise.held_out.filter(|_| fails_on_held_out);
-        let remainder = if is_more_missing && left_by_named > policy().verdict.noise_limited {
+        let remainder = if is_more_missing && left_by_named > VerdictPolicy::in_use().noise_limited
+        {
             let nrmse = self.evaluate(&named, predict)?.1.nrmse_fitted;
             Some(self.remainder(&named, false, [nrmse, left_by_named])?)
         } else if let Some(left) = left_there {
@@ -388,7 +393,7 @@ impl<'a> Closing<'a> {
         picked: Picked,
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
-        let most = policy().rows.in_turn;
+        let most = IN_TURN_ROWS;
         let rows = Rows::gather(self.trajectories, self.sought.law, nodes, most, picked);
         let rows = rows.with_nodes_seen();
         let problem = Problem::new(&rows, &self.extent, &known.terms());
@@ -448,7 +453,7 @@ impl<'a> Closing<'a> {
             &moved,
             self.sought.law,
             nodes,
-            policy().rows.closing,
+            CLOSING_ROWS,
             |which, sample| self.roles.is_open(which, sample),
         );
         self.fit_near(&rows, known)
@@ -472,7 +477,8 @@ impl<'a> Closing<'a> {
         }
         let basis = Basis::new(rows, &self.extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
-        let nothing = basis.adds_nothing(&columns, &solution.linear(), policy().trace.nothing);
+        let nothing =
+            basis.adds_nothing(&columns, &solution.linear(), TracePolicy::in_use().nothing);
         let mut terms = solution.terms.iter().zip(nothing);
         terms.position(|(value, adds_nothing)| is_found(value) && adds_nothing)
     }

@@ -1,7 +1,7 @@
 //! The verdict as a reader needs it.
 
 use super::result::{TraceResult, Verdict};
-use crate::policy::policy;
+use crate::trace::verdict::VerdictPolicy;
 
 /// The verdict, with [`Verdict::None`] divided in three: nothing is missing, or nothing can be decided for one of two reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +35,9 @@ impl Conclusion {
     /// and [`TraceResult::held_out_differs`].
     pub fn of(verdict: Verdict, fitted: f64, noise: f64, held_out_differs: bool) -> Self {
         match verdict {
-            Verdict::None if fitted > policy().verdict.hidden_by_motion * noise => Self::Hidden,
+            Verdict::None if fitted > VerdictPolicy::in_use().hidden_by_motion * noise => {
+                Self::Hidden
+            }
             Verdict::None if held_out_differs => Self::Contradicted,
             Verdict::None => Self::NothingMissing,
             Verdict::Found => Self::Found,

@@ -7,7 +7,9 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::left_out::LeftOutPolicy;
 use super::split::Roles;
-use crate::policy::policy;
+
+/// At most this many blocks are left out of a fit, one at a time. Convention: bounds the time: each needs a fit.
+const MOST_BLOCKS: usize = 4;
 
 /// Blocks of at least that many open cycles, by their amplitude, then by their frequency.
 fn blocks_of_cycles<'t>(
@@ -41,7 +43,7 @@ pub(super) fn blocks<'t>(
     roles: &Roles,
 ) -> Vec<(usize, &'t FoundBlock)> {
     let blocks = blocks_of_cycles(trajectories, roles, 2);
-    if blocks.len() < policy().left_out.fewest_blocks {
+    if blocks.len() < LeftOutPolicy::in_use().fewest_blocks {
         return Vec::new();
     }
     let has_another = |block: &FoundBlock| {
@@ -53,7 +55,7 @@ pub(super) fn blocks<'t>(
         let is_end = |end: f64| same_amplitude(block.amplitude, end);
         !is_end(least) && !is_end(largest)
     };
-    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < policy().left_out.most;
+    let few = blocks.iter().filter(|(_, b)| has_another(b)).count() < MOST_BLOCKS;
     let known: Vec<(usize, &FoundBlock)> = blocks
         .iter()
         .filter(|(_, block)| has_another(block) || few && is_between(block))
@@ -70,12 +72,12 @@ pub(super) fn blocks<'t>(
         is_only || !(is(first) || is(last))
     };
     let inner: Vec<(usize, &FoundBlock)> = known.iter().copied().filter(is_inner).collect();
-    let known = if inner.len() < policy().left_out.fewest_inner {
+    let known = if inner.len() < LeftOutPolicy::in_use().fewest_inner {
         known
     } else {
         inner
     };
-    let count = known.len().min(policy().left_out.most);
+    let count = known.len().min(MOST_BLOCKS);
     (0..count)
         .map(|place| known[(2 * place + 1) * known.len() / (2 * count)])
         .collect()
@@ -102,8 +104,8 @@ pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Cond
         most_conditions,
         stretches,
         ..
-    } = policy().left_out;
-    let blocks = blocks_of_cycles(trajectories, roles, policy().left_out.some_cycles);
+    } = *LeftOutPolicy::in_use();
+    let blocks = blocks_of_cycles(trajectories, roles, LeftOutPolicy::in_use().some_cycles);
     // The cycles of a random motion resemble others only by chance: its blocks are no conditions.
     let open = |which: usize, samples: &Range<usize>| {
         samples.clone().filter(|&i| roles.is_open(which, i)).count()

@@ -14,9 +14,9 @@ use super::rule::Rule;
 use super::select::Search;
 use super::separating::Rivals;
 use super::unlisted::Laws;
-use crate::policy::policy;
 use crate::rows::Rows;
 use crate::solution::Solution;
+use crate::trace::verdict::VerdictPolicy;
 use crate::uncertainty::{Interval, Uncertainty};
 
 mesh_damper_recording::numbers! {
@@ -261,7 +261,7 @@ impl Closing<'_> {
             let mut rivals = Vec::new();
             let rejected_by = if !helps_everywhere(&left) {
                 Some(Rule::HelpsNotEverywhere)
-            } else if largest_difference(&fits) >= policy().confirm.steady {
+            } else if largest_difference(&fits) >= ConfirmPolicy::in_use().steady {
                 Some(Rule::Unsteady)
             } else {
                 for rival in search.rivals(law, &rest)? {
@@ -335,14 +335,14 @@ fn graded_elsewhere<R>(
 
 /// Whether the error decreases on every condition on which there is something to gain.
 fn helps_everywhere(left: &[Option<[RelativeError; 2]>]) -> bool {
-    let noise_limited = policy().verdict.noise_limited.powi(2);
+    let noise_limited = VerdictPolicy::in_use().noise_limited.powi(2);
     let shown: Vec<[RelativeError; 2]> = left
         .iter()
         .flatten()
         .copied()
         .filter(|[without, _]| without.error > noise_limited * without.noise)
         .collect();
-    shown.len() >= policy().confirm.fewest
+    shown.len() >= ConfirmPolicy::in_use().fewest
         && shown
             .iter()
             .all(|[without, with]| gains(&[*without], &[*with]))

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use mesh_damper::effects::CONTROLS;
 use mesh_damper_model::{Control, Model};
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::extremes::least_and_largest;
 
 use super::result::{FoundEffect, TraceResult};

@@ -40,7 +40,7 @@ pub(super) fn warnings(trace: &Trace) -> Vec<String> {
             continue;
         };
         let (least, most) = least_and_largest(held);
-        let margin = crate::policy::policy().held_range.temperature;
+        let margin = HeldRangePolicy::in_use().temperature;
         if least < low - margin || most > high + margin {
             warnings.push(format!(
                 "{name}: its temperature, {least:.1} … {most:.1} °C, lies outside that of the fitted data, {low:.1} … {high:.1} °C; \

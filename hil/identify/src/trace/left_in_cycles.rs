@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::policy::policy;
 use crate::tolerance::held_to;
+use crate::trace::left_out::LeftOutPolicy;
 
 /// Squared errors over the noise's variance, and the number of samples.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,7 +64,7 @@ impl LeftInCycles {
         let mut left: Vec<Left> = self.0.concat();
         left.retain(|cycle| cycle.count > 0.0);
         left.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
-        left.truncate((policy().left_out.most_cycles * left.len() as f64).ceil() as usize);
+        left.truncate((LeftOutPolicy::in_use().most_cycles * left.len() as f64).ceil() as usize);
         Left::sum(&left).map(|all| all.mean().sqrt())
     }
 
@@ -73,7 +73,7 @@ impl LeftInCycles {
     pub fn beyond_noise(&self) -> Option<f64> {
         let blocks = self.0.iter();
         let blocks: Vec<f64> = blocks
-            .filter(|cycles| cycles.len() >= policy().left_out.some_cycles)
+            .filter(|cycles| cycles.len() >= LeftOutPolicy::in_use().some_cycles)
             .filter_map(|cycles| Left::sum(&cycles[1..]))
             .map(|block| block.mean() - 1.0)
             .collect();

@@ -15,7 +15,6 @@ use super::relative_error::{BlockErrors, RelativeError};
 use super::score::ValidationSamples;
 use super::split::{Role, Roles};
 use super::within_blocks::is_seen_within_blocks;
-use crate::policy::policy;
 use crate::tolerance::goal;
 
 mesh_damper_recording::numbers! {
@@ -31,8 +30,6 @@ mesh_damper_recording::numbers! {
         most_conditions: usize = 8, Convention("bounds the time: each needs a fit");
         /// A recording whose blocks are no conditions is cut into this many stretches.
         stretches: usize = 5, Convention("each leaves four fifths to fit");
-        /// At most this many blocks are left out of a fit, one at a time.
-        most: usize = 4, Convention("bounds the time: each needs a fit");
         /// An error over the cycles counts this fraction of them. The worst cycles, which do not count, may belong to a start or to a
         /// change between blocks.
         most_cycles: f64 = 0.8, Tuned("the blind trial");
@@ -181,7 +178,7 @@ impl<'a> LeftOut<'a> {
     /// else.
     pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
         let inner: Vec<&Condition> = self.conditions.iter().filter(|one| !one.is_end).collect();
-        let counted = match inner.len() < policy().left_out.fewest_conditions {
+        let counted = match inner.len() < LeftOutPolicy::in_use().fewest_conditions {
             true => self.conditions.iter().collect(),
             false => inner,
         };

@@ -37,16 +37,18 @@ mod within_blocks;
 
 pub use sought::Sought;
 pub use split::{Role, Roles};
+pub use verdict::VerdictPolicy;
 
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::cycles::CyclesPolicy;
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::zero::ZeroPolicy;
 use mesh_damper_recording::{Recording, check_consistency};
 
 use crate::base_law::BaseLaw;
-use crate::policy::policy;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
 use controlled::Controlled;
@@ -56,12 +58,13 @@ use select::{Search, Selection, amplitude_nodes, error_between};
 mesh_damper_recording::numbers! {
     /// The steps of a trace.
     TracePolicy {
-        /// A force that was found early or late is moved again at most this many times.
-        most_moves: usize = 2, Convention("the second move completes the first");
         /// An effect is dropped if its force is everywhere below this fraction of the largest force.
         nothing: f64 = 1e-7, Convention("rounding to 32 bits is 6e-8, so that the crate's force would not show it");
     }
 }
+
+/// A force that was found early or late is moved again at most this many times. Convention: the second move completes the first.
+const MOST_MOVES: usize = 2;
 
 /// The reason why a trace could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -195,14 +198,14 @@ pub fn trace_for(
     progress("estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out)?;
     let mut closed = conclude(&mut aligned, sought, progress)?;
-    for _ in 0..policy().trace.most_moves {
+    for _ in 0..MOST_MOVES {
         if !aligned.follow(&closed.model)? {
             break;
         }
         progress("correcting time shifts of the force");
         closed = conclude(&mut aligned, sought, progress)?;
     }
-    for _ in 0..mesh_damper_recording::policy::policy().zero.most {
+    for _ in 0..ZeroPolicy::in_use().most {
         if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
             break;
         }
@@ -251,9 +254,7 @@ fn is_more_missing(result: &TraceResult) -> bool {
 
 /// With more amplitudes the law has one set of coefficients for all.
 fn most_amplitudes() -> usize {
-    mesh_damper_recording::policy::policy()
-        .cycles
-        .most_amplitudes
+    CyclesPolicy::in_use().most_amplitudes
 }
 
 /// Searches for missing effects and completes the trace.

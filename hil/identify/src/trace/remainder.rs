@@ -6,7 +6,6 @@ use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::wander::wanders;
-use crate::policy::policy;
 use crate::tolerance::held_to;
 
 mesh_damper_recording::numbers! {
@@ -41,7 +40,7 @@ pub(super) fn depends_on(
     let (samples, noise) = samples(trajectories, &counts, model)?;
     let energy: f64 = samples.iter().map(|one| one.left * one.left).sum();
     let beyond = energy - noise;
-    let RemainderPolicy { zones, explains } = policy().remainder;
+    let RemainderPolicy { zones, explains } = *RemainderPolicy::in_use();
     if beyond <= explains * energy {
         return Ok(Vec::new());
     }
@@ -89,7 +88,7 @@ fn samples(
     };
     let displacement = largest(|one| &one.motion.displacement);
     let velocity = largest(|one| &one.motion.velocity);
-    let zones = policy().remainder.zones;
+    let zones = RemainderPolicy::in_use().zones;
     let zone = |value: f64, largest: f64| {
         let place = 0.5 * (value / largest + 1.0) * zones as f64;
         (place as usize).min(zones - 1)

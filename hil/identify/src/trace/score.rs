@@ -5,7 +5,6 @@ use std::ops::Range;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::{Role, Roles};
-use crate::policy::policy;
 use crate::tolerance::{certainty, least};
 
 mesh_damper_recording::numbers! {
@@ -133,7 +132,7 @@ impl Score {
         let pieces = || other.pieces.iter().zip(&self.pieces);
         let before: f64 = other.pieces.iter().sum();
         let saved: f64 = pieces().map(|(a, b)| a - b).sum();
-        if saved <= policy().score.least_gain * before {
+        if saved <= ScorePolicy::in_use().least_gain * before {
             return false;
         }
         let most = pieces().map(|(a, b)| a - b).fold(0.0, f64::max);
@@ -143,18 +142,19 @@ impl Score {
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        saved - most > policy().score.large_gain * before
-            || mean > policy().score.deviations * (variance / count).sqrt()
+        saved - most > ScorePolicy::in_use().large_gain * before
+            || mean > ScorePolicy::in_use().deviations * (variance / count).sqrt()
     }
 }
 
 /// Quarters of a period, block by block.
 fn pieces(trajectory: &Trajectory) -> impl Iterator<Item = Range<usize>> + '_ {
     trajectory.blocks.iter().flat_map(|block| {
-        let length =
-            (1.0 / (block.frequency * trajectory.tick * policy().score.pieces_per_period)) as usize;
+        let length = (1.0
+            / (block.frequency * trajectory.tick * ScorePolicy::in_use().pieces_per_period))
+            as usize;
         let end = block.samples.end;
-        let length = length.max(policy().score.shortest_piece);
+        let length = length.max(ScorePolicy::in_use().shortest_piece);
         block
             .samples
             .clone()

@@ -7,14 +7,13 @@ use std::sync::Arc;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Control, Family, ModelError};
-use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
+use mesh_damper_tables::control::ControlChannel;
 
 use super::select::Selection;
 use super::verdict::rivals;
 use crate::base_law::BaseLaw;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
@@ -34,22 +33,30 @@ mesh_damper_recording::numbers! {
         frequencies: [f64; 2] = [0.1, 10.0], Convention("the range of the rig");
         /// The largest amplitude of the separating test, mm, unless a larger one was recorded.
         largest_amplitude: f64 = 0.3, Convention("the range of the rig");
-        /// The separating test has at most this many blocks.
-        most_blocks: usize = 4, Convention("the test then takes a minute");
         /// The separating test gets no further block if the effects already differ by this many times the noise.
         plenty: f64 = 10.0, Convention("they are told apart at a glance");
         /// There is no separating test if the effects differ by less than this many times the noise.
         enough: f64 = 1.0, Derived("the noise");
-        /// A simulation of the separating test has this many samples in the fastest cycle.
-        samples: f64 = 200.0, Convention("as many as at 5 Hz and 1 kHz");
-        /// A simulation of the separating test has this many cycles of each block.
-        cycles: u32 = 3, Convention("the first starts the motion, the others repeat it");
         /// A block of the separating test lasts at least this long, s.
         duration: f64 = 3.0, Convention("an operator can see a block of that length");
         /// A block of the separating test has at least this many cycles.
         fewest_cycles: f64 = 5.0, Convention("a ramp, and four cycles to fit and to validate");
     }
 }
+
+/// A simulation of the separating test has this many cycles of each block. Convention: the first starts the motion, the others repeat
+/// it.
+const SIMULATED_CYCLES: u32 = 3;
+
+/// A simulation of the separating test has this many samples in the fastest cycle. Convention: as many as at 5 Hz and 1 kHz.
+const SAMPLES_PER_CYCLE: f64 = 200.0;
+
+/// The separating test has at most this many blocks. Convention: the test then takes a minute.
+const MOST_BLOCKS: usize = 4;
+
+/// A fit to simulated forces, by which effects are told apart, uses at most about this many samples. Convention: there are hundreds
+/// of these fits.
+const SEPARATING_ROWS: usize = 1_500;
 
 /// Laws that predict recordings equally well.
 pub(super) struct Rivals {
@@ -104,7 +111,7 @@ pub(super) fn separating_test(
     }
     let solutions: Vec<&Solution> = rivals.laws.iter().map(|(_, law)| law).collect();
     let (blocks, apart) = Simulation::new(trajectories, &solutions, law)?.programme()?;
-    Ok(if apart < policy().separating.enough {
+    Ok(if apart < SeparatingPolicy::in_use().enough {
         let text = format!(
             "{text}, and no test that the rig can run tells them apart: the two closest differ by at most {apart:.1} times the \
              noise"
@@ -157,8 +164,8 @@ pub(super) fn bounding_test(unbounded: &[Family], trajectories: &[Trajectory]) -
     let (low, high) = blocks.fold((f64::INFINITY, 0.0_f64), |(low, high), block| {
         (low.min(block.frequency), high.max(block.frequency))
     });
-    let least = policy().separating.below[0];
-    let most = policy().separating.above[policy().separating.above.len() - 1];
+    let least = SeparatingPolicy::in_use().below[0];
+    let most = SeparatingPolicy::in_use().above[SeparatingPolicy::in_use().above.len() - 1];
     let motion = match low.is_finite() {
         true => format!("motion from {:.2} to {:.1} Hz", least * low, most * high),
         false => "sines of several frequencies".to_owned(),
@@ -225,7 +232,7 @@ impl<'s> Simulation<'s> {
     ) -> Result<Self, ModelError> {
         let blocks = tried(trajectories);
         let fastest = blocks.iter().fold(0.0_f64, |most, b| most.max(b.frequency));
-        let tick = 1.0 / (policy().separating.samples * fastest);
+        let tick = 1.0 / (SAMPLES_PER_CYCLE * fastest);
         let displacement: Vec<f64> = motion(&blocks, 1.0 / tick)
             .iter()
             .map(|m| m.displacement)
@@ -271,7 +278,7 @@ impl<'s> Simulation<'s> {
     fn programme(&self) -> Result<(Vec<TestBlock>, f64), ModelError> {
         let mut chosen = vec![0];
         let mut apart = 0.0;
-        while chosen.len() < policy().separating.most_blocks && apart < policy().separating.plenty {
+        while chosen.len() < MOST_BLOCKS && apart < SeparatingPolicy::in_use().plenty {
             let mut best: Option<(f64, usize)> = None;
             for next in (0..self.blocks.len()).filter(|next| !chosen.contains(next)) {
                 let more: Vec<usize> = chosen.iter().copied().chain([next]).collect();
@@ -288,9 +295,9 @@ impl<'s> Simulation<'s> {
         }
         let blocks = chosen.into_iter().map(|index| {
             let block = self.blocks[index];
-            let cycles = (policy().separating.duration * block.frequency)
+            let cycles = (SeparatingPolicy::in_use().duration * block.frequency)
                 .ceil()
-                .max(policy().separating.fewest_cycles);
+                .max(SeparatingPolicy::in_use().fewest_cycles);
             TestBlock {
                 cycles: cycles as u32,
                 ..block
@@ -323,13 +330,9 @@ impl<'s> Simulation<'s> {
         let mut nodes: Vec<f64> = blocks.iter().map(|&b| self.blocks[b].amplitude).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        let rows = Rows::gather(
-            recordings,
-            self.law,
-            nodes,
-            policy().rows.separating,
-            |_, sample| is_in(sample),
-        );
+        let rows = Rows::gather(recordings, self.law, nodes, SEPARATING_ROWS, |_, sample| {
+            is_in(sample)
+        });
         let extent = Extent::of(recordings);
         let problem = Problem::new(&rows, &extent, &self.rivals[by].terms());
         let fitted = problem.solve_near(self.rivals[by]).model();
@@ -354,28 +357,30 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
     // Rounded as a person would write them.
     let round = |value: f64, step: f64| (value / step).round() * step;
     let frequency = |value: f64| {
-        let [low, high] = policy().separating.frequencies;
+        let [low, high] = SeparatingPolicy::in_use().frequencies;
         (round(value.clamp(low, high), 0.05) * 1e3).round() / 1e3
     };
     // To two digits.
     let amplitude = |value: f64| {
-        let value = value.min(policy().separating.largest_amplitude.max(largest));
+        let value = value.min(SeparatingPolicy::in_use().largest_amplitude.max(largest));
         let step = 10f64.powf(value.log10().floor() - 1.0);
         format!("{:.9}", round(value, step))
             .parse()
             .unwrap_or(value)
     };
-    let frequencies = policy()
-        .separating
+    let frequencies = SeparatingPolicy::in_use()
         .below
         .map(|part| part * slowest)
         .into_iter()
-        .chain(policy().separating.above.map(|times| times * fastest));
+        .chain(
+            SeparatingPolicy::in_use()
+                .above
+                .map(|times| times * fastest),
+        );
     let middle = (slowest * fastest).sqrt();
     let first = (largest, middle);
     let of_frequency = frequencies.map(|f| (largest, f));
-    let of_amplitude = policy()
-        .separating
+    let of_amplitude = SeparatingPolicy::in_use()
         .amplitudes
         .map(|times| (times * largest, middle));
     let mut blocks: Vec<TestBlock> = Vec::new();
@@ -386,7 +391,7 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
         let block = TestBlock {
             amplitude: amplitude(a),
             frequency: frequency(f),
-            cycles: policy().separating.cycles,
+            cycles: SIMULATED_CYCLES,
         };
         let is_new = |known: &TestBlock| {
             known.amplitude != block.amplitude || known.frequency != block.frequency

@@ -8,8 +8,6 @@ use std::ops::Range;
 use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::policy::policy;
-
 mesh_damper_recording::numbers! {
     /// Which samples are validation and test data.
     SplitPolicy {
@@ -97,7 +95,7 @@ impl Roles {
                     .filter(|cycle| self.is_fit(which, cycle))
                     .collect();
                 if let [_, .., last] = cycles.as_slice() {
-                    let kept = (cycles.len() / policy().split.cycles_per_kept).max(1);
+                    let kept = (cycles.len() / SplitPolicy::in_use().cycles_per_kept).max(1);
                     let first = cycles[cycles.len() - kept];
                     self.assign(which, first.start..last.end, role);
                 }
@@ -117,7 +115,7 @@ impl Roles {
             least_kept,
             stretches,
             ..
-        } = policy().split;
+        } = *SplitPolicy::in_use();
         if kept as f64 >= least_kept * free.len() as f64 {
             return;
         }
@@ -144,10 +142,10 @@ impl Roles {
                     .iter()
                     .filter(|cycle| self.is_fit(which, cycle))
                     .count()
-                    >= policy().split.fewest_cycles
+                    >= SplitPolicy::in_use().fewest_cycles
             })
             .collect();
-        if fitted.len() < policy().split.fewest_blocks {
+        if fitted.len() < SplitPolicy::in_use().fewest_blocks {
             return None;
         }
         let block = |(which, number): (usize, usize)| &trajectories[which].blocks[number];

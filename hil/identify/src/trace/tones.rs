@@ -4,15 +4,12 @@ use mesh_damper_recording::spectrum::{place_of_line, powers};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::Roles;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// Tones in a residual: which of its spectral lines may be a tone from outside, and which the motion makes.
     TonesPolicy {
         /// A search for a tone starts from at most this many of the strongest spectral lines.
         most: usize = 3, Tuned("the blind trial");
-        /// This many of the strongest spectral lines are examined for a tone; those that the motion makes are left out.
-        seen: usize = 24, Convention("the motion makes about a dozen");
         /// Lines that the motion makes are known only if its displacement has at most this many spectral lines.
         most_of_motion: usize = 4, Convention("a modulated or beating sine has three; with more, the sums fill the band");
         /// The spectral lines of the displacement must hold at least this fraction of its power.
@@ -25,6 +22,10 @@ mesh_damper_recording::numbers! {
         off: f64 = 0.1, Derived("a line that stands out is located to a hundredth of its width, and a model's tone to less than a tenth");
     }
 }
+
+/// This many of the strongest spectral lines are examined for a tone; those that the motion makes are left out. Convention: the
+/// motion makes about a dozen.
+const MOST_SEEN: usize = 24;
 
 /// The frequencies that a specimen produces from the motion.
 #[derive(Clone, Debug)]
@@ -49,7 +50,7 @@ impl OfMotion {
         };
         let per_sample = few_lines(trajectory.motion.displacement.clone());
         let mut sums = vec![0.0];
-        for _ in 0..policy().tones.sums {
+        for _ in 0..TonesPolicy::in_use().sums {
             let more: Vec<f64> = sums
                 .iter()
                 .flat_map(|sum| per_sample.iter().flat_map(move |f| [sum + f, sum - f]))
@@ -60,7 +61,7 @@ impl OfMotion {
         }
         Self {
             frequencies: sums.iter().map(|sum| sum / trajectory.tick).collect(),
-            off: policy().tones.off / (trajectory.len() as f64 * trajectory.tick),
+            off: TonesPolicy::in_use().off / (trajectory.len() as f64 * trajectory.tick),
         }
     }
 
@@ -90,10 +91,10 @@ fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
             return Vec::new();
         };
         strongest = strongest.max(left[peak]);
-        if left[peak] <= policy().tones.least_of_motion * strongest {
+        if left[peak] <= TonesPolicy::in_use().least_of_motion * strongest {
             break;
         }
-        if lines.len() == policy().tones.most_of_motion {
+        if lines.len() == TonesPolicy::in_use().most_of_motion {
             return Vec::new();
         }
         lines.push(place_of_line(&powers, peak) / count as f64);
@@ -101,7 +102,7 @@ fn few_lines(mut samples: Vec<f64>) -> Vec<f64> {
         held += left[around.clone()].iter().sum::<f64>();
         left[around].fill(0.0);
     }
-    if held >= policy().tones.hold * total {
+    if held >= TonesPolicy::in_use().hold * total {
         lines
     } else {
         Vec::new()
@@ -135,7 +136,7 @@ pub fn tones(
         .collect();
     let frequencies = lines(left).into_iter().map(|line| line / trajectory.tick);
     let without = frequencies.filter(|&frequency| !of_motion.holds(frequency));
-    without.take(policy().tones.most).collect()
+    without.take(TonesPolicy::in_use().most).collect()
 }
 
 /// The strongest lines in cycles per sample.
@@ -148,7 +149,7 @@ fn lines(samples: Vec<f64>) -> Vec<f64> {
     peaks.sort_by(|&a, &b| powers[b].total_cmp(&powers[a]));
     peaks
         .into_iter()
-        .take(policy().tones.seen)
+        .take(MOST_SEEN)
         .map(|peak| place_of_line(&powers, peak) / count as f64)
         .collect()
 }

@@ -9,7 +9,6 @@ use super::relative_error::BlockErrors;
 use super::rule::Rule;
 use super::wander::wanders;
 use crate::correction;
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// When a residual table takes the place of effects.
@@ -97,15 +96,15 @@ pub(super) fn unexplained_law(
 fn replaces(corrected: &BlockErrors, best: &BlockErrors, named: bool) -> bool {
     let outside = corrected.outside / best.outside;
     let all = corrected.both() / best.both();
-    outside < policy().unexplained.better
-        && (!named || outside.min(all) < policy().unexplained.needed)
+    outside < UnexplainedPolicy::in_use().better
+        && (!named || outside.min(all) < UnexplainedPolicy::in_use().needed)
 }
 
 /// Index of the law with the smallest of these errors, starting with the preferred one: a later one has to be clearly smaller.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
     for (number, error) in errors.enumerate() {
-        if error < policy().unexplained.better * best.1 {
+        if error < UnexplainedPolicy::in_use().better * best.1 {
             best = (number, error);
         }
     }

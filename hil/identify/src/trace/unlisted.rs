@@ -12,9 +12,9 @@ use super::result::{OnTarget, Rejected};
 use super::rule::Rule;
 use super::unexplained::{clearly_best, unexplained_law};
 use crate::correction::{Choice, refit};
-use crate::policy::policy;
 use crate::rows::Rows;
 use crate::solution::Solution;
+use crate::trace::unexplained::UnexplainedPolicy;
 
 /// The laws at the end of a trace.
 #[derive(Clone)]
@@ -102,8 +102,8 @@ impl Closing<'_> {
         {
             let of_named = in_turn(rows, named, None)?;
             let part = left(&of_ended) / left(&of_named);
-            let is_less = part * policy().unexplained.better > 1.0;
-            let may_be_confirmed = law.is_alone() && part > policy().unexplained.needed;
+            let is_less = part * UnexplainedPolicy::in_use().better > 1.0;
+            let may_be_confirmed = law.is_alone() && part > UnexplainedPolicy::in_use().needed;
             if gains(of_alone, &of_named) && (is_less || may_be_confirmed) {
                 let solution = self.fit_there(rows, named);
                 let mut laws = Laws {

@@ -8,7 +8,6 @@ use super::relative_error::RelativeError;
 use super::result::{Errors, Verdict};
 use super::rule::Rule;
 use super::select::{Candidate, Selection};
-use crate::policy::policy;
 
 mesh_damper_recording::numbers! {
     /// The verdict on the result of a search.
@@ -53,13 +52,14 @@ impl OverNoise {
     /// The errors on fitted and on held-out samples, if the law describes only the former.
     pub fn where_it_differs(&self) -> Option<[f64; 2]> {
         let [fitted, held_out] = [self.fitted, self.held_out].map(|left| left.unwrap_or(1.0));
-        let differs = held_out > policy().verdict.noise_limited * fitted.max(1.0);
+        let differs = held_out > VerdictPolicy::in_use().noise_limited * fitted.max(1.0);
         differs.then_some([fitted, held_out])
     }
 
     /// The same for a model that explains the fitted samples without a residual table: its error there is `left` times the noise.
     pub fn differs_from_explained(&self, model: &Model, left: f64) -> Option<[f64; 2]> {
-        let is_explained = model.correction.is_none() && left <= policy().verdict.noise_limited;
+        let is_explained =
+            model.correction.is_none() && left <= VerdictPolicy::in_use().noise_limited;
         self.where_it_differs().filter(|_| is_explained)
     }
 }
@@ -67,13 +67,14 @@ impl OverNoise {
 /// Whether effects that reduce the error in blocks left out of the fit from `without` to `with` describe conditions other than
 /// those they were fitted to.
 pub(super) fn generalises(without: RelativeError, with: RelativeError) -> bool {
-    with.error <= policy().verdict.noise_limited.powi(2) * with.noise
-        || with.beyond_noise() <= (1.0 - policy().verdict.least_taken) * without.beyond_noise()
+    with.error <= VerdictPolicy::in_use().noise_limited.powi(2) * with.noise
+        || with.beyond_noise()
+            <= (1.0 - VerdictPolicy::in_use().least_taken) * without.beyond_noise()
 }
 
 /// Whether effects explain the error of the law alone beyond the noise, `alone`, if their error is `left` times the noise.
 pub(super) fn accounts_for(alone: f64, left: f64) -> bool {
-    left <= policy().verdict.unseen || left <= policy().verdict.most_left * alone
+    left <= VerdictPolicy::in_use().unseen || left <= VerdictPolicy::in_use().most_left * alone
 }
 
 /// The verdict on the result of a search whose error is `left` times the noise, and the rule by which the result does not explain
@@ -83,12 +84,12 @@ pub(super) fn conclude(
     is_alone: bool,
     left: f64,
 ) -> (Verdict, Option<Rule>) {
-    let few = selection.found.families().len() <= policy().verdict.few;
+    let few = selection.found.families().len() <= VerdictPolicy::in_use().few;
     let explained = left
         <= if few {
-            policy().verdict.noise_limited
+            VerdictPolicy::in_use().noise_limited
         } else {
-            policy().verdict.noise_limited_by_many
+            VerdictPolicy::in_use().noise_limited_by_many
         };
     if is_alone {
         let verdict = if explained {
@@ -192,7 +193,7 @@ pub(super) fn warnings<'t>(
         }
     }
     // The numbers of f32 reach from 1e-38 to 1e38, and those of a law in mm, kN and s lie far within.
-    if embedded.nrmse_held_out > policy().verdict.noise_limited * errors.1.nrmse_held_out {
+    if embedded.nrmse_held_out > VerdictPolicy::in_use().noise_limited * errors.1.nrmse_held_out {
         warnings.push(format!(
             "the embedded law in f32 errs {:.3} % on the held-out data, that in f64 {:.3} %: a unit of time, displacement or force is \
              probably wrong; do not use it in firmware",
@@ -223,12 +224,12 @@ pub(super) fn warnings<'t>(
         warnings.push(format!(
             "{unexplained}: the model has a residual table for the rest; outside its range it keeps the values at its edge"
         ));
-    } else if left > policy().verdict.noise_limited {
+    } else if left > VerdictPolicy::in_use().noise_limited {
         warnings.push(format!(
             "the residual is {left:.1} times the noise of force and motion: the law lacks more than was found; see the residual in the \
              report, and record tests in which one quantity changes"
         ));
-    } else if errors.1.nrmse_fitted > policy().verdict.hidden_by_motion * noise_floor {
+    } else if errors.1.nrmse_fitted > VerdictPolicy::in_use().hidden_by_motion * noise_floor {
         warnings.push(format!(
             "the error of the fit is {:.1} times the noise of the force, and the uncertainty of the estimated velocity can explain all of \
              it: an effect may be hidden; record at a higher rate, or with less noise of the displacement",

@@ -6,7 +6,6 @@ use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::policy::policy;
 use crate::tolerance::held_to;
 
 mesh_damper_recording::numbers! {
@@ -47,5 +46,5 @@ pub(super) fn wanders(
             squares += means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
         }
     }
-    Ok(squares > policy().wander.more * expected)
+    Ok(squares > WanderPolicy::in_use().more * expected)
 }

@@ -1,11 +1,12 @@
 //! The excitation of the mass, at equal time steps.
 
+use mesh_damper::effects::CONTROLS;
+use mesh_damper_recording::trajectory::TrajectoryPolicy;
+
 use super::RespondError;
 use super::oscillator::Input;
 use super::signal::refined;
 use crate::Model;
-use mesh_damper::effects::CONTROLS;
-use mesh_damper_recording::policy::policy;
 
 /// A force on the mass or a motion of the base, with temperature and control inputs.
 #[derive(Clone, Debug, PartialEq)]
@@ -181,7 +182,7 @@ impl Refined<'_> {
             Some(samples) => samples.get(index / self.substeps).copied(),
             None => None,
         };
-        let temperature = temperature.unwrap_or(policy().trajectory.room);
+        let temperature = temperature.unwrap_or(TrajectoryPolicy::in_use().room);
         let mut controls = [0.0; CONTROLS];
         for (control, samples) in controls.iter_mut().zip(&self.excitation.controls) {
             *control = samples

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use mesh_damper_recording::policy::policy;
+use mesh_damper_recording::trajectory::TrajectoryPolicy;
 use serde::Serialize;
 
 use super::oscillator::{Input, Oscillator};
@@ -188,7 +188,7 @@ fn run(
         Input {
             force: 0.0,
             base: amplitude * (TAU * part).sin(),
-            temperature: policy().trajectory.room,
+            temperature: TrajectoryPolicy::in_use().room,
             controls: settings.controls,
         }
     };

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use mesh_damper::effects::description::Description;
 use mesh_damper_model::{AddedEffect, Family};
-use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_tables::control::ControlChannel;
 
 /// Ticks per second of [`two_sines`], Hz.

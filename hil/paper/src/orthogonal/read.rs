@@ -13,8 +13,8 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::path::Path;
 
-use mesh_damper_tables::csv_text::{CsvText, broken_csv, doubled, is_cut, number};
 use mesh_damper_output::error::{InputError, Place, quoted};
+use mesh_damper_tables::csv_text::{CsvText, broken_csv, doubled, is_cut, number};
 use mesh_damper_tables::read_limit::ReadLimit;
 
 use super::array::{LEVELS, RUNS};

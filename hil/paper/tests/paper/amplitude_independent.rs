@@ -8,8 +8,8 @@ use mesh_damper::effects::Motion;
 use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::law::Law;
 use mesh_damper_model::predict::nrmse;
-use mesh_damper_rig::{EmulatorBench, EmulatorSetup};
 use mesh_damper_paper::amplitude_independent::{HeldOut, Study, embedded_force, study, ticks_of};
+use mesh_damper_rig::{EmulatorBench, EmulatorSetup};
 use proptest::prelude::*;
 
 const DOCS: &str = include_str!("../../../../docs/law.md");

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mesh_damper_reference::dynamic_test;
-use mesh_damper_reference::law::Coefficients;
 use mesh_damper_paper::design::{
     DesignError, Figures, Meets, Solution, Source, Wanted, design, on_rig,
 };
+use mesh_damper_reference::dynamic_test;
+use mesh_damper_reference::law::Coefficients;
 use proptest::prelude::*;
 
 fn close(value: f64, expected: f64, tolerance: f64) {

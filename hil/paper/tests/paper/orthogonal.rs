@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
 use mesh_damper_paper::orthogonal::{
     Analysis, Defect, ErrorSource, Experiment, Factor, Response, against_print, analyse, l9,
 };
+use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
 use proptest::prelude::*;
 
 fn close(value: f64, expected: f64, tolerance: f64) {

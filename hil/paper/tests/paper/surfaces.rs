@@ -4,14 +4,14 @@ use std::sync::OnceLock;
 
 use mesh_damper::law::Law;
 use mesh_damper::table::SMOOTHED;
-use mesh_damper_reference::comparison::nrmse;
-use mesh_damper_reference::law::Coefficients;
-use mesh_damper_reference::surfaces::{self as published, Equation18};
-use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cells};
 use mesh_damper_paper::amplitude_independent::Sine;
 use mesh_damper_paper::surfaces::{
     DEGREE, Surfaces, fit, left_out_errors, loop_errors, mean_and_largest,
 };
+use mesh_damper_reference::comparison::nrmse;
+use mesh_damper_reference::law::Coefficients;
+use mesh_damper_reference::surfaces::{self as published, Equation18};
+use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cells};
 use proptest::prelude::*;
 
 fn fitted() -> &'static Surfaces {

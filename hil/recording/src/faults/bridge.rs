@@ -8,7 +8,6 @@ use nalgebra::{SMatrix, SVector};
 use super::super::cycles::Cycles;
 use super::runs;
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
 
 crate::numbers! {
     /// How samples that are missing or faulty are filled in.
@@ -40,15 +39,26 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
         line(values, gap);
     }
     let (low, high) = least_and_largest(&*values);
-    let cycles = Cycles::find(values, tick, policy().bridge.hysteresis * (high - low));
+    let cycles = Cycles::find(
+        values,
+        tick,
+        BridgePolicy::in_use().hysteresis * (high - low),
+    );
     let period = cycles.period_per_sample(values.len(), tick);
     for gap in &gaps {
         let samples = period[gap.start] / tick;
-        let filled = if gap.len() <= policy().bridge.short {
+        let filled = if gap.len() <= BridgePolicy::in_use().short {
             let cubic = |x: f64| SVector::from([1.0, x, x * x, x * x * x]);
-            fit(values, unknown, gap, policy().bridge.neighbours, cubic).map(|(filled, _)| filled)
+            fit(
+                values,
+                unknown,
+                gap,
+                BridgePolicy::in_use().neighbours,
+                cubic,
+            )
+            .map(|(filled, _)| filled)
         } else {
-            let reach = (policy().bridge.reach * samples) as usize;
+            let reach = (BridgePolicy::in_use().reach * samples) as usize;
             // The period is known only to a few per cent; the one with the smallest residual is used.
             (-4..=4)
                 .filter_map(|step| {
@@ -56,7 +66,7 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
                     let sine = |x: f64| SVector::from([1.0, (w * x).cos(), (w * x).sin(), x]);
                     fit(values, unknown, gap, reach, sine)
                 })
-                .filter(|(_, left)| *left < policy().bridge.is_sine)
+                .filter(|(_, left)| *left < BridgePolicy::in_use().is_sine)
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(filled, _)| filled)
         };
@@ -103,7 +113,7 @@ fn fit(
     let around = gap.start.saturating_sub(reach)..(gap.end + reach).min(values.len());
     let known: Vec<usize> = around.filter(|&index| !unknown[index]).collect();
     let before = known.iter().filter(|&&index| index < gap.start).count();
-    let fewest = policy().bridge.fewest;
+    let fewest = BridgePolicy::in_use().fewest;
     if before < fewest || known.len() - before < fewest {
         return None;
     }

@@ -4,7 +4,7 @@ use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{ChannelFault, ChannelFaultKind, mark, runs, sampled, spread};
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
+use crate::faults::FaultsPolicy;
 
 crate::numbers! {
     /// Which channels end at the limit of their range.
@@ -52,7 +52,7 @@ pub(super) fn find(
 
 /// The upper limit of `values` and the samples at it.
 fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
-    let same = policy().faults.same_value * spread(values);
+    let same = FaultsPolicy::in_use().same_value * spread(values);
     let limit = values
         .iter()
         .zip(present)
@@ -66,13 +66,15 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .collect();
     let samples = marked.iter().filter(|&&marked| marked).count();
     let stays = runs(&marked).iter().filter(|run| run.len() >= 2).count();
-    let below = policy().clipping.steps * rounding(values, same) + same;
+    let below = ClippingPolicy::in_use().steps * rounding(values, same) + same;
     let just_below = values
         .iter()
         .filter(|value| (same..=below).contains(&(limit - **value)))
         .count();
-    let piled = samples as f64 > policy().clipping.pile * just_below as f64;
-    (samples >= policy().clipping.samples && stays >= policy().clipping.stays && piled)
+    let piled = samples as f64 > ClippingPolicy::in_use().pile * just_below as f64;
+    (samples >= ClippingPolicy::in_use().samples
+        && stays >= ClippingPolicy::in_use().stays
+        && piled)
         .then_some((limit, marked))
 }
 
@@ -100,5 +102,5 @@ fn goes_on(other: &[f64], marked: &[bool]) -> bool {
         moved += high - low;
         stays += 1.0;
     }
-    moved > by_noise + policy().clipping.moves * spread(other) * stays
+    moved > by_noise + ClippingPolicy::in_use().moves * spread(other) * stays
 }

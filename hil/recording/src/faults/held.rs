@@ -6,7 +6,7 @@ use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{ChannelFault, ChannelFaultKind, quantile, runs, sampled, spread};
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
+use crate::faults::FaultsPolicy;
 
 crate::numbers! {
     /// Which values were repeated while the motion went on.
@@ -52,7 +52,7 @@ pub(super) fn find(
 }
 
 fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
-    let same = policy().faults.same_value * spread(values);
+    let same = FaultsPolicy::in_use().same_value * spread(values);
     let repeats: Vec<bool> = (0..values.len())
         .map(|index| {
             index > 0
@@ -68,7 +68,7 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
     let stretches: Vec<_> = runs(&repeats)
         .into_iter()
         .map(|run| run.start - 1..run.end)
-        .filter(|run| run.len() >= policy().held.shortest)
+        .filter(|run| run.len() >= HeldPolicy::in_use().shortest)
         .collect();
     // Probability that two neighbours are equal by rounding alone, without a held value.
     let in_stretches: usize = stretches.iter().map(|run| run.len() - 1).sum();
@@ -86,8 +86,9 @@ fn held(values: &[f64], present: &[bool]) -> Vec<std::ops::Range<usize>> {
             let at_an_end = value - low <= same || high - value <= same;
             // Only noise of more than the rounding makes neighbours differ by chance.
             let often = often.max(often_around(&repeats, run));
-            let unlikely = noise > policy().held.noisy * step
-                && values.len() as f64 * often.powi(run.len() as i32 - 1) < policy().held.chance;
+            let unlikely = noise > HeldPolicy::in_use().noisy * step
+                && values.len() as f64 * often.powi(run.len() as i32 - 1)
+                    < HeldPolicy::in_use().chance;
             inside && !at_an_end && (unlikely || jumps(values, run, step, noise))
         })
         .collect()
@@ -101,8 +102,8 @@ fn often_at_rest(step: f64, noise: f64) -> f64 {
 
 /// How often neighbours are equal in the samples around `run`: a rounded signal turns slowly.
 fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
-    let before = &repeats[run.start.saturating_sub(policy().held.around)..=run.start];
-    let after = &repeats[run.end..(run.end + policy().held.around).min(repeats.len())];
+    let before = &repeats[run.start.saturating_sub(HeldPolicy::in_use().around)..=run.start];
+    let after = &repeats[run.end..(run.end + HeldPolicy::in_use().around).min(repeats.len())];
     let equal = before
         .iter()
         .chain(after)
@@ -113,13 +114,13 @@ fn often_around(repeats: &[bool], run: &std::ops::Range<usize>) -> f64 {
 
 /// Whether the channel jumps at the end of the hold, by more than the steps, the rounding and the noise before it.
 fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) -> bool {
-    let before = &values[run.start.saturating_sub(2 * policy().held.shortest)..=run.start];
+    let before = &values[run.start.saturating_sub(2 * HeldPolicy::in_use().shortest)..=run.start];
     let mut steps: Vec<f64> = before
         .windows(2)
         .map(|pair| (pair[1] - pair[0]).abs())
         .collect();
     let jump = (values[run.end] - values[run.start]).abs();
-    jump > policy().held.jump * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
+    jump > HeldPolicy::in_use().jump * (0.5 * quantile(&mut steps, 0.5)).max(step).max(noise)
 }
 
 /// The smallest difference between neighbours that differ.

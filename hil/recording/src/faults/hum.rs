@@ -8,7 +8,6 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use super::{Channel, ChannelFault, ChannelFaultKind};
-use crate::policy::policy;
 use crate::resample::Uniform;
 use crate::spectrum::{place_of_line, powers};
 
@@ -42,8 +41,8 @@ const LINE: usize = 4;
 /// Removes hum from the displacement, and from the force if it has any.
 pub(crate) fn find(uniform: &mut Uniform, faults: &mut Vec<ChannelFault>) {
     let spectrum = powers(uniform.displacement.clone());
-    for mains in policy().hum.mains {
-        for multiple in 1..=policy().hum.multiples {
+    for mains in HumPolicy::in_use().mains {
+        for multiple in 1..=HumPolicy::in_use().multiples {
             let frequency = mains * multiple as f64;
             let Some(turn) = tone(&uniform.displacement, &spectrum, frequency * uniform.period)
             else {
@@ -79,7 +78,7 @@ fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
         (low * about * count).floor().max(1.0) as usize
             ..((high * about * count).ceil() as usize + 1).min(last)
     };
-    let (off, alone) = (policy().hum.off, policy().hum.alone);
+    let (off, alone) = (HumPolicy::in_use().off, HumPolicy::in_use().alone);
     let around = bins(1.0 - alone, 1.0 + alone);
     let near = bins(1.0 - off, 1.0 + off);
     // A frequency above half the sampling rate, or a recording too short to separate lines.
@@ -91,8 +90,8 @@ fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
     let mut others: Vec<f64> = others.map(|bin| spectrum[bin]).collect();
     others.sort_by(f64::total_cmp);
     let (median, largest) = (others[others.len() / 2], others[others.len() - 1]);
-    if spectrum[peak] < policy().hum.stands_out * median
-        || spectrum[peak] < policy().hum.above_others * largest
+    if spectrum[peak] < HumPolicy::in_use().stands_out * median
+        || spectrum[peak] < HumPolicy::in_use().above_others * largest
     {
         return None;
     }
@@ -106,12 +105,12 @@ fn tone(samples: &[f64], spectrum: &[f64], about: f64) -> Option<f64> {
     let whole = Phasor::of(samples, 0..samples.len(), turn);
     let mean = samples.iter().sum::<f64>() / count;
     let power = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
-    let is_small = whole.size().powi(2) / 2.0 < policy().hum.largest.powi(2) * power;
+    let is_small = whole.size().powi(2) / 2.0 < HumPolicy::in_use().largest.powi(2) * power;
     let quarter = samples.len() / 4;
     let is_steady = (0..4).all(|part| {
         let own = Phasor::of(samples, part * quarter..(part + 1) * quarter, turn);
         (own.sine - whole.sine).hypot(own.cosine - whole.cosine)
-            < policy().hum.steady * whole.size()
+            < HumPolicy::in_use().steady * whole.size()
     });
     (is_small && is_steady).then_some(turn)
 }

@@ -19,10 +19,10 @@ pub(crate) mod sign;
 pub(crate) mod spikes;
 pub(crate) mod velocity;
 
-use mesh_damper_tables::channel::Channel;
 use super::resample::Uniform;
 use super::{Recording, counted};
-use crate::policy::policy;
+use mesh_damper_tables::channel::Channel;
+
 crate::numbers! {
     /// What all searches for channel faults share.
     FaultsPolicy {
@@ -34,7 +34,9 @@ crate::numbers! {
     }
 }
 
+pub use scale::ScalePolicy;
 pub(super) use shift::Shift;
+pub use shift::ShiftPolicy;
 
 /// Kind and size of a channel fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -425,5 +427,5 @@ fn median_filtered(values: &[f64], half: usize) -> Vec<f64> {
 fn spread(values: &[f64]) -> f64 {
     let median = quantile(&mut values.to_vec(), 0.5);
     let mut apart: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
-    quantile(&mut apart, policy().faults.usually)
+    quantile(&mut apart, FaultsPolicy::in_use().usually)
 }

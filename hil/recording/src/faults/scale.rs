@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::super::Recording;
 use super::super::noise::noise_deviation;
 use super::{Channel, ChannelFault, ChannelFaultKind, spread};
-use crate::policy::policy;
 
 crate::numbers! {
     /// How a unit that is wrong by a factor of 1000 is recognized.
@@ -72,8 +71,9 @@ pub(super) fn repair(recording: &mut Recording) {
     };
     if is_mesh(recording) {
         let can_have = |range: [f64; 2], value: f64| range[0] <= value && value < range[1];
-        let is_travel = |travel: f64| can_have(policy().scale.mesh_travel, travel);
-        let is_stiffness = |stiffness: f64| can_have(policy().scale.mesh_stiffness, stiffness);
+        let is_travel = |travel: f64| can_have(ScalePolicy::in_use().mesh_travel, travel);
+        let is_stiffness =
+            |stiffness: f64| can_have(ScalePolicy::in_use().mesh_stiffness, stiffness);
         for factor in [1.0 / THOUSAND, THOUSAND] {
             if !is_travel(travel) && is_travel(travel * factor) && is_stiffness(stiffness / factor)
             {
@@ -86,7 +86,7 @@ pub(super) fn repair(recording: &mut Recording) {
             }
         }
     }
-    if stiffness > policy().scale.stiffest && !is_known(recording, Channel::Force) {
+    if stiffness > ScalePolicy::in_use().stiffest && !is_known(recording, Channel::Force) {
         say(
             recording,
             Channel::Force,
@@ -97,7 +97,7 @@ pub(super) fn repair(recording: &mut Recording) {
     }
     // Without a force, as where a law predicts one, there is nothing to judge.
     if stiffness > 0.0
-        && stiffness < policy().scale.softest
+        && stiffness < ScalePolicy::in_use().softest
         && !is_known(recording, Channel::Force)
         && !is_known(recording, Channel::Displacement)
     {
@@ -113,7 +113,7 @@ pub(super) fn repair(recording: &mut Recording) {
         let factor = 1.0 / (rate * recording.sample_period());
         if [THOUSAND, 1.0 / THOUSAND]
             .iter()
-            .any(|unit| (factor / unit - 1.0).abs() < policy().scale.same_rate)
+            .any(|unit| (factor / unit - 1.0).abs() < ScalePolicy::in_use().same_rate)
         {
             say(recording, Channel::Time, factor, recording.len(), false);
         }
@@ -156,7 +156,7 @@ fn repair_changes(recording: &mut Recording, channel: Channel) {
     };
     let mut levels: Vec<(usize, i32)> = vec![(0, 0)];
     let mut repaired = values(recording, channel).to_vec();
-    for _ in 0..policy().scale.most_changes {
+    for _ in 0..ScalePolicy::in_use().most_changes {
         let Some((at, up)) = change(&repaired, values(recording, other)) else {
             break;
         };
@@ -191,8 +191,8 @@ fn repair_changes(recording: &mut Recording, channel: Channel) {
 
 /// Where the size of `values` jumps by a unit, permanently or for a stretch, while `other` continues; and whether upwards.
 fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
-    let stretch =
-        ((policy().scale.stretch * values.len() as f64) as usize).max(policy().scale.shortest);
+    let stretch = ((ScalePolicy::in_use().stretch * values.len() as f64) as usize)
+        .max(ScalePolicy::in_use().shortest);
     if values.len() < 3 * stretch {
         return None;
     }
@@ -205,9 +205,9 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         .map(|at| (at, beyond(ratio(&own, at))))
         .filter(|&(at, jump)| {
             let others = beyond(ratio(&others, at));
-            jump > policy().scale.unit_apart
-                && jump < policy().scale.unit_apart * policy().scale.unit_apart
-                && others < policy().scale.same_unit
+            jump > ScalePolicy::in_use().unit_apart
+                && jump < ScalePolicy::in_use().unit_apart * ScalePolicy::in_use().unit_apart
+                && others < ScalePolicy::in_use().same_unit
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let up = ratio(&own, at) > 1.0;
@@ -217,26 +217,28 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         at..at + stretch
     };
     // A channel at rest is small too, but does not follow the other.
-    if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs() < policy().scale.follows
+    if correlation(&values[smaller.clone()], &other[smaller.clone()]).abs()
+        < ScalePolicy::in_use().follows
     {
         return None;
     }
     // Nor is one that rests after a motion in another unit: that would be more than a few times its noise.
     let noise = noise_deviation(&values[smaller.clone()]);
-    if own.deviation(smaller.clone()) < policy().scale.above_noise * noise {
+    if own.deviation(smaller.clone()) < ScalePolicy::in_use().above_noise * noise {
         return None;
     }
     let around = at - stretch..at + stretch;
-    let too_large =
-        |index: &usize| values[*index].abs() > policy().scale.same_unit * own.rms(smaller.clone());
+    let too_large = |index: &usize| {
+        values[*index].abs() > ScalePolicy::in_use().same_unit * own.rms(smaller.clone())
+    };
     let at = if up {
         around.clone().find(too_large)?
     } else {
         around.clone().rev().find(too_large)? + 1
     };
     // Samples about 0 are not too large in either unit: the change is where the repaired channel is smoothest.
-    let near = at.saturating_sub(policy().scale.near).max(2)
-        ..(at + policy().scale.near).min(values.len() - 2);
+    let near = at.saturating_sub(ScalePolicy::in_use().near).max(2)
+        ..(at + ScalePolicy::in_use().near).min(values.len() - 2);
     let roughness = |change: usize| -> f64 {
         let factor = if up { 1.0 / THOUSAND } else { THOUSAND };
         let repaired = |index: usize| values[index] * if index < change { 1.0 } else { factor };

@@ -5,14 +5,12 @@ use nalgebra::{SMatrix, SVector};
 use super::super::cycles::same_amplitude;
 use super::super::trajectory::Trajectory;
 use super::{Channel, ChannelFault, ChannelFaultKind};
-use crate::policy::policy;
+use crate::cycles::CyclesPolicy;
 
 crate::numbers! {
     /// When force and displacement are shifted in time. A shift is found by fitting a general damper, a sum of functions of the motion, to
     /// the force.
     ShiftPolicy {
-        /// A time shift is judged on at most this many samples.
-        most_rows: usize = 3000, Convention("bounds the time of the search");
         /// Time shifts are searched for up to this fraction of the shortest period.
         reach: f64 = 0.3, Tuned("the injected channel faults: the force of a slow specimen with memory may look earlier than that");
         /// Time shifts are searched for up to this many ticks: filters and loggers are late by no more.
@@ -39,6 +37,9 @@ crate::numbers! {
     }
 }
 
+/// A time shift is judged on at most this many samples. Convention: bounds the time of the search.
+const MOST_ROWS: usize = 3000;
+
 /// Exponents of friction; friction with any other exponent is nearly a sum of these two. Convention: a dry one and a wet one.
 const DRY_AND_WET: [f64; 2] = [0.15, 0.5];
 /// Number of functions of the motion whose sum is a general damper's force.
@@ -62,9 +63,10 @@ impl Shift {
     /// acceleration. The shift with the smallest residual is that of the channels.
     pub fn find(trajectory: &Trajectory) -> Option<Self> {
         let [lowest, highest] = frequencies(trajectory);
-        let several = highest > policy().shift.several * lowest;
+        let several = highest > ShiftPolicy::in_use().several * lowest;
         let shortest = 1.0 / (highest * trajectory.tick);
-        let reach = ((policy().shift.reach * shortest) as usize).min(policy().shift.most_ticks);
+        let reach = ((ShiftPolicy::in_use().reach * shortest) as usize)
+            .min(ShiftPolicy::in_use().most_ticks);
         if highest == 0.0 || reach < 2 || trajectory.len() < 8 * reach {
             return None;
         }
@@ -86,14 +88,15 @@ impl Shift {
         let vertex = 0.5 * (before - after) / (before - 2.0 * least + after);
         let late = best as f64 - reach as f64 + vertex;
         let described = if several {
-            policy().shift.described
+            ShiftPolicy::in_use().described
         } else {
-            policy().shift.well_described
+            ShiftPolicy::in_use().well_described
         };
-        let better = least < policy().shift.better * policy().shift.better * left[reach]
+        let better = least
+            < ShiftPolicy::in_use().better * ShiftPolicy::in_use().better * left[reach]
             && least < described * described;
         let impossible = several && late < 0.0 || gives_energy(trajectory, 0);
-        (better && impossible && late.abs() >= policy().shift.least).then_some(Self { late })
+        (better && impossible && late.abs() >= ShiftPolicy::in_use().least).then_some(Self { late })
     }
 
     /// Whether a force `late` ticks later may belong to such a damper as well: the unshifted force has no clearly smaller residual,
@@ -105,7 +108,7 @@ impl Shift {
         }
         let rows = ShiftRows::of_each_amplitude(trajectory, reach);
         let left = |shift| -> f64 { rows.iter().map(|rows| rows.left(trajectory, shift).0).sum() };
-        left(0) >= policy().shift.better * policy().shift.better * left(late)
+        left(0) >= ShiftPolicy::in_use().better * ShiftPolicy::in_use().better * left(late)
     }
 
     /// `force` moved back by this shift, with a cubic between ticks; ends are held.
@@ -139,7 +142,7 @@ impl Shift {
 /// The lowest and the highest frequency of its steady blocks, Hz; ∞ and 0 without steady blocks.
 fn frequencies(trajectory: &Trajectory) -> [f64; 2] {
     let blocks = trajectory.blocks.iter();
-    let steady = blocks.filter(|block| block.cycles.len() >= policy().shift.steady);
+    let steady = blocks.filter(|block| block.cycles.len() >= ShiftPolicy::in_use().steady);
     steady.fold([f64::INFINITY, 0.0], |[lowest, highest], block| {
         [lowest.min(block.frequency), highest.max(block.frequency)]
     })
@@ -164,7 +167,7 @@ fn gives_energy(trajectory: &Trajectory, late: isize) -> bool {
             variance += (trajectory.force_noise * velocity).powi(2);
             largest = largest.max((force * velocity).abs());
         }
-        power < -largest - policy().shift.energy_deviations * variance.sqrt()
+        power < -largest - ShiftPolicy::in_use().energy_deviations * variance.sqrt()
     })
 }
 
@@ -179,11 +182,11 @@ impl ShiftRows {
     /// A damper may differ at every amplitude, as in the published tables.
     fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
         let inner = reach..trajectory.len() - reach;
-        let every = inner.len().div_ceil(policy().shift.most_rows).max(1);
+        let every = inner.len().div_ceil(MOST_ROWS).max(1);
         let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
         for sample in inner.step_by(every) {
             // Friction jumps there with the velocity, between two samples, which says nothing about parts of a tick.
-            let near = |kink: &usize| kink.abs_diff(sample) <= policy().shift.about_kinks;
+            let near = |kink: &usize| kink.abs_diff(sample) <= ShiftPolicy::in_use().about_kinks;
             if trajectory.motion.kinks.iter().any(near) {
                 continue;
             }
@@ -195,8 +198,8 @@ impl ShiftRows {
             }
         }
         // With as many functions as samples anything can be described.
-        groups.retain(|(_, samples)| samples.len() >= policy().shift.fewest_samples);
-        if groups.len() > policy().cycles.most_amplitudes {
+        groups.retain(|(_, samples)| samples.len() >= ShiftPolicy::in_use().fewest_samples);
+        if groups.len() > CyclesPolicy::in_use().most_amplitudes {
             let all = groups.into_iter().flat_map(|(_, samples)| samples);
             return vec![Self::of(trajectory, all.collect())];
         }

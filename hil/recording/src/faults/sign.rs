@@ -2,7 +2,6 @@
 
 use super::super::Recording;
 use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered};
-use crate::policy::policy;
 
 crate::numbers! {
     /// When a force has the wrong sign.
@@ -49,9 +48,9 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let correlation = product(&y, &f) / (product(&y, &y) * product(&f, &f)).sqrt();
     let (mut work, mut most) = (0.0, 0.0);
-    for index in policy().sign.stride..y.len() {
-        let done =
-            f[index - policy().sign.stride / 2] * (y[index] - y[index - policy().sign.stride]);
+    for index in SignPolicy::in_use().stride..y.len() {
+        let done = f[index - SignPolicy::in_use().stride / 2]
+            * (y[index] - y[index - SignPolicy::in_use().stride]);
         work += done;
         most += done.abs();
     }
@@ -61,7 +60,7 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
         gives,
         with,
         ..
-    } = policy().sign;
+    } = *SignPolicy::in_use();
     correlation < against && work < -certain * most || correlation < with && work < -gives * most
 }
 

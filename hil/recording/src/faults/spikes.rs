@@ -9,7 +9,7 @@ use super::{
     sampled, spread,
 };
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
+use crate::faults::FaultsPolicy;
 
 crate::numbers! {
     /// Which samples are spikes. The deviation of a sample is its distance from the running median.
@@ -37,8 +37,6 @@ crate::numbers! {
         reach: i32 = 3, Tuned("the injected channel faults");
         /// If more than this fraction of all samples look like spikes, none of them is one: the channel is like that.
         most: f64 = 0.08, Tuned("the injected channel faults");
-        /// A channel is searched for spikes at most this many times: large spikes hide small ones beside them.
-        passes: usize = 4, Convention("a search ends earlier if it finds nothing new");
         /// The range of the displacement is divided into this many levels, to distinguish states of the motion.
         levels: f64 = 16.0, Tuned("the injected channel faults");
         /// The motion is at rest if the displacement changes, within the window of the running median, by less than its range divided by
@@ -51,6 +49,10 @@ crate::numbers! {
         beyond: f64 = 0.3, Tuned("the injected channel faults");
     }
 }
+
+/// A channel is searched for spikes at most this many times: large spikes hide small ones beside them. Convention: a search ends
+/// earlier if it finds nothing new.
+const PASSES: usize = 4;
 
 /// Marks the spikes of displacement and force in `absent`, and repairs those of velocity and temperature.
 pub(super) fn find(
@@ -95,20 +97,20 @@ type State = (i32, i32);
 
 /// The state at every sample, from the displacement without its spikes.
 fn states(displacement: &[f64]) -> Vec<State> {
-    let y = median_filtered(displacement, policy().spikes.half);
+    let y = median_filtered(displacement, SpikesPolicy::in_use().half);
     let range = 2.0 * spread(&y).max(f64::MIN_POSITIVE);
     (0..y.len())
         .map(|index| {
             let (before, after) = (
-                index.saturating_sub(policy().spikes.half),
-                (index + policy().spikes.half).min(y.len() - 1),
+                index.saturating_sub(SpikesPolicy::in_use().half),
+                (index + SpikesPolicy::in_use().half).min(y.len() - 1),
             );
             let change = (y[after] - y[before]) / range;
-            let octave = (change.abs() * policy().spikes.slowest)
+            let octave = (change.abs() * SpikesPolicy::in_use().slowest)
                 .max(1.0)
                 .log2()
                 .floor() as i32;
-            let level = (y[index] / range * policy().spikes.levels).floor() as i32;
+            let level = (y[index] / range * SpikesPolicy::in_use().levels).floor() as i32;
             (level, (octave + 1) * change.signum() as i32)
         })
         .collect()
@@ -126,8 +128,8 @@ impl Spikes {
     /// The spikes of a channel, which `may_switch` if it does not follow from the motion.
     fn of(values: &[f64], states: &[State], usable: &[bool], may_switch: bool) -> Self {
         let spread = spread(values);
-        let floor = (policy().spikes.noises * noise_deviation(values))
-            .max(policy().spikes.smallest * spread);
+        let floor = (SpikesPolicy::in_use().noises * noise_deviation(values))
+            .max(SpikesPolicy::in_use().smallest * spread);
         let mut found = Self {
             marked: vec![false; values.len()],
             samples: 0,
@@ -138,15 +140,21 @@ impl Spikes {
         let unusable: Vec<bool> = usable.iter().map(|usable| !usable).collect();
         bridge::lines(&mut left, &unusable);
         // Large ones hide small ones near them.
-        for _ in 0..policy().spikes.passes {
+        for _ in 0..PASSES {
             let before = found.samples;
-            found.look(&left, states, usable, floor, policy().spikes.large * spread);
+            found.look(
+                &left,
+                states,
+                usable,
+                floor,
+                SpikesPolicy::in_use().large * spread,
+            );
             if found.samples == before {
                 break;
             }
             bridge::lines(&mut left, &found.marked);
         }
-        if found.samples as f64 > policy().spikes.most * values.len() as f64 {
+        if found.samples as f64 > SpikesPolicy::in_use().most * values.len() as f64 {
             found.marked.fill(false);
             found.samples = 0;
         }
@@ -160,19 +168,21 @@ impl Spikes {
     }
 
     fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
-        let median = median_filtered(values, policy().spikes.half);
+        let median = median_filtered(values, SpikesPolicy::in_use().half);
         let apart: Vec<f64> = values.iter().zip(&median).map(|(x, m)| x - m).collect();
         let usual = Usual::of(&apart, states);
         let mut candidates = vec![false; values.len()];
-        for index in policy().spikes.half..values.len().saturating_sub(policy().spikes.half) {
+        for index in
+            SpikesPolicy::in_use().half..values.len().saturating_sub(SpikesPolicy::in_use().half)
+        {
             let size = apart[index].abs();
             let tier = usize::from(size > large);
             candidates[index] = usable[index]
                 && !self.marked[index]
                 && self.is_beyond_levels(values[index], floor)
                 && size > floor
-                && size > policy().spikes.times_around[tier] * around(&apart, index)
-                && size > policy().spikes.times_usual[tier] * usual.at(index, states[index]);
+                && size > SpikesPolicy::in_use().times_around[tier] * around(&apart, index)
+                && size > SpikesPolicy::in_use().times_usual[tier] * usual.at(index, states[index]);
         }
         for run in runs(&candidates) {
             let largest = apart[run.clone()]
@@ -180,19 +190,19 @@ impl Spikes {
                 .fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
             // The median of a few spikes and their neighbours is off, and the neighbours differ from it.
             let high = |&index: &usize| {
-                apart[index] * largest.signum() > policy().spikes.high * largest.abs()
+                apart[index] * largest.signum() > SpikesPolicy::in_use().high * largest.abs()
             };
             let (Some(first), Some(last)) = (run.clone().find(high), run.clone().rev().find(high))
             else {
                 continue;
             };
             let run = first..last + 1;
-            if run.len() <= policy().spikes.half
+            if run.len() <= SpikesPolicy::in_use().half
                 && stands_out(
                     values,
                     run.clone(),
                     largest.signum(),
-                    floor.max(policy().spikes.beyond * largest.abs()),
+                    floor.max(SpikesPolicy::in_use().beyond * largest.abs()),
                 )
             {
                 self.marked[run.clone()].fill(true);
@@ -212,7 +222,7 @@ fn switched(values: &[f64], least: f64) -> Option<[f64; 2]> {
         if end < values.len() && (values[end] - values[end - 1]).abs() <= least {
             continue;
         }
-        if end - start > policy().spikes.half {
+        if end - start > SpikesPolicy::in_use().half {
             let (low, high) = least_and_largest(&values[start..end]);
             stays.push([low, high]);
         }
@@ -235,8 +245,8 @@ fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64
         sign * values[index] - (sign * values[near]).max(sign * led_to)
     };
     let (Some(far_left), far_right) = (
-        run.start.checked_sub(policy().spikes.half),
-        run.end + policy().spikes.half - 1,
+        run.start.checked_sub(SpikesPolicy::in_use().half),
+        run.end + SpikesPolicy::in_use().half - 1,
     ) else {
         return false;
     };
@@ -251,12 +261,12 @@ fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64
 
 /// The distance from the running median within which nine tenths of the samples around `index` lie, without it and its neighbours.
 fn around(apart: &[f64], index: usize) -> f64 {
-    let before = &apart
-        [index.saturating_sub(policy().spikes.around)..index.saturating_sub(policy().spikes.half)];
-    let after = &apart[(index + policy().spikes.half + 1).min(apart.len())
-        ..(index + policy().spikes.around + 1).min(apart.len())];
+    let before = &apart[index.saturating_sub(SpikesPolicy::in_use().around)
+        ..index.saturating_sub(SpikesPolicy::in_use().half)];
+    let after = &apart[(index + SpikesPolicy::in_use().half + 1).min(apart.len())
+        ..(index + SpikesPolicy::in_use().around + 1).min(apart.len())];
     let mut apart: Vec<f64> = before.iter().chain(after).map(|a| a.abs()).collect();
-    quantile(&mut apart, policy().faults.usually)
+    quantile(&mut apart, FaultsPolicy::in_use().usually)
 }
 
 /// Usual distance of samples from the running median, state by state.
@@ -278,7 +288,7 @@ impl<'a> Usual<'a> {
     /// including the states around it.
     fn at(&self, index: usize, state: State) -> f64 {
         let mut around: Vec<f64> = Vec::new();
-        for reach in 0..=policy().spikes.reach {
+        for reach in 0..=SpikesPolicy::in_use().reach {
             around.clear();
             for level in -reach..=reach {
                 for octave in -reach..=reach {
@@ -286,15 +296,15 @@ impl<'a> Usual<'a> {
                     let others = near
                         .into_iter()
                         .flatten()
-                        .filter(|other| other.abs_diff(index) > policy().spikes.half);
+                        .filter(|other| other.abs_diff(index) > SpikesPolicy::in_use().half);
                     around.extend(others.map(|&other| self.apart[other].abs()));
                 }
             }
-            if around.len() >= policy().spikes.enough {
+            if around.len() >= SpikesPolicy::in_use().enough {
                 break;
             }
         }
-        quantile(&mut around, policy().faults.usually)
+        quantile(&mut around, FaultsPolicy::in_use().usually)
     }
 }
 

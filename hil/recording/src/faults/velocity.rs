@@ -2,7 +2,6 @@
 
 use super::super::resample::Uniform;
 use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered, quantile};
-use crate::policy::policy;
 
 crate::numbers! {
     /// When a measured velocity is not the derivative of the displacement.
@@ -58,7 +57,7 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
     let correlation = product / (slopes * velocities).sqrt();
     let ratio = product / slopes;
     // A velocity that never changes has no correlation.
-    if correlation.is_nan() || correlation.abs() < policy().velocity.is_derivative {
+    if correlation.is_nan() || correlation.abs() < VelocityPolicy::in_use().is_derivative {
         say(ChannelFaultKind::NotDerivative);
         uniform.velocity = None;
         return;
@@ -68,13 +67,13 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
         velocity.iter_mut().for_each(|v| *v = -*v);
     }
     let size = ratio.abs();
-    let [least, most] = policy().velocity.same_unit;
+    let [least, most] = VelocityPolicy::in_use().same_unit;
     if (least..most).contains(&size) {
         return;
     }
     let Some(unit) = THOUSANDS
         .into_iter()
-        .find(|unit| (size / unit - 1.0).abs() < policy().velocity.near)
+        .find(|unit| (size / unit - 1.0).abs() < VelocityPolicy::in_use().near)
     else {
         say(ChannelFaultKind::NotDerivative);
         uniform.velocity = None;
@@ -91,14 +90,15 @@ pub(super) fn examine(uniform: &mut Uniform, unknown: &[bool], faults: &mut Vec<
 /// Samples to each side of a slope, so that the displacement's rounding and noise are small compared with it.
 fn stride(displacement: &[f64]) -> usize {
     let noise = super::super::noise::noise_deviation(displacement);
-    let longest = policy().velocity.longest_stride;
+    let longest = VelocityPolicy::in_use().longest_stride;
     (1..=longest)
         .find(|&stride| {
             let mut steps: Vec<f64> = displacement
                 .windows(2 * stride + 1)
                 .map(|w| (w[2 * stride] - w[0]).abs())
                 .collect();
-            quantile(&mut steps, policy().velocity.moving) > policy().velocity.beyond_noise * noise
+            quantile(&mut steps, VelocityPolicy::in_use().moving)
+                > VelocityPolicy::in_use().beyond_noise * noise
         })
         .unwrap_or(longest)
 }

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::cycles::Cycles;
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
+use crate::trajectory::TrajectoryPolicy;
 
 /// The displacement midway between the smallest and the largest, mm.
 pub(super) fn middle(displacement: &[f64]) -> f64 {
@@ -20,10 +20,10 @@ pub(super) fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let largest = 0.5 * (high - low);
     // A motion that is not about its middle says nothing about a zero, nor does a motion without similar cycles.
     let mean = displacement.iter().sum::<f64>() / displacement.len() as f64;
-    let is_about = (mean - middle).abs() < policy().trajectory.about * middle.abs()
+    let is_about = (mean - middle).abs() < TrajectoryPolicy::in_use().about * middle.abs()
         && has_like_cycles(displacement);
-    middle.abs() > policy().trajectory.far * largest
-        || middle.abs() > policy().trajectory.off * largest
+    middle.abs() > TrajectoryPolicy::in_use().far * largest
+        || middle.abs() > TrajectoryPolicy::in_use().off * largest
             && is_about
             && !feels_it(displacement, force, middle, largest)
 }
@@ -51,5 +51,5 @@ fn feels_it(displacement: &[f64], force: &[f64], middle: f64, largest: f64) -> b
     };
     let cubic = factor.solve(&right);
     let (at_middle, slope) = (cubic[0], cubic[1]);
-    (at_middle / (slope * middle / largest)).abs() > policy().trajectory.felt
+    (at_middle / (slope * middle / largest)).abs() > TrajectoryPolicy::in_use().felt
 }

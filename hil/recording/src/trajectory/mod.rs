@@ -6,21 +6,20 @@ mod uncertainty;
 use std::ops::Range;
 use std::sync::Arc;
 
-use centre::{is_off, middle};
+use mesh_damper_output::error::InputError;
+use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::ControlChannel;
 
+use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
 use super::faults::{self, ChannelFault, ChannelFaultKind, Shift};
-use mesh_damper_tables::channel::Channel;
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use super::smoother::Band;
-use mesh_damper_tables::control::ControlChannel;
-use super::Recording;
-use mesh_damper_output::error::InputError;
 use crate::extremes::least_and_largest;
-use crate::policy::policy;
+use centre::{is_off, middle};
 
 crate::numbers! {
     /// How a recording is made ready for identification.
@@ -162,7 +161,7 @@ impl Trajectory {
         recording: &Recording,
         known_off: Option<bool>,
     ) -> Result<(Self, Option<MovingAverage>), InputError> {
-        recording.require_samples(policy().trajectory.fewest_samples)?;
+        recording.require_samples(TrajectoryPolicy::in_use().fewest_samples)?;
         let recording = &recording.repaired();
         let mut uniform = recording.uniform()?;
         let mut found = recording.faults().to_vec();
@@ -173,7 +172,7 @@ impl Trajectory {
             .iter()
             .filter(|&&measured| measured)
             .count()
-            < policy().trajectory.fewest_samples
+            < TrajectoryPolicy::in_use().fewest_samples
         {
             return Err(InputError::new(
                 &recording.name,
@@ -203,7 +202,7 @@ impl Trajectory {
         trajectory.controls = Arc::new(uniform.controls);
         trajectory.faults = found;
         let (low, high) = least_and_largest(&trajectory.motion.displacement);
-        if trajectory.motion.noise > policy().trajectory.largest_noise * (high - low) {
+        if trajectory.motion.noise > TrajectoryPolicy::in_use().largest_noise * (high - low) {
             return Err(InputError::new(
                 &recording.name,
                 format!(
@@ -218,7 +217,7 @@ impl Trajectory {
         let fastest = trajectory.blocks.iter().map(|block| block.frequency);
         let shortest = 1.0 / fastest.fold(0.0, f64::max);
         let average = average.filter(|a| {
-            a.window * trajectory.tick < policy().trajectory.longest_average * shortest
+            a.window * trajectory.tick < TrajectoryPolicy::in_use().longest_average * shortest
         });
         Ok((trajectory, average))
     }
@@ -441,7 +440,7 @@ impl Trajectory {
             .get(after)
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
         let certain = self.motion.velocity[index].abs()
-            > policy().trajectory.certain * self.motion.velocity_deviation[index];
+            > TrajectoryPolicy::in_use().certain * self.motion.velocity_deviation[index];
         self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
     }
 
@@ -457,7 +456,9 @@ impl Trajectory {
     pub fn temperature_at(&self, index: usize) -> f64 {
         self.temperature
             .as_ref()
-            .map_or(policy().trajectory.room, |temperature| temperature[index])
+            .map_or(TrajectoryPolicy::in_use().room, |temperature| {
+                temperature[index]
+            })
     }
 }
 
@@ -490,6 +491,6 @@ fn hysteresis(displacement: &[f64]) -> f64 {
         crossing_noises,
         crossing,
         ..
-    } = policy().trajectory;
+    } = *TrajectoryPolicy::in_use();
     (crossing_noises * noise_deviation(displacement)).max(crossing * (high - low))
 }

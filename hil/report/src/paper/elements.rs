@@ -1,9 +1,9 @@
 //! The dependence of the finite elements on their assumptions, in the report.
 
 use maud::{Markup, html};
-use mesh_damper_reference::tables::DENSITIES;
-use mesh_damper_paper::finite_element::Bore;
 use mesh_damper_paper::claims::{Compared, Paper};
+use mesh_damper_paper::finite_element::Bore;
+use mesh_damper_reference::tables::DENSITIES;
 
 use crate::html::table;
 use crate::text;

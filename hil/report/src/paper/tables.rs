@@ -1,8 +1,8 @@
 //! The tables of the report.
 
 use maud::{Markup, html};
-use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
 use mesh_damper_paper::claims::{Paper, SurfaceErrors};
+use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES};
 
 use crate::html::table;
 use crate::text;

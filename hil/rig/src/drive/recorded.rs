@@ -3,8 +3,8 @@
 //! Displacement and velocity are estimated as in a trace, by cubics over windows that reject the noise, because a rig that followed
 //! the noise would shake. The rejected part is reported. Between samples the motion is the cubic that meets both.
 
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::{InputError, Place as Where};
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::motion::MotionEstimate;
 
 use super::{Grid, Motion, Place, cubic};

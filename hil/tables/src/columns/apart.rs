@@ -1,8 +1,9 @@
 //! Channels that lie in different tables of a file, which were sampled at different times.
 
+use mesh_damper_output::error::{InputError, quoted};
+
 use super::{taken, unit_found};
 use crate::channel::Channel;
-use mesh_damper_output::error::{InputError, quoted};
 use crate::files::{Column, Needs, Reading, Table};
 
 /// Message that the required channels are all in the file, but not together in one table; `None` if this is not the problem.

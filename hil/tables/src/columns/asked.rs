@@ -1,10 +1,11 @@
 //! Questions about the columns of a recording, with the options to type.
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::choose::Choice;
 use super::taken::{self, Candidate, Rank};
 use super::unit_found::{self, UnitFound};
 use crate::channel::Channel;
-use mesh_damper_output::error::{InputError, Place, quoted};
 use crate::files::Column;
 
 /// Largest number of names in a message.

@@ -1,10 +1,11 @@
 //! Chooses the columns of a recording.
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::asked::listed;
 use super::taken::{self, Candidate, Rank};
 use super::unit_found::UnitFound;
 use crate::channel::Channel;
-use mesh_damper_output::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 use crate::files::{Needs, Reading, Table};
 use crate::units::Unit;

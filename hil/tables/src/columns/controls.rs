@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
 use super::name::{Name, words as words_of};
@@ -11,7 +13,6 @@ use super::unit_found::{ControlUnit, control_unit_and_words};
 use super::words;
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
-use mesh_damper_output::error::{InputError, Place, quoted};
 
 /// A column whose unit for a control input is not clear.
 struct Unclear {

@@ -1,10 +1,11 @@
 //! Chooses the unit of a channel's column: the user's, the file's, or an assumed one.
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::choose::{Choice, said};
 use super::unit_found::{self, UnitFound};
 use super::{is_own, spelling};
 use crate::channel::Channel;
-use mesh_damper_output::error::{InputError, Place, quoted};
 use crate::files::Unmarked;
 use crate::units::Unit;
 

@@ -1,12 +1,13 @@
 //! Information about a column's unit in its name and in the file.
 
+use mesh_damper_output::error::quoted;
+
 use super::name::{Name, words as words_of};
 use super::spelling::{bare, control_unit, control_unit_like, unit_of};
 use super::taken::own_name;
 use super::words;
 use crate::channel::Channel;
 use crate::control::UNITS;
-use mesh_damper_output::error::quoted;
 use crate::files::Column;
 use crate::units::Unit;
 

@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 
 use falcon_mdf::{Channel, ChannelGroup, Mf4Error, Mf4File, OpenOptions, SignalValues, ValueKind};
+use mesh_damper_output::error::InputError;
 
 use super::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, arranged, name_of};
 use super::beside::Beside;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 
 const NAME: &str = "MDF4";

@@ -1,7 +1,8 @@
 //! Columns in memory, for programs that read files themselves.
 
-use super::{Column, Kept, Table, Tables, Values, Wanted};
 use mesh_damper_output::error::{InputError, Place};
+
+use super::{Column, Kept, Table, Tables, Values, Wanted};
 use crate::rows::RowLines;
 
 /// A column in memory, with information in addition to its name.

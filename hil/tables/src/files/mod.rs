@@ -37,8 +37,8 @@ pub use needs::{Needs, Unmarked};
 pub use source::Source;
 pub use table::{Column, Table, Values, Wanted};
 
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
+use mesh_damper_output::error::InputError;
 
 /// A file format.
 pub trait Format: Sync {

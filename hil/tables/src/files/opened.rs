@@ -1,7 +1,8 @@
 //! A file whose tables are known, and whose columns are read one by one.
 
-use super::{Kept, Table, Tables, Values, Wanted};
 use mesh_damper_output::error::{InputError, Place};
+
+use super::{Kept, Table, Tables, Values, Wanted};
 
 /// The values of a column of a table; `None` if they are not numbers.
 type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a;

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use mesh_damper_output::error::InputError;
+
 use crate::read_limit::{ReadLimit, open};
 
 /// A file's bytes: the first ones are known, the others are read on request. A pipe works as well as a file.

@@ -1,7 +1,8 @@
 //! Formats that are recognized and not read: a description of the file, and how to convert it.
 
-use super::{Format, Reading, Source, Tables};
 use mesh_damper_output::error::InputError;
+
+use super::{Format, Reading, Source, Tables};
 
 /// Files that are not mistaken for text.
 pub(super) struct Unread;

@@ -10,12 +10,12 @@ use std::path::Path;
 use calamine::{
     DataRef, ExcelDateTime, ExcelDateTimeType, Reader as _, Xlsx as Workbook, XlsxError,
 };
+use mesh_damper_output::error::InputError;
 
 use super::guard::{damaged, guarded};
 use super::text;
 use super::unread::is_npz;
 use super::{Format, Kept, Reading, Source, Table, Tables, Values, Wanted};
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 
 const NAME: &str = "Excel";

@@ -11,9 +11,10 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use mesh_damper_output::error::{InputError, quoted};
+
 use crate::channel::Channel;
 use crate::control;
-use mesh_damper_output::error::{InputError, quoted};
 
 /// Significant digits of computed numbers in text: a thousandth of a 24-bit converter's step.
 pub const DIGITS: usize = 9;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use mesh_damper_output::error::InputError;
-use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 use mesh_damper_rig::check::{Check, failures};
 use mesh_damper_sources::Sources;
+use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 use serde::{Deserialize, Serialize};
 
 use super::count::{Core, Count};

@@ -7,6 +7,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper::law::Law;
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper::table::PAPER;
+use mesh_damper_firmware::bench::suite::{Refused, effects};
 use mesh_damper_link::image::{Board, FIRMWARE, build, sections};
 use mesh_damper_link::lockstep::Image;
 use mesh_damper_link::lockstep::run_rig_on;
@@ -17,7 +18,6 @@ use mesh_damper_rig::{RigRun, RigSetup, SetupError, TICK_RATE};
 
 use super::results::{Rate, Size};
 use super::sizes;
-use mesh_damper_firmware::bench::suite::{Refused, effects};
 
 /// The name of the sizes.
 pub const NAME: &str = "firmware";

@@ -4,13 +4,13 @@ use std::fmt;
 
 use mesh_damper::fixed_point::Part;
 use mesh_damper::power::{PowerSeed, PowerTable};
+use mesh_damper_firmware::bench::suite::tally::{Meter, Region, Tally, When};
+use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick};
 use mesh_damper_reference::tables;
 use serde::Serialize;
 
 use super::count::{Core, Count};
 use super::exact::{Exact, ExactCycle};
-use mesh_damper_firmware::bench::suite::tally::{Meter, Region, Tally, When};
-use mesh_damper_firmware::bench::suite::{self, Refused, fixed_point, power, tick};
 
 /// The largest error of a result against f64.
 #[derive(Clone, Debug, PartialEq, Serialize)]

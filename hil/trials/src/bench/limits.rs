@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use mesh_damper::effects::DESCRIPTIONS;
+use mesh_damper_firmware::bench::suite::tick::BLOCK;
 use serde::Serialize;
 
 use super::count::Core;
 use super::firmware;
 use super::results::Results;
 use super::uses;
-use mesh_damper_firmware::bench::suite::tick::BLOCK;
 
 /// The side of a limit on which a figure has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

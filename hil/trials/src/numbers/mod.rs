@@ -6,7 +6,8 @@ mod cost;
 mod table;
 
 use mesh_damper_identify::policy as identify;
-use mesh_damper_recording::policy::{self as recording, AlreadyInUse, Field, Mark};
+use mesh_damper_recording::numbers::{AlreadyInUse, Field, Mark};
+use mesh_damper_recording::policy as recording;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -29,8 +30,8 @@ impl Policies {
     /// # Errors
     /// A number was read before.
     pub fn install(self) -> Result<(), AlreadyInUse> {
-        recording::install(self.recording)?;
-        identify::install(self.identify)
+        self.recording.install()?;
+        self.identify.install()
     }
 }
 

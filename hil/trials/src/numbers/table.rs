@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use mesh_damper_recording::policy::Mark;
+use mesh_damper_recording::numbers::Mark;
 use serde_json::Value;
 
 use super::cost::{Cost, Costs, Score};

@@ -2,9 +2,10 @@
 
 use std::io::Write as _;
 
-use crate::emulated;
 use mesh_damper_link::image::Board;
 use mesh_damper_trials::bench::{Baseline, IMAGE, Verdict, run};
+
+use crate::emulated;
 
 fn is_ci() -> bool {
     std::env::var("CI").as_deref() == Ok("true")

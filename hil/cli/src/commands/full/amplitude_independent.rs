@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_model::file::model_error;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
+use mesh_damper_paper::amplitude_independent::{HeldOut, Study, study};
 use mesh_damper_reference::tables::DENSITIES;
 use mesh_damper_report::curves::{self, Curve};
-use mesh_damper_paper::amplitude_independent::{HeldOut, Study, study};
 
 use crate::commands::document::AddDocument as _;
 use crate::commands::{Failure, say};

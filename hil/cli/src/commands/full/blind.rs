@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Outputs, Plan};
+use mesh_damper_recording::Recording;
 use mesh_damper_rig::check::failures;
 use mesh_damper_trials::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
 

@@ -6,8 +6,8 @@ use clap::Args;
 use mesh_damper_batch::compare::{
     Bounds, CommonMotion, Comparison, Moment, ParameterChange, compare,
 };
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use mesh_damper_report::over_time;
 use mesh_damper_report::text;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
 use clap_mangen::Man;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 
 use crate::commands::{Cli, Failure, say};
 

@@ -2,8 +2,8 @@
 
 use clap::Args;
 use mesh_damper_model::Model;
-use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_output::error::InputError;
+use mesh_damper_tables::control::ControlChannel;
 
 use crate::commands::warn;
 

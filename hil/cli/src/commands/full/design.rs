@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
-use mesh_damper_report::text;
+use mesh_damper_output::error::InputError;
 use mesh_damper_paper::design::{
     Design, DesignError, Meets, OnRig, Point, Reachable, Source, Wanted, design, on_rig,
 };
+use mesh_damper_report::text;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -175,10 +175,7 @@ fn range(text: &str) -> Result<(f64, f64), InputError> {
     ends.ok_or_else(|| {
         InputError::new(
             "--amplitude-range",
-            format!(
-                "{} is not a range",
-                mesh_damper_output::error::quoted(text)
-            ),
+            format!("{} is not a range", mesh_damper_output::error::quoted(text)),
             "give two amplitudes in mm, such as 0.05..0.15",
         )
     })

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::commands::reading::{RecordingFiles, say_guesses};
 use clap::Args;
-use mesh_damper_recording::Recording;
 use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_recording::Recording;
 use mesh_damper_rig::drive::limits::{Demands, checked};
 use mesh_damper_rig::drive::{Grid, Motion, RandomMotion, recorded};
 use mesh_damper_rig::specimen::Specimen;
@@ -15,6 +14,7 @@ use serde::Serialize;
 
 use super::programme::LONGEST;
 use super::run::refused;
+use crate::commands::reading::{RecordingFiles, say_guesses};
 use crate::commands::say;
 
 /// The prefix of a random motion; any other text is a file.

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mesh_damper_tables::columns::{self, Chosen, Rank};
-use mesh_damper_recording::cycles::Cycles;
+use mesh_damper_output::Plan;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::cycles::Cycles;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::faults::ChannelFaultKind;
-use mesh_damper_tables::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
-use mesh_damper_output::Plan;
 use mesh_damper_recording::{Recording, Uniform};
+use mesh_damper_tables::columns::{self, Chosen, Rank};
+use mesh_damper_tables::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
 use schemars::JsonSchema;
 use serde::Serialize;
 

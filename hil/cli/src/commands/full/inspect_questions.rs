@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use mesh_damper_tables::columns;
 use mesh_damper_output::error::InputError;
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::columns;
 use mesh_damper_tables::files::{Needs, Reading, Table};
 
 use crate::commands::reading::shell;

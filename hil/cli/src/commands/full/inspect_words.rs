@@ -1,7 +1,7 @@
 //! The output of `hil inspect`.
 
-use mesh_damper_tables::columns;
 use mesh_damper_output::error::InputError;
+use mesh_damper_tables::columns;
 use mesh_damper_tables::files::Column;
 
 use super::inspect::{Inspected, InspectedColumn, InspectedRecording, InspectedTable};

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Outputs;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::check::Check;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_output::Plan;
-use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
-use mesh_damper_report::text;
 use mesh_damper_paper::orthogonal::{
     AgainstPrint, Analysis, ErrorSource, Experiment, FREE_COLUMNS, SIGNIFICANCE, Variance,
     against_print, analyse,
 };
+use mesh_damper_reference::orthogonal_test::{LOSS_FACTOR, STIFFNESS};
+use mesh_damper_report::text;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_output::Plan;
-use mesh_damper_report as report;
 use mesh_damper_paper::claims::{self, Claim, Paper, Verdict};
+use mesh_damper_report as report;
 
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;

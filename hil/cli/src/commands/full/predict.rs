@@ -12,8 +12,9 @@ use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
 use mesh_damper_output::Plan;
-use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::faults::ScalePolicy;
+use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_tables::write::WriteAs;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
@@ -262,7 +263,7 @@ impl Predict {
             warn(&format!("{}: {fault}", recording.name));
         }
         // As between the recordings of a trace.
-        let apart = mesh_damper_recording::policy::policy().scale.unit_apart;
+        let apart = ScalePolicy::in_use().unit_apart;
         let ratio = rms(&repaired.force) / rms(&force);
         if error.is_some() && !(1.0 / apart..=apart).contains(&ratio) {
             warn(&format!(

@@ -12,12 +12,12 @@ use mesh_damper::sine::Programme;
 use mesh_damper_link::lockstep::{Image, LinkError, Serial, described};
 use mesh_damper_link::own_timer::{BoardRun, Lost, RecordError, Times, record};
 use mesh_damper_live::About as LiveAbout;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use mesh_damper_recording::Recording;
-use mesh_damper_tables::write::WriteAs;
 use mesh_damper_rig::specimen::Specimen;
 use mesh_damper_rig::{Journal, RigSetup, SetupError, TICK_RATE};
+use mesh_damper_tables::write::WriteAs;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -8,10 +8,10 @@ use mesh_damper_model::file::ModelFile;
 use mesh_damper_model::respond::{
     EnergyBalance, Excitation, LeftOut, Moment, Response, Settings, respond,
 };
-use mesh_damper_output::error::InputError;
-use mesh_damper_tables::channel::Channel;
-use mesh_damper_recording::input::InputSignal;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
+use mesh_damper_recording::input::InputSignal;
+use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::write::{WriteAs, table};
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -6,11 +6,11 @@ use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
+use mesh_damper_report::transmissibility::picture;
 use mesh_damper_tables::read_limit::ReadLimit;
 use mesh_damper_tables::write::{WriteAs, table};
-use mesh_damper_report::transmissibility::picture;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::{Args, Subcommand};
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use mesh_damper_trials::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
 
 use super::policy;

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use mesh_damper::rig::State;
 use mesh_damper_link::lockstep::Image;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use super::super::fitted::Fitted;
 use super::super::tones::tones;
 use super::Search;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::screen::{Screen, Start};
 use crate::solution::Solution;
 use crate::term::Term;
+use crate::trace::select::SelectPolicy;
 
 impl Search<'_> {
     /// Each of `terms` added to `law`, and whether it was fitted. At most the `most` most promising ones are fitted; the others
@@ -57,8 +57,8 @@ impl Search<'_> {
             .filter(|(_, _, starts)| !starts.is_empty())
             .collect();
         rated.sort_by(|a, b| b.2[0].gain.total_cmp(&a.2[0].gain));
-        let promising =
-            policy().select.promising * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
+        let promising = SelectPolicy::in_use().promising
+            * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
         rated
             .into_par_iter()
             .with_max_len(1)
@@ -68,7 +68,7 @@ impl Search<'_> {
                 let problem = Problem::new(&self.rows, &extent, &terms);
                 let is_fitted = place < most && starts[0].gain > promising;
                 let solution = if is_fitted {
-                    starts[..policy().select.starts.min(starts.len())]
+                    starts[..SelectPolicy::in_use().starts.min(starts.len())]
                         .par_iter()
                         .map(|start| problem.solve_from(&base, &start.shapes))
                         .min_by(|a, b| a.squares.total_cmp(&b.squares))?

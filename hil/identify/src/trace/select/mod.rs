@@ -24,19 +24,18 @@ use super::split::{Role, Roles};
 use super::tones::OfMotion;
 use crate::families::Form;
 use crate::known_terms::KnownTerm;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
+use crate::rows::SEARCH_ROWS;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
 use crate::tolerance::goal;
+use crate::trace::verdict::VerdictPolicy;
 
 mesh_damper_recording::numbers! {
     /// The search for effects.
     SelectPolicy {
-        /// A search adds at most this many terms to the law.
-        most_terms: usize = 6, Convention("a search ends long before, when nothing is gained");
         /// This many of the best laws enter the next step of a search: the best law with one effect need not be part of the best with two.
         beam: usize = 3, Tuned("the blind trial");
         /// At most this many candidates of a step are fitted, those with the largest predicted gain. The others keep the parameters of
@@ -48,6 +47,9 @@ mesh_damper_recording::numbers! {
         starts: usize = 2, Tuned("the blind trial");
     }
 }
+
+/// A search adds at most this many terms to the law. Convention: a search ends long before, when nothing is gained.
+const MOST_TERMS: usize = 6;
 
 /// The result of a search.
 #[derive(Clone, Debug)]
@@ -103,7 +105,7 @@ impl<'a> Search<'a> {
                 trajectories,
                 sought.law,
                 nodes,
-                policy().rows.search,
+                SEARCH_ROWS,
                 |which, sample| roles.of(which, sample) == Role::Fit,
             ),
             extent: Extent::of(trajectories),
@@ -139,7 +141,7 @@ impl<'a> Search<'a> {
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
-        for step in 1..=policy().select.most_terms {
+        for step in 1..=MOST_TERMS {
             progress(&format!(
                 "trying {} forms of effects in addition to {}",
                 self.terms.len(),
@@ -149,7 +151,11 @@ impl<'a> Search<'a> {
             let mut tried = self.step(
                 &beam,
                 step,
-                if may_add { policy().select.fitted } else { 0 },
+                if may_add {
+                    SelectPolicy::in_use().fitted
+                } else {
+                    0
+                },
             );
             let Some(best) = tried.first_mut() else { break };
             let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
@@ -162,7 +168,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .filter(|candidate| candidate.admissible)
                 .map(|candidate| candidate.fitted.clone())
-                .take(policy().select.beam)
+                .take(SelectPolicy::in_use().beam)
                 .collect();
             candidates.extend(tried);
             if !accepted {
@@ -203,7 +209,7 @@ impl<'a> Search<'a> {
 
     /// Whether the error is within the noise.
     pub fn is_settled(&self, law: &Fitted) -> bool {
-        law.score.nrmse() <= policy().verdict.noise_limited * self.goal()
+        law.score.nrmse() <= VerdictPolicy::in_use().noise_limited * self.goal()
     }
 
     /// The tolerated error on the validation cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the

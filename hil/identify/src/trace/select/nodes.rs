@@ -7,9 +7,9 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::super::split::{Role, Roles};
 use crate::base_law::BaseLaw;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::rows::Rows;
+use crate::rows::SEARCH_ROWS;
 use crate::shape::Extent;
 use crate::solution::Solution;
 
@@ -34,13 +34,9 @@ pub fn error_between(
             .copied()
             .filter(|&node| node != amplitude)
             .collect();
-        let rows = Rows::gather(
-            trajectories,
-            law,
-            others,
-            policy().rows.search,
-            |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample),
-        );
+        let rows = Rows::gather(trajectories, law, others, SEARCH_ROWS, |which, sample| {
+            roles.is_open(which, sample) && !is_left_out(which, sample)
+        });
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();

@@ -3,10 +3,10 @@
 use mesh_damper_model::{Family, ModelError};
 
 use super::Search;
-use crate::policy::policy;
 use crate::problem::Problem;
 use crate::solution::Solution;
 use crate::term::Term;
+use crate::trace::select::SelectPolicy;
 
 impl Search<'_> {
     /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the validation cycles
@@ -23,7 +23,7 @@ impl Search<'_> {
         let families = law.families();
         let is_other = |term: &&Term| !families.contains(&term.form.family());
         let others: Vec<Term> = self.terms.iter().filter(is_other).copied().collect();
-        let mut beside = self.beside(&rest, &others, policy().select.fitted);
+        let mut beside = self.beside(&rest, &others, SelectPolicy::in_use().fitted);
         beside.retain(|(_, rival, _)| rival.is_admissible() && !law.score.beats(&rival.score));
         beside.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
         let mut known: Vec<Family> = Vec::new();

@@ -1,7 +1,7 @@
 //! Law and finite elements compared to measurements: loops, errors, stiffness and loss factor.
 
-use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 use mesh_damper_paper::claims::{BOUND, Compared, Condition, GUARDS, JUDGED, Paper};
+use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
 
 use super::{Figure, corrected, loop_of};
 use crate::charts;

@@ -9,9 +9,9 @@ mod trends;
 
 use std::f64::consts::TAU;
 
+use mesh_damper_paper::claims::Paper;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::surfaces::{self, Equation18};
-use mesh_damper_paper::claims::Paper;
 
 use crate::picture::Picture;
 use methods::{compared_dynamics, compared_loops, errors};

@@ -1,8 +1,8 @@
 //! The inputs of the two methods: the material of the finite elements, and the coefficients of the law.
 
+use mesh_damper_paper::claims::Paper;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
-use mesh_damper_paper::claims::Paper;
 
 use super::{Figure, corrected, of_density};
 use crate::charts;

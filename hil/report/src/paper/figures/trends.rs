@@ -1,8 +1,8 @@
 //! Measured stiffness, loss factor and loops by density, angle and wire diameter.
 
+use mesh_damper_paper::claims::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, Paper};
 use mesh_damper_reference::orthogonal_test::LEVELS;
 use mesh_damper_reference::tables::{AMPLITUDES, DENSITIES, cell};
-use mesh_damper_paper::claims::{ANGLE_LOSS_FACTORS, ANGLE_STIFFNESS, Paper};
 
 use super::{Figure, loop_of, of_density};
 use crate::charts;

@@ -8,12 +8,12 @@ mod walk;
 use std::fmt::Display;
 
 use hdf5_reader::{FilterRegistry, Hdf5File, OpenOptions};
+use mesh_damper_output::error::InputError;
 
 use super::arrays::arranged;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
 use super::{Format, Reading, Source, Table, Tables};
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 use cells::Datasets;
 use walk::Walk;

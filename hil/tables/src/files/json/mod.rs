@@ -3,6 +3,7 @@
 
 mod node;
 
+use mesh_damper_output::error::InputError;
 use serde::de::DeserializeSeed as _;
 use serde_json::Deserializer;
 
@@ -12,7 +13,6 @@ use super::guard::damaged;
 use super::opened::Opened;
 use super::units_beside::{UnitsBeside, are_units};
 use super::{Column, Format, Reading, Source, Tables};
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 use node::{Channel, Fields, List, Node, Seed};
 

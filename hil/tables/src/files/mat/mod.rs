@@ -6,14 +6,16 @@ mod tree;
 use std::io::Read as _;
 use std::sync::Arc;
 
+use mesh_damper_output::error::InputError;
+
 use super::arrays::arranged;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Format, Reading, Source, Tables};
-use mesh_damper_output::error::InputError;
 use element::Element;
 
 pub(super) use element::{Broken, Bytes, Numbers};
+
 #[cfg(feature = "hdf5")]
 pub(super) use tree::rows_of_text;
 pub(super) use tree::{Tree, Value};

@@ -6,9 +6,9 @@ use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::reader::{FileDecoder, StreamDecoder, read_footer_length};
 use arrow_ipc::{Block, Message, root_as_footer, root_as_message};
 use arrow_schema::{ArrowError, SchemaRef};
+use mesh_damper_output::error::InputError;
 
 use super::leaf::{self, Gathered};
-use mesh_damper_output::error::InputError;
 use crate::files::guard::{damaged, guarded};
 use crate::files::opened::Opened;
 use crate::files::{Format, Reading, Source, Tables};

@@ -5,6 +5,7 @@ mod depth;
 mod leaf;
 
 use bytes::Bytes;
+use mesh_damper_output::error::InputError;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
 use parquet::errors::ParquetError;
@@ -12,7 +13,6 @@ use parquet::errors::ParquetError;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
 use super::{Format, Reading, Source, Tables};
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 use leaf::{Gathered, Leaf};
 

@@ -9,12 +9,13 @@ mod segments;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use mesh_damper_output::error::InputError;
+
 use super::arrays::{Array, arranged};
 use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
-use mesh_damper_output::error::InputError;
 use crate::files::table::Clock;
 use scale::Scales;
 use segments::{File, Object, Pieces, Property, Read, seconds};

@@ -1,9 +1,10 @@
 //! Words between the numbers of a text and after them: a repeated header, and a footer.
 
+use mesh_damper_output::error::{InputError, Place};
+
 use super::header::{bare, in_comment};
 use super::layout::{FEW_ROWS, Layout};
 use crate::columns;
-use mesh_damper_output::error::{InputError, Place};
 
 /// The blocks of numbers of a text so far.
 pub(super) struct Blocks<'b> {

@@ -1,8 +1,9 @@
 //! Determines the decimal sign of the numbers in a text.
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::lines::Separator;
 use super::numbers::{Numbers, Sign, sign_of};
-use mesh_damper_output::error::{InputError, Place, quoted};
 
 /// Why the user must be asked for the decimal sign.
 #[derive(Clone, Debug, PartialEq)]

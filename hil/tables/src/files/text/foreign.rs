@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::blocks::Blocks;
 use super::decimals;
 use super::layout::{Kind, Layout};
@@ -11,7 +13,6 @@ use super::own::grow;
 use super::rows::{RowKind, kind_of};
 use super::stamps::{Since, Stamp};
 use crate::csv_text::{CsvText, is_blank, number};
-use mesh_damper_output::error::{InputError, Place, quoted};
 use crate::files::{Kept, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
 

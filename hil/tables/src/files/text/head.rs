@@ -1,10 +1,10 @@
 //! The beginning of a text, by which it is recognized.
 
 use encoding_rs::Encoding;
+use mesh_damper_output::error::InputError;
 
 use super::encoding;
 use crate::csv_text::CsvText;
-use mesh_damper_output::error::InputError;
 use crate::read_limit::ReadLimit;
 
 /// Size of the head in bytes. Convention: the longest preambles of test programs have some hundred lines.

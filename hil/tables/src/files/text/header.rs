@@ -2,11 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
+use mesh_damper_output::error::quoted;
+
 use super::lines::Separator;
 use super::numbers;
 use super::rows::{Row, RowKind};
 use crate::columns;
-use mesh_damper_output::error::quoted;
 
 /// Largest number of rows in a header: names, units, and additions of some programs.
 const MOST_ROWS: usize = 4;

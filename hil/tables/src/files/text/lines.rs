@@ -2,8 +2,9 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use crate::csv_text::{CsvText, found_wrong};
 use mesh_damper_output::error::InputError;
+
+use crate::csv_text::{CsvText, found_wrong};
 
 /// Largest number of lines in a quoted cell.
 pub(super) const QUOTED_LINES: usize = 16;

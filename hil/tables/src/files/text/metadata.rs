@@ -1,9 +1,10 @@
 //! Statements of a text above its table: keys with values, one of which may be the sampling rate.
 
+use mesh_damper_output::error::{InputError, Place, quoted};
+
 use super::lines::Separator;
 use super::numbers::{Cell, Numbers};
 use super::rows::{Row, RowKind};
-use mesh_damper_output::error::{InputError, Place, quoted};
 use crate::files::table::Clock;
 
 /// Largest part of a preamble that is kept. Convention: a description of a test is not longer.

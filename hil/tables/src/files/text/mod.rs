@@ -22,9 +22,10 @@ mod stamps;
 use std::io::Cursor;
 use std::path::Path;
 
+use mesh_damper_output::error::InputError;
+
 use super::{Format, Reading, Source, Tables};
 use crate::csv_text::CsvText;
-use mesh_damper_output::error::InputError;
 
 /// Rows of cells with a separator, gzipped or not.
 pub struct Text;

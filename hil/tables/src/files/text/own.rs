@@ -3,6 +3,8 @@
 //! It is read strictly and fast. A text with our own names that has anything of another program's form, such as dates or a rate in
 //! a comment, is left to the reader of those forms.
 
+use mesh_damper_output::error::{InputError, Place};
+
 use super::blocks::Again;
 use super::head::Head;
 use super::header;
@@ -11,7 +13,6 @@ use super::numbers;
 use super::stamps::Stamp;
 use crate::columns::{self, spelling};
 use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
-use mesh_damper_output::error::{InputError, Place};
 use crate::files::{Column, Kept, Reading, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
 

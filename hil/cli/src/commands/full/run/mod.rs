@@ -15,11 +15,11 @@ use mesh_damper::sine::Programme;
 use mesh_damper_model::extrapolation::RANGE_MARGIN;
 use mesh_damper_model::file::{FittedRange, ModelFile, model_error};
 use mesh_damper_model::{Control, MAX_EFFECTS, ModelError};
-use mesh_damper_tables::write::WriteAs;
-use mesh_damper_output::error::InputError;
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use mesh_damper_rig::specimen::{CURRENT, DamperForce as _, Specimen};
 use mesh_damper_rig::{Journal, RigSetup, TICK_RATE};
+use mesh_damper_tables::write::WriteAs;
 
 use self::test::Test;
 use super::drive::{DriveOptions, Driven};

@@ -1,10 +1,11 @@
 //! A column holds numbers, stamps of time or words: most of its cells in the head decide.
 
+use mesh_damper_output::error::quoted;
+
 use super::super::header::{self, Header};
 use super::super::numbers::{Cell, Numbers};
 use super::super::stamps::{Since, Stamp};
 use super::Found;
-use mesh_damper_output::error::quoted;
 use crate::files::Column;
 
 /// Kind of a column's values.

@@ -8,6 +8,8 @@ mod refused;
 pub(super) use block::FEW_ROWS;
 pub(super) use kinds::Kind;
 
+use mesh_damper_output::error::InputError;
+
 use super::decimals;
 use super::declared::Declared;
 use super::head::Head;
@@ -18,7 +20,6 @@ use super::metadata;
 use super::numbers::Numbers;
 use super::rows::{Row, RowKind, rows};
 use crate::columns;
-use mesh_damper_output::error::InputError;
 use crate::files::{Reading, Table};
 use block::{Block, block, lvm_block};
 use kinds::kinds;

@@ -1,11 +1,12 @@
 //! A text is refused without a table, with too few names, or with a comma for two purposes.
 
+use mesh_damper_output::error::{InputError, Place};
+
 use super::super::declared::Declared;
 use super::super::header::Header;
 use super::super::lines::Separator;
 use super::super::numbers;
 use super::Found;
-use mesh_damper_output::error::{InputError, Place};
 
 pub(super) fn no_table(name: &str, declared: &Declared) -> InputError {
     let divided = match declared.separator {
