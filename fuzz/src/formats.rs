@@ -43,7 +43,7 @@ const WORDS: [&str; 24] = [
 
 /// Files of one recording by several programs, as the tests read them.
 static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../hil/recording/tests/formats");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../hil/tables/tests/formats");
     let files = fs::read_dir(folder).expect("the files are beside the tests that read them");
     let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
     // In the same order on all machines.

@@ -16,7 +16,7 @@ from mesh_damper import _core
 from test_models import SPRING
 
 #: Two runs `run0` and `run1`, whose times are 1 s apart.
-MAT = Path(__file__).parents[3] / "hil/recording/tests/formats/two_runs_unasked.mat"
+MAT = Path(__file__).parents[3] / "hil/tables/tests/formats/two_runs_unasked.mat"
 #: The amplitude of each run of `runs`.
 AMPLITUDES = {"first": 0.1, "second": 0.14}
 

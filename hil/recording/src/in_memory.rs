@@ -17,7 +17,7 @@ impl Recording {
     /// As [`Recording::read`]; columns of different lengths. A place is a row, counted from 1.
     ///
     /// ```
-    /// use mesh_damper_tables::Recording;
+    /// use mesh_damper_recording::Recording;
     /// use mesh_damper_tables::files::Reading;
     ///
     /// let time: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
@@ -26,7 +26,7 @@ impl Recording {
     /// let columns = [("time_s", time), ("displacement_mm", displacement), ("force_N", force)];
     /// let recording = Recording::of_columns("a spring", columns, &Reading::default())?;
     /// assert!((recording.force[20] - 8.0 * recording.displacement[20]).abs() < 1e-12);
-    /// # Ok::<(), mesh_damper_tables::error::InputError>(())
+    /// # Ok::<(), mesh_damper_output::error::InputError>(())
     /// ```
     pub fn of_columns(
         name: impl Into<String>,

@@ -13,8 +13,8 @@
 //! | words | what |
 //! |---|---|
 //! | the blind trial | `hil blind`: specimens with hidden effects, `hil/trials/src/blind` |
-//! | the injected channel faults | `hil/identify/tests/identify/channel_faults.rs` |
-//! | the estimated motions | `hil/recording/tests/motion.rs`, and the error of the motion in the blind trial |
+//! | the injected channel faults | `hil/trials/tests/traces/channel_faults.rs` |
+//! | the estimated motions | `hil/recording/tests/recording/motion.rs`, and the error of the motion in the blind trial |
 //! | the recordings of others | `../shared/recordings` beside the repository |
 //!
 //! What each tuned number is worth, `hil study numbers` measures: the blind trial with the number halved and doubled, in

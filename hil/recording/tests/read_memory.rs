@@ -28,9 +28,9 @@ fn is_in_proportion_to_the_file() {
     );
     for (header, names, empty, times) in [
         (own, &*names, &*empty, 1 << 13),
-        (own, "", "", 1 << 21),
-        (plain, "", "", 1 << 21),
-        (foreign, "", "", 1 << 21),
+        (own, "", "", 1 << 19),
+        (plain, "", "", 1 << 19),
+        (foreign, "", "", 1 << 19),
     ] {
         let file = tempfile::NamedTempFile::new().unwrap();
         let mut to = std::io::BufWriter::new(&file);

@@ -54,3 +54,23 @@ impl Document for ModelFile {
 impl Document for super::demo::Summary<'_> {
     const LABEL: Label = Label::new("demo", LabelField::Format);
 }
+
+impl Document for super::predict::Summary<'_> {
+    const LABEL: Label = Label::new("predict", LabelField::Format);
+}
+
+impl Document for super::predict::LawMotion<'_> {
+    const LABEL: Label = Label::new("motion", LabelField::Format);
+}
+
+impl Document for super::respond::Summary<'_> {
+    const LABEL: Label = Label::new("respond", LabelField::Format);
+}
+
+impl Document for super::respond_sweep::Summary<'_> {
+    const LABEL: Label = Label::new("transmissibility", LabelField::Format);
+}
+
+impl Document for super::inspect::Report<'_> {
+    const LABEL: Label = Label::new("inspect", LabelField::Format);
+}

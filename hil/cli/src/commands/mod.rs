@@ -1,11 +1,18 @@
 //! The command line: one file for each command. `full` contains the commands that a first look does not need.
 
+mod controls;
 mod demo;
 mod document;
 #[cfg(feature = "full")]
 mod full;
+mod inspect;
+mod inspect_questions;
+mod inspect_words;
+mod predict;
 mod progress;
 mod reading;
+mod respond;
+mod respond_sweep;
 mod seeking;
 mod separating;
 mod summary;
@@ -19,11 +26,7 @@ use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
 use mesh_damper_output::error::InputError;
 
-#[cfg(feature = "full")]
 const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz";
-/// A build for the demo has no other commands.
-#[cfg(not(feature = "full"))]
-const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil trace demo-out/recording.csv.gz";
 
 /// Test metal mesh dampers on a rig, find what a force law lacks, and predict forces
 ///
@@ -47,7 +50,10 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::DemoCommand),
+    Inspect(inspect::InspectCommand),
     Trace(Box<trace::TraceCommand>),
+    Predict(predict::Predict),
+    Respond(respond::RespondCommand),
     #[cfg(feature = "full")]
     #[command(flatten)]
     Full(Box<full::Command>),
@@ -62,7 +68,10 @@ impl Cli {
         }
         match self.command {
             Command::Demo(command) => command.run(),
+            Command::Inspect(command) => command.run(),
             Command::Trace(command) => command.run(),
+            Command::Predict(command) => command.run(),
+            Command::Respond(command) => command.run(),
             #[cfg(feature = "full")]
             Command::Full(command) => command.run(),
         }?;
@@ -127,7 +136,7 @@ fn warn(text: &str) {
     eprintln!("warning: {text}");
 }
 
-#[cfg(all(test, feature = "full"))]
+#[cfg(test)]
 mod tests {
     use clap::{Command, CommandFactory as _, Parser as _};
 

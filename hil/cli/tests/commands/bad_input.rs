@@ -31,7 +31,7 @@ fn gzipped(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Every bad recording, with the parts that its message must contain.
-fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
+pub fn bad_recordings() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
     let whole = recording(|_| ());
     let truncated = {
         let mut bytes = gzipped(&whole);
@@ -287,32 +287,5 @@ fn every_bad_recording_is_refused_by_trace() {
             &["trace", "good.csv", "--held-out", name],
             said,
         );
-    }
-}
-
-#[test]
-fn every_bad_recording_is_refused_by_characterize() {
-    let root = tempfile::tempdir().unwrap();
-    for (name, bytes, said) in bad_recordings() {
-        fs::write(root.path().join(name), bytes).unwrap();
-        for kind in ["--static", "--dynamic"] {
-            // A load–unload curve may pause for any time.
-            if (name, kind) == ("jump.csv", "--static") {
-                continue;
-            }
-            refuses(
-                root.path(),
-                &[
-                    "characterize",
-                    name,
-                    kind,
-                    "--out",
-                    "new",
-                    "--json",
-                    "new.json",
-                ],
-                said,
-            );
-        }
     }
 }

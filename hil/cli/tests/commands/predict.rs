@@ -309,6 +309,8 @@ fn the_motion_comes_along_where_it_is_asked_for() {
 }
 
 /// The name determines the format, whatever the format of the recording. An unknown format is refused before the model is read.
+/// Parquet and MCAP are formats of `full`.
+#[cfg(feature = "full")]
 #[test]
 fn a_prediction_goes_where_its_name_ends() {
     let root = tempfile::tempdir().unwrap();

@@ -1,12 +1,7 @@
-//! Traces of specimens and channels with a known truth, and of recordings made elsewhere.
+//! Traces of specimens with a known truth. `hil/trials/tests/traces` has those that take long.
 
-mod any_motion;
-mod channel_faults;
-mod control_input;
 mod correction;
 mod fitted_law;
 mod hidden;
-mod shared_faults;
-mod shared_recordings;
 mod support;
 mod trace;

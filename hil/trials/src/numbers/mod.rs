@@ -111,6 +111,8 @@ fn scaled(value: &Value, factor: f64) -> Option<Value> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::{Path, PathBuf};
+
     use super::*;
 
     fn number(path: &str) -> Number {
@@ -131,6 +133,35 @@ mod tests {
             .flat_map(|policy| parts(policy).into_values());
         let count: usize = fields.map(|part| parts(part).len()).sum();
         assert_eq!(numbers.len(), count);
+    }
+
+    /// A block that is in no list decides, and can be neither changed nor printed.
+    #[test]
+    fn every_block_of_numbers_is_listed() {
+        fn blocks(folder: &Path) -> usize {
+            let entries = std::fs::read_dir(folder)
+                .unwrap()
+                .map(|entry| entry.unwrap().path());
+            let of = |path: PathBuf| match path.is_dir() {
+                true => blocks(&path),
+                false => {
+                    let text = std::fs::read_to_string(path).unwrap();
+                    text.lines()
+                        .filter(|line| line.ends_with("::numbers! {") && !line.starts_with('/'))
+                        .count()
+                }
+            };
+            entries.map(of).sum()
+        }
+        let hil = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        assert_eq!(
+            blocks(&hil.join("recording/src")),
+            recording::Policy::PARTS.len()
+        );
+        assert_eq!(
+            blocks(&hil.join("identify/src")),
+            identify::Policy::PARTS.len()
+        );
     }
 
     #[test]

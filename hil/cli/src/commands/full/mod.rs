@@ -1,4 +1,4 @@
-//! The commands that `cargo demo` leaves out, because they need the image and the studies.
+//! The commands that a build without the feature `full` leaves out: they need the image, the paper, the trials or a page.
 
 mod amplitude_independent;
 mod batch;
@@ -9,7 +9,6 @@ mod board;
 mod characterize;
 mod compare;
 mod completions;
-mod controls;
 mod cycles;
 mod design;
 mod drive;
@@ -21,9 +20,6 @@ mod faults;
 mod faults_attacks;
 mod fmu_library;
 mod image;
-mod inspect;
-mod inspect_questions;
-mod inspect_words;
 mod junit;
 mod law;
 mod live;
@@ -34,11 +30,9 @@ mod pace;
 mod pack;
 mod paper;
 pub mod policy;
-mod predict;
+pub mod predict_on;
 mod programme;
 mod record;
-mod respond;
-mod respond_sweep;
 mod run;
 mod schema;
 mod specimen;
@@ -55,11 +49,8 @@ use super::Failure;
 /// See [`super::Cli`]. The order is that of `docs/commands.md`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    Inspect(inspect::InspectCommand),
     Batch(batch::BatchCommand),
     Compare(compare::CompareCommand),
-    Predict(predict::Predict),
-    Respond(respond::RespondCommand),
     Export(export::ExportCommand),
     Run(run::RunCommand),
     Record(record::RecordCommand),
@@ -84,11 +75,8 @@ impl Command {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         match self {
-            Self::Inspect(command) => command.run(),
             Self::Batch(command) => command.run(),
             Self::Compare(command) => command.run(),
-            Self::Predict(command) => command.run(),
-            Self::Respond(command) => command.run(),
             Self::Export(command) => command.run(),
             Self::Run(command) => command.run(),
             Self::Record(command) => command.run(),

@@ -25,13 +25,10 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{
-    characterize, design, emulate, inspect, orthogonal, predict, record, respond, respond_sweep,
-    run, study_size, upload,
-};
-use crate::commands::demo;
+use super::{characterize, design, emulate, orthogonal, record, run, study_size, upload};
 use crate::commands::document::{AddDocument as _, Document};
 use crate::commands::{Failure, say};
+use crate::commands::{demo, inspect, predict, respond, respond_sweep};
 
 /// Print the JSON schemas of all documents that the commands write
 ///
@@ -103,11 +100,12 @@ documents! {
         TraceResult, "hil trace, hil demo: trace.json";
         ModelFile, "hil trace, hil demo, hil amplitude-free, hil study bouc-wen: model.json";
         demo::Summary<'_>, "hil demo --json";
+        predict::Summary<'_>, "hil predict --json";
+        predict::LawMotion<'_>, "hil predict --motion";
+        respond::Summary<'_>, "hil respond --json";
+        respond_sweep::Summary<'_>, "hil respond --sweep --json";
+        inspect::Report<'_>, "hil inspect --json";
     }
-    predict::Summary<'_>, "predict" by Format, "hil predict --json";
-    predict::LawMotion<'_>, "motion" by Format, "hil predict --motion";
-    respond::Summary<'_>, "respond" by Format, "hil respond --json";
-    respond_sweep::Summary<'_>, "transmissibility" by Format, "hil respond --sweep --json";
     mesh_damper_export::Summary, "export" by Document, "hil export --json";
     run::Summary, "run" by Format, "hil run --json";
     record::Summary, "record" by Format, "hil record --json";
@@ -116,7 +114,6 @@ documents! {
     characterize::Summary, "characterize" by Format, "hil characterize --json";
     design::Summary, "design" by Format, "hil design --json";
     orthogonal::Summary, "orthogonal" by Format, "hil orthogonal --json";
-    inspect::Report<'_>, "inspect" by Format, "hil inspect --json";
     BatchSummary, "batch" by Own, "hil batch --json";
     Comparison, "comparison" by Own, "hil compare --json";
     Study, "amplitude-free" by Format, "hil amplitude-free --json";

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use mesh_damper_demo::{demo, loop_error};
 
-const README: &str = include_str!("../../../../README.md");
-const ERRORS: &str = include_str!("../../../../docs/errors.md");
+const README: &str = include_str!("../../../../../README.md");
+const ERRORS: &str = include_str!("../../../../../docs/errors.md");
 
 /// Tolerance of the figures in %, which have at most three digits: a better fit or another libm may change them by this much.
 const PART: f64 = 0.1;

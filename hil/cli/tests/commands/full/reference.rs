@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-const COMMANDS: &str = include_str!("../../../../docs/commands.md");
+const COMMANDS: &str = include_str!("../../../../../docs/commands.md");
 const HEAD: &str = "# Command reference
 
 This page holds the help of every command, as `hil COMMAND --help` prints it.

@@ -18,7 +18,7 @@ fn the_command_leaves_models_that_are_models() {
     let output = run(&["--frequencies", "1", "--out", "free", "--json", "-"]);
     assert!(output.status.success(), "{output:?}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    crate::schema_command::is_as_its_schema_says("amplitude-free", &json);
+    crate::full::schema_command::is_as_its_schema_says("amplitude-free", &json);
     assert_eq!(json["densities"].as_array().unwrap().len(), 5);
     for density in ["2.0", "2.5", "3.0", "3.5", "4.0"] {
         let path = root.path().join(format!("free/model-{density}.json"));

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::emulated;
+use crate::full::emulated;
 use mesh_damper_link::image::{Board, FIRMWARE};
 use mesh_damper_recording::Recording;
 

@@ -74,7 +74,7 @@ fn renewed(page: &str) -> Result<(String, usize), String> {
 #[test]
 fn quotes_are_the_examples_own() {
     let mut quotes = 0;
-    for (name, page) in crate::book::pages() {
+    for (name, page) in crate::full::book::pages() {
         let (expected, count) = renewed(&page).unwrap_or_else(|error| panic!("{name}: {error}"));
         quotes += count;
         if std::env::var_os("BLESS").is_some() {

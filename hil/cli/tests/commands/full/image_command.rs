@@ -1,6 +1,6 @@
 //! `hil run --on image`: its message if the compiler or the emulator is missing, and the end of the emulator.
 
-use crate::emulated;
+use crate::full::emulated;
 use mesh_damper_link::image::{Board, FIRMWARE};
 
 /// The one line of a `hil run --on image` that finds neither compiler nor emulator other than the given one.
@@ -43,7 +43,7 @@ fn what_is_missing_is_said_in_one_line_with_how_to_get_it() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_emulator_ends_with_the_harness_even_when_that_is_killed() {
-    use crate::interrupted_run::{emulator_of, wait_for};
+    use crate::full::interrupted_run::{emulator_of, wait_for};
 
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
         return;

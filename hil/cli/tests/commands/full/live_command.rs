@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-use crate::broker::{Mosquitto, free_port};
+use crate::full::broker::{Mosquitto, free_port};
 
 const BLOCKS: [&str; 2] = ["--blocks", "0.1:20:6"];
 

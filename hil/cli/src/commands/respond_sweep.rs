@@ -11,7 +11,6 @@ use mesh_damper_output::error::InputError;
 use mesh_damper_report::transmissibility::picture;
 use mesh_damper_tables::read_limit::ReadLimit;
 use mesh_damper_tables::write::{WriteAs, table};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::controls::Controls;
@@ -57,7 +56,8 @@ pub struct SweepOptions {
 }
 
 /// The transmissibility of a damper with a mass over frequency and amplitude.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(in crate::commands) struct Summary<'a> {
     /// Path of the model.
     model: &'a Path,

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::command::hil;
-use crate::interrupted_run::wait_for;
+use crate::full::interrupted_run::wait_for;
 
 /// A recording of eq 13 with a constant force; it is different for each `number`.
 fn record(path: &Path, number: usize) {

@@ -11,7 +11,6 @@ use mesh_damper_recording::faults::ChannelFaultKind;
 use mesh_damper_recording::{Recording, Uniform};
 use mesh_damper_tables::columns::{self, Chosen, Rank};
 use mesh_damper_tables::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::inspect_questions::{asked, command, most_like_one};
@@ -41,14 +40,16 @@ pub struct InspectCommand {
 }
 
 /// Contents of files and their interpretation.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(in crate::commands) struct Report<'a> {
     /// One entry per file.
     files: &'a [Inspected],
 }
 
 /// Contents of a file.
-#[derive(Debug, JsonSchema, Serialize)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub struct Inspected {
     /// Its path as given.
     pub file: PathBuf,
@@ -71,7 +72,8 @@ pub struct Inspected {
 }
 
 /// A table of a file.
-#[derive(Debug, JsonSchema, Serialize)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub struct InspectedTable {
     /// Its name; empty if it has none.
     pub name: String,
@@ -84,7 +86,8 @@ pub struct InspectedTable {
 }
 
 /// A column of a table.
-#[derive(Debug, JsonSchema, Serialize)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub struct InspectedColumn {
     /// Its name in the file.
     pub name: String,
@@ -103,7 +106,8 @@ pub struct InspectedColumn {
 }
 
 /// Properties of a recording.
-#[derive(Debug, JsonSchema, Serialize)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub struct InspectedRecording {
     /// Number of samples.
     pub samples: usize,

@@ -8,8 +8,8 @@ use mesh_damper_link::image::{Board, OWN_TIMER};
 use serde_json::Value;
 
 use crate::command::hil;
-use crate::emulated;
-use crate::schema_command::is_as_its_schema_says;
+use crate::full::emulated;
+use crate::full::schema_command::is_as_its_schema_says;
 
 /// `hil emulate`, which runs until this is dropped.
 struct Emulate(Child);

@@ -1,13 +1,10 @@
 //! `hil predict`: the force of a model for the motion of a recording.
 
-use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
-use mesh_damper_link::lockstep;
-use mesh_damper_link::predict::{ImageError, predict_on};
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{ModelFile, model_error};
 use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
@@ -16,12 +13,11 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::ScalePolicy;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_tables::write::WriteAs;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
-use super::board::Port;
 use super::controls::Controls;
-use super::image::{LogLevel, start_image};
+#[cfg(feature = "full")]
+use super::full::predict_on::{Link, LogLevel};
 use super::respond::warn_of_range;
 use crate::commands::document::AddDocument as _;
 use crate::commands::reading::{RecordingFiles, say_guesses};
@@ -50,6 +46,7 @@ pub struct Predict {
     #[arg(long, value_name = "PLACE", default_value_t = On::F32)]
     on: On,
     /// Print log messages of the image from this level on
+    #[cfg(feature = "full")]
     #[arg(long, value_enum, value_name = "LEVEL", default_value_t = LogLevel::Warn)]
     log: LogLevel,
     /// File for the prediction: .csv, .csv.gz, .parquet, .mat or .mcap; `-` is standard output, as CSV
@@ -73,10 +70,9 @@ enum On {
     F64,
     /// The embedded law at the rate of the recording.
     F32,
-    /// The embedded law in the firmware's image, in an emulator.
-    Image,
-    /// The embedded law on a board.
-    Serial(Port),
+    /// The embedded law in the firmware's image, in an emulator or on a board.
+    #[cfg(feature = "full")]
+    Linked(Link),
 }
 
 impl FromStr for On {
@@ -86,10 +82,14 @@ impl FromStr for On {
         match text {
             "f64" => Ok(Self::F64),
             "f32" => Ok(Self::F32),
-            "image" => Ok(Self::Image),
-            _ => text.parse().map(Self::Serial).map_err(|_| {
+            #[cfg(feature = "full")]
+            _ => text.parse().map(Self::Linked).map_err(|_| {
                 "give f64, f32, image or serial:PORT, such as serial:/dev/ttyACM0".into()
             }),
+            #[cfg(not(feature = "full"))]
+            _ => Err(
+                "give f64 or f32; an image and a board need a build with --features full".into(),
+            ),
         }
     }
 }
@@ -99,19 +99,20 @@ impl Display for On {
         match self {
             Self::F64 => f.write_str("f64"),
             Self::F32 => f.write_str("f32"),
-            Self::Image => f.write_str("image"),
-            Self::Serial(port) => port.fmt(f),
+            #[cfg(feature = "full")]
+            Self::Linked(link) => link.fmt(f),
         }
     }
 }
 
-impl JsonSchema for On {
-    fn schema_name() -> Cow<'static, str> {
+#[cfg(feature = "full")]
+impl schemars::JsonSchema for On {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "On".into()
     }
 
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({"type": "string", "description": "Where the law was evaluated: `f64`, `f32`, `image` or `serial:PORT`."})
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({"type": "string", "description": "Where the law was evaluated: `f64`, `f32`, `image` or `serial:PORT`."})
     }
 }
 
@@ -122,7 +123,8 @@ impl Serialize for On {
 }
 
 /// The error of a model's force over a recording.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(in crate::commands) struct Summary<'a> {
     /// Path of the model.
     model: &'a Path,
@@ -143,7 +145,8 @@ pub(in crate::commands) struct Summary<'a> {
 }
 
 /// The motion that the law was given at each sample of the uniform time base, and its force.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(in crate::commands) struct LawMotion<'a> {
     /// Where the law was evaluated.
     on: On,
@@ -168,7 +171,8 @@ pub(in crate::commands) struct LawMotion<'a> {
 }
 
 /// A control input.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 struct Input<'a> {
     /// Name of the input with its unit, for example `current_A`.
     name: &'a str,
@@ -228,25 +232,16 @@ impl Predict {
         }
         let uniform = repaired.uniform()?;
         let trajectory = Trajectory::of(&repaired)?;
+        let wrong = |error| model_error(&self.model.display().to_string(), &error);
         let force = match &self.on {
-            On::F64 => predict(&model, &trajectory).map_err(ImageError::Model),
-            On::F32 => predict_embedded(&model, &trajectory).map_err(ImageError::Model),
-            On::Image => {
-                // Ticks are not counted for a law alone.
-                let mut image = start_image(self.log, 1.0)?;
-                predict_on(&mut image, &model, &trajectory)
-            }
-            On::Serial(port) => {
-                let mut board = lockstep::Image::at(port.path())?;
-                predict_on(&mut board, &model, &trajectory)
-            }
-        }
-        .map_err(|error| match error {
-            ImageError::Model(error) => model_error(&self.model.display().to_string(), &error),
-            ImageError::Link(error) => error.into(),
-        })?;
-        let band = band(&model, &trajectory)
-            .map_err(|error| model_error(&self.model.display().to_string(), &error))?;
+            On::F64 => predict(&model, &trajectory).map_err(wrong)?,
+            On::F32 => predict_embedded(&model, &trajectory).map_err(wrong)?,
+            #[cfg(feature = "full")]
+            On::Linked(link) => link
+                .predict(self.log, &model, &trajectory)?
+                .map_err(wrong)?,
+        };
+        let band = band(&model, &trajectory).map_err(wrong)?;
         // A constant channel is no measured force.
         let is_measured = recording.force.iter().any(|f| *f != recording.force[0]);
         let error = is_measured.then(|| {

@@ -13,7 +13,6 @@ use mesh_damper_output::error::InputError;
 use mesh_damper_recording::input::InputSignal;
 use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::write::{WriteAs, table};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::controls::Controls;
@@ -77,7 +76,8 @@ pub struct RespondCommand {
 }
 
 /// The excitation of the mass.
-#[derive(Clone, Copy, JsonSchema, Serialize)]
+#[derive(Clone, Copy, Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum Drive {
     /// A force on the mass.
@@ -87,7 +87,8 @@ enum Drive {
 }
 
 /// The motion of a mass on a damper.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 pub(in crate::commands) struct Summary<'a> {
     /// Path of the model.
     model: &'a Path,
@@ -130,7 +131,8 @@ pub(in crate::commands) struct Summary<'a> {
 }
 
 /// Size of a channel.
-#[derive(JsonSchema, Serialize)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "full", derive(schemars::JsonSchema))]
 struct Size {
     /// Largest magnitude, in the unit of the channel.
     peak: f64,

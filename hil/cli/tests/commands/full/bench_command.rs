@@ -7,8 +7,8 @@ use mesh_damper_link::image::Board;
 use mesh_damper_trials::bench::{Baseline, IMAGE};
 use serde_json::Value;
 
-use crate::emulated;
-use crate::junit_command;
+use crate::full::emulated;
+use crate::full::junit_command;
 
 fn command(arguments: &[&str], baseline: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hil"))
@@ -59,7 +59,7 @@ fn a_count_above_the_baseline_is_named_and_fails_the_command() {
             .any(|case| case.class == "hil.bench.limit")
     );
     let results: Value = serde_json::from_slice(&output.stdout).unwrap();
-    crate::schema_command::is_as_its_schema_says("bench", &results);
+    crate::full::schema_command::is_as_its_schema_says("bench", &results);
     let counts = results["counts"].as_array().unwrap();
     let table = counts
         .iter()

@@ -1,5 +1,5 @@
 //! The memory that a file takes that unpacks to far more than its size. The process runs this test only.
-#![cfg(all(feature = "hdf5", feature = "parquet", feature = "xlsx"))]
+#![cfg(feature = "formats")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, Write as _};

@@ -75,7 +75,7 @@ fn every_command_has_a_page_that_man_shows() {
     };
     let whole = text("hil.1");
     let help = hil(root.path(), &["--help"]);
-    for command in &crate::reference::below(&help) {
+    for command in &crate::full::reference::below(&help) {
         let text = text(&format!("hil-{command}.1"));
         assert!(text.contains(".SH SYNOPSIS"), "{command}");
         assert!(

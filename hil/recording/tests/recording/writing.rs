@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use mesh_damper_recording::{Recording, WriteAs, table, units};
+use mesh_damper_recording::Recording;
+use mesh_damper_tables::units;
+use mesh_damper_tables::write::{WriteAs, table};
 
 fn recording() -> Recording {
     let time: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();

@@ -1,6 +1,6 @@
 //! Files of many formats, written by widely used programs, contain the original recording.
 //!
-//! `tests/formats/write.py` wrote them. `.ci/formats` writes them again and reads them with this test from the folder in the
+//! `hil/tables/tests/formats/write.py` wrote them. `.ci/formats` writes them again and reads them with this test from the folder in the
 //! variable `FORMATS`.
 
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ struct File {
 }
 
 fn folder() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/tests/formats");
     std::env::var_os("FORMATS").map_or(beside, PathBuf::from)
 }
 
@@ -66,16 +66,12 @@ fn error(read: &[f64], truth: &[f64]) -> f64 {
 
 /// Whether this build reads the format of this file name.
 fn is_built(file: &str) -> bool {
+    const LARGE: [&str; 9] = [
+        "arrow", "arrows", "feather", "h5", "hdf5", "mf4", "nc", "parquet", "xlsx",
+    ];
     let ending = file.rsplit('.').next().unwrap_or_default();
-    let hdf = ["h5", "hdf5", "nc"].contains(&ending) || file.starts_with("v73");
-    match ending {
-        "mf4" => cfg!(feature = "mdf"),
-        "parquet" | "arrow" | "arrows" | "feather" => {
-            cfg!(feature = "parquet") || file == "version_1.feather"
-        }
-        "xlsx" => cfg!(feature = "xlsx"),
-        _ => !hdf || cfg!(feature = "hdf5"),
-    }
+    let is_large = LARGE.contains(&ending) || file.starts_with("v73");
+    cfg!(feature = "formats") || !is_large || file == "version_1.feather"
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::command::hil;
-use crate::validator::problems;
+use crate::full::validator::problems;
 
 /// Documents that another file of these tests creates and checks with [`is_as_its_schema_says`].
 const ELSEWHERE: [(&str, &str); 7] = [
@@ -21,7 +21,7 @@ const ELSEWHERE: [(&str, &str); 7] = [
 ];
 
 fn tests() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/commands")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/commands/full")
 }
 
 /// The path of the repository's schemas.

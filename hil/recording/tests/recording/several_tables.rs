@@ -69,7 +69,7 @@ fn an_error_in_the_values_names_the_table() {
 
 #[test]
 fn a_note_about_the_file_is_about_each_of_its_tables() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats/two_rates.tdms");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tables/tests/formats/two_rates.tdms");
     // A TDMS file grows by segments, here by one that was cut.
     let segment = std::fs::read(&path).unwrap();
     let bytes = [&segment[..], &segment[..segment.len() - 8]].concat();

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
+use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::{ChannelFault, ChannelFaultKind};
-use mesh_damper_recording::{Recording, units};
 use mesh_damper_tables::channel::Channel;
 use mesh_damper_tables::files::Reading;
+use mesh_damper_tables::units;
 use proptest::prelude::*;
 
 fn unit_of(units: &[units::Unit], index: usize) -> &units::Unit {

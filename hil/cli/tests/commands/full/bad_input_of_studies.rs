@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use crate::bad_input::bad_recordings;
 use crate::refusal::{hil, refuses};
 
 /// Three factors on an L9 and two repeats of one result, header first. `change` may damage the lines.
@@ -361,5 +362,32 @@ fn paper_refuses_before_it_computes_what_it_could_not_write() {
         let output = hil(root.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(String::from_utf8(output.stderr).unwrap().contains("--help"));
+    }
+}
+
+#[test]
+fn every_bad_recording_is_refused_by_characterize() {
+    let root = tempfile::tempdir().unwrap();
+    for (name, bytes, said) in bad_recordings() {
+        fs::write(root.path().join(name), bytes).unwrap();
+        for kind in ["--static", "--dynamic"] {
+            // A load–unload curve may pause for any time.
+            if (name, kind) == ("jump.csv", "--static") {
+                continue;
+            }
+            refuses(
+                root.path(),
+                &[
+                    "characterize",
+                    name,
+                    kind,
+                    "--out",
+                    "new",
+                    "--json",
+                    "new.json",
+                ],
+                said,
+            );
+        }
     }
 }

@@ -10,7 +10,7 @@ mod recomputed;
 
 use recomputed::{Row, rows};
 
-const DOCS: &str = include_str!("../../../../docs/paper.md");
+const DOCS: &str = include_str!("../../../../../docs/paper.md");
 
 /// The result as JSON and the report, of one run for all tests.
 fn run() -> &'static (Value, String) {
@@ -29,7 +29,7 @@ fn run() -> &'static (Value, String) {
         );
         let page = std::fs::read_to_string(root.path().join("new/out/report.html")).unwrap();
         let paper = serde_json::from_slice(&output.stdout).unwrap();
-        crate::schema_command::is_as_its_schema_says("paper", &paper);
+        crate::full::schema_command::is_as_its_schema_says("paper", &paper);
         (paper, page)
     })
 }
