@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
 
-use super::faults::{ChannelFault, ChannelFaultKind};
+use crate::faults::kind::{ChannelFault, ChannelFaultKind};
 
 crate::numbers! {
     /// How the clock behind a recording's times is found.

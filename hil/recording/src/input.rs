@@ -8,8 +8,8 @@ use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::files::{self, GivenColumn, Kept, Needs, Reading, Unmarked};
 
 use super::Recording;
-use super::faults::listed;
 use super::noise::noise_beside_tones;
+use crate::faults::kind::listed;
 
 /// A channel at equal steps of time.
 #[derive(Clone, Debug, PartialEq)]

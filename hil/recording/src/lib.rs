@@ -58,6 +58,7 @@ mod smoother;
 pub mod spectrum;
 mod stated_rate;
 pub mod trajectory;
+mod words;
 mod write;
 pub mod zero;
 pub mod zeros;
@@ -72,6 +73,7 @@ use mesh_damper_tables::rows::{RowLines, TextRows};
 use mesh_damper_tables::units::Units;
 
 use faults::ChannelFault;
+use words::counted;
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
@@ -334,9 +336,4 @@ impl Recording {
 fn declaration<'c>(comment: &'c str, key: &str) -> Option<&'c str> {
     let (name, text) = comment.split_once(':')?;
     name.trim().eq_ignore_ascii_case(key).then(|| text.trim())
-}
-
-fn counted(samples: usize) -> String {
-    let plural = if samples == 1 { "" } else { "s" };
-    format!("{samples} sample{plural}")
 }

@@ -6,7 +6,7 @@
 use mesh_damper_tables::channel::Channel;
 
 use super::spectrum::density;
-use crate::faults::{ChannelFault, ChannelFaultKind};
+use crate::faults::kind::{ChannelFault, ChannelFaultKind};
 use crate::trajectory::Trajectory;
 
 crate::numbers! {

@@ -9,9 +9,9 @@ use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::files::{self, Kept, Needs, Reading, Tables, Values, Wanted};
 use mesh_damper_tables::units::Units;
 
-use super::faults::{ChannelFault, ChannelFaultKind};
 use super::stated_rate::{Certain, Times, contradiction};
 use super::{Recording, Source};
+use crate::faults::kind::{ChannelFault, ChannelFaultKind};
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included; its content determines the format, not its name. A

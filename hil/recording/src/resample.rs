@@ -6,7 +6,7 @@ use mesh_damper_tables::units::Unit;
 
 use super::Recording;
 use super::clock::Clock;
-use super::faults::ChannelFault;
+use crate::faults::kind::ChannelFault;
 
 crate::numbers! {
     /// How a recording is brought to equal steps.

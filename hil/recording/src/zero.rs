@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use mesh_damper_tables::channel::Channel;
 
-use crate::faults::{ChannelFault, ChannelFaultKind};
+use crate::faults::kind::{ChannelFault, ChannelFaultKind};
 use crate::noise::noise_deviation;
 use crate::trajectory::Trajectory;
 

@@ -5,7 +5,7 @@
 
 use mesh_damper_tables::channel::Channel;
 
-use crate::faults::{ChannelFault, ChannelFaultKind};
+use crate::faults::kind::{ChannelFault, ChannelFaultKind};
 use crate::trajectory::Trajectory;
 
 crate::numbers! {

@@ -7,7 +7,9 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use super::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+
+use super::kind::{ChannelFault, ChannelFaultKind};
 use crate::resample::Uniform;
 use crate::spectrum::{place_of_line, powers};
 

@@ -4,7 +4,10 @@ use std::ops::Range;
 
 use super::super::Recording;
 use super::super::noise::noise_deviation;
-use super::{Channel, ChannelFault, ChannelFaultKind, spread};
+use mesh_damper_tables::channel::Channel;
+
+use super::kind::{ChannelFault, ChannelFaultKind};
+use super::spread;
 
 crate::numbers! {
     /// How a unit that is wrong by a factor of 1000 is recognized.

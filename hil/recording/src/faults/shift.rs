@@ -4,7 +4,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::cycles::same_amplitude;
 use super::super::trajectory::Trajectory;
-use super::{Channel, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+
+use super::kind::{ChannelFault, ChannelFaultKind};
 use crate::cycles::CyclesPolicy;
 
 crate::numbers! {

@@ -1,7 +1,10 @@
 //! A force with a reversed sign: opposite to the displacement, and supplying energy.
 
 use super::super::Recording;
-use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered};
+use mesh_damper_tables::channel::Channel;
+
+use super::kind::{ChannelFault, ChannelFaultKind};
+use super::median_filtered;
 
 crate::numbers! {
     /// When a force has the wrong sign.

@@ -1,7 +1,10 @@
 //! A measured velocity that is not the derivative of the displacement.
 
 use super::super::resample::Uniform;
-use super::{Channel, ChannelFault, ChannelFaultKind, median_filtered, quantile};
+use mesh_damper_tables::channel::Channel;
+
+use super::kind::{ChannelFault, ChannelFaultKind};
+use super::{median_filtered, quantile};
 
 crate::numbers! {
     /// When a measured velocity is not the derivative of the displacement.

@@ -13,7 +13,8 @@ use mesh_damper_tables::control::ControlChannel;
 use super::Recording;
 use super::averaging::MovingAverage;
 use super::cycles::{Cycles, FoundBlock};
-use super::faults::{self, ChannelFault, ChannelFaultKind, Shift};
+use super::faults::kind::{ChannelFault, ChannelFaultKind, listed};
+use super::faults::{self, Shift};
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
@@ -176,10 +177,7 @@ impl Trajectory {
         {
             return Err(InputError::new(
                 &recording.name,
-                format!(
-                    "almost none of its samples can be used: {}",
-                    faults::listed(&found)
-                ),
+                format!("almost none of its samples can be used: {}", listed(&found)),
                 "correct the channels, or leave the recording out",
             ));
         }

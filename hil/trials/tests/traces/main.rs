@@ -3,10 +3,7 @@
 mod any_motion;
 mod channel_faults;
 mod control_input;
-#[allow(
-    dead_code,
-    reason = "shared with a program that uses the rest"
-)]
+#[allow(dead_code, reason = "shared with a program that uses the rest")]
 #[path = "../../../identify/tests/identify/hidden.rs"]
 mod hidden;
 mod shared_faults;
