@@ -51,7 +51,7 @@ def main():
     parser.add_argument("--every", type=int, default=16, metavar="N")
     parser.add_argument("--first", type=int, default=0, metavar="K", help="of each N, from 0")
     parser.add_argument("--file", action="append", default=[], metavar="GLOB", help="of these files only, such as src/rig/**")
-    parser.add_argument("--then", nargs="*", default=["faults"], metavar="TEST", help="of the simulated rig (default: faults)")
+    parser.add_argument("--then", nargs="*", default=["faults"], metavar="TEST", help="modules of the simulated rig's tests (default: faults)")
     parser.add_argument("--commit", default="HEAD")
     parser.add_argument("--work", type=pathlib.Path, required=True)
     options = parser.parse_args()
@@ -61,8 +61,7 @@ def main():
     mutants = tree.mutants(options.first, options.every, options.file)
     print(f"{len(mutants)} mutants", flush=True)
     alone = tree.switch_in(mutants)
-    harness = [word for test in options.then for word in ("--test", test)]
-    programs = tree.programs(harness)
+    programs = tree.programs(options.then)
     if programs is None:
         sys.exit("the tests do not build")
     for number, mutant in mutants.items():
@@ -72,7 +71,7 @@ def main():
         tell(number, mutant)
     for number in sorted(alone):
         mutant = mutants[number]
-        mutant["killed_by"] = tree.alone(mutant, harness, programs)
+        mutant["killed_by"] = tree.alone(mutant, options.then, programs)
         tell(number, mutant)
     rows = [{key: mutant[key] for key in ("name", "file", "killed_by")} for mutant in mutants.values()]
     (options.work / "results.json").write_text(json.dumps(rows, indent=1) + "\n")
@@ -88,8 +87,8 @@ def tell(number, mutant):
 class Program:
     """A built test, and its run time without a mutant."""
 
-    def __init__(self, name, path, folder, seconds=None):
-        self.name, self.path, self.folder = name, path, folder
+    def __init__(self, name, path, folder, seconds=None, modules=()):
+        self.name, self.path, self.folder, self.modules = name, path, folder, [f"{module}::" for module in modules]
         began = time.monotonic()
         if seconds is None and not self.passes(0, 3600.0):
             sys.exit(f"{name} fails without any mutant")
@@ -100,7 +99,7 @@ class Program:
         environment = {**os.environ, "MUTANT": str(mutant), "PROPTEST_DISABLE_FAILURE_PERSISTENCE": "true"}
         environment.pop("CI", None)
         running = subprocess.Popen(
-            [self.path, "--quiet", "--skip", SKIPPED],
+            [self.path, "--quiet", "--skip", SKIPPED, *self.modules],
             cwd=self.folder,
             env=environment,
             stdout=subprocess.DEVNULL,
@@ -184,16 +183,16 @@ class Tree:
             sys.exit("\n".join(errors))
         return refused
 
-    def programs(self, harness, known=None):
-        """The test programs: the crate's, the quickest first, and then the harness's. The run times of a mutant that is built
+    def programs(self, modules, known=None):
+        """The test programs: the crate's, the quickest first, and then these modules of the simulated rig's. The run times of a mutant that is built
         alone are those of the `known` programs. `None` if they do not build."""
         crate = self.built(["--package", "mesh-damper", "--lib", "--tests"])
-        others = self.built(["--package", "mesh-damper-rig", *harness]) if harness else []
+        others = self.built(["--package", "mesh-damper-rig", "--test", "rig"]) if modules else []
         if crate is None or others is None:
             return None
         seconds = {program.name: program.seconds for program in known or []}
         crate = [Program(name, path, self.root, seconds.get(name)) for name, path in crate]
-        others = [Program(name, path, self.root / "hil/rig", seconds.get(name)) for name, path in others]
+        others = [Program("rig of hil", path, self.root / "hil/rig", seconds.get("rig of hil"), modules) for _, path in others]
         return sorted(crate, key=lambda program: program.seconds) + others
 
     def built(self, chosen):
@@ -204,13 +203,13 @@ class Tree:
         found = [m for m in found if m["profile"]["test"] and m["target"]["name"] not in LEFT_OUT]
         return [(m["target"]["name"], m["executable"]) for m in found]
 
-    def alone(self, mutant, harness, known):
+    def alone(self, mutant, modules, known):
         for file, source in self.sources.items():
             (self.root / file).write_text(source)
         source = self.sources[mutant["file"]]
         first, last = ends(source, mutant["span"])
         (self.root / mutant["file"]).write_text(source[:first] + mutant["replacement"] + source[last:])
-        programs = self.programs(harness, known)
+        programs = self.programs(modules, known)
         return "unviable" if programs is None else first_that_fails(programs, 0)
 
 

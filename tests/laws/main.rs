@@ -8,7 +8,6 @@ mod floats;
 mod largest;
 mod passivity;
 mod power;
-#[cfg(feature = "fixed-point")]
 mod ranges;
 mod static_law;
 mod table;

@@ -11,7 +11,6 @@ use mesh_damper::effects::{
     Temperature, Viscous, Weakening, Yielding,
 };
 use mesh_damper::error::ConfigError;
-use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
 use mesh_damper::health::HealthSettings;
 use mesh_damper::law::Law;
 use mesh_damper::observer::ObserverConfig;
@@ -92,17 +91,6 @@ fn emulator(settings: DamperEmulationSettings) -> Result<(), ConfigError> {
         Err(SetupError::Config(error)) => Err(error),
         Err(other) => panic!("{other}"),
     }
-}
-
-/// In integers, with a full scale for any speed.
-fn generator(amplitude: f64, frequency: f64, tick_rate: f64) -> Result<(), ConfigError> {
-    let sine = Sine {
-        amplitude,
-        frequency,
-        cycles: 1,
-        ramp_cycles: 1,
-    };
-    SineGenerator::new(sine, tick_rate, &Scales::new(1.0, 1e6, 1.0)?).map(|_| ())
 }
 
 fn correction(
@@ -273,14 +261,6 @@ fn numbers() -> Vec<Number> {
         number!("from", 1e-6, 2.5e5, |x| Block::sweep(0.1, x, 1.0, 1)),
         number!("to", 1e-6, 2.5e5, |x| Block::sweep(0.1, 1.0, x, 1)),
         number!("tick_rate", 1.0, 1e6, |x| Programme::<1>::new(x, 1)),
-        number!("displacement", 1e-9, 1e4, |x| Scales::new(x, 1.0, 1.0)),
-        number!("velocity", 1e-9, 1e6, |x| Scales::new(1.0, x, 1.0)),
-        number!("force", 1e-9, 1e12, |x| Scales::new(1.0, 1.0, x)),
-        number!("amplitude", 0.0, 65_535.0 / 65_536.0, |x| {
-            generator(x, 1.0, 1e4)
-        }),
-        number!("frequency", 1e-6, 2500.0, |x| generator(0.1, x, 1e4)),
-        number!("tick_rate", 1.0, 1e6, |x| generator(0.1, 0.1, x)),
         emulator!(displacement_limit, "displacement_limit", 1e-6, 1e4),
         emulator!(force_limit, "force_limit", 1e-6, 1e9),
         emulator!(observer_bandwidth, "bandwidth", 1e-3, 1e3),
@@ -298,6 +278,45 @@ fn numbers() -> Vec<Number> {
         setting!(glide, 1e-4, 10.0),
         setting!(feedback, 0.0, 100.0),
     ]
+}
+
+/// All numbers.
+fn all() -> impl Iterator<Item = Number> {
+    let all = numbers().into_iter();
+    #[cfg(feature = "fixed-point")]
+    let all = all.chain(integers::numbers());
+    all
+}
+
+#[cfg(feature = "fixed-point")]
+mod integers {
+    use mesh_damper::fixed_point::{Scales, Sine, SineGenerator};
+
+    use super::{ConfigError, Number};
+
+    /// In integers, with a full scale for any speed.
+    fn generator(amplitude: f64, frequency: f64, tick_rate: f64) -> Result<(), ConfigError> {
+        let sine = Sine {
+            amplitude,
+            frequency,
+            cycles: 1,
+            ramp_cycles: 1,
+        };
+        SineGenerator::new(sine, tick_rate, &Scales::new(1.0, 1e6, 1.0)?).map(|_| ())
+    }
+
+    pub fn numbers() -> Vec<Number> {
+        vec![
+            number!("displacement", 1e-9, 1e4, |x| Scales::new(x, 1.0, 1.0)),
+            number!("velocity", 1e-9, 1e6, |x| Scales::new(1.0, x, 1.0)),
+            number!("force", 1e-9, 1e12, |x| Scales::new(1.0, 1.0, x)),
+            number!("amplitude", 0.0, 65_535.0 / 65_536.0, |x| {
+                generator(x, 1.0, 1e4)
+            }),
+            number!("frequency", 1e-6, 2500.0, |x| generator(0.1, x, 1e4)),
+            number!("tick_rate", 1.0, 1e6, |x| generator(0.1, 0.1, x)),
+        ]
+    }
 }
 
 /// In f32 the ends are the nearest floats, so a value less than one float beyond them is accepted.
@@ -335,7 +354,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 
 #[test]
 fn the_ends_belong_to_the_range_and_what_lies_beyond_does_not() {
-    for number in numbers() {
+    for number in all() {
         for end in [number.low, number.high] {
             check(&number, end).unwrap();
             for factor in [1.0 - 1e-6, 1.0 + 1e-6] {
@@ -355,7 +374,7 @@ fn the_ends_belong_to_the_range_and_what_lies_beyond_does_not() {
 proptest! {
     #[test]
     fn what_is_taken_is_what_lies_in_the_range(x in any_number(), part in 0.0..1.0f64) {
-        for number in numbers() {
+        for number in all() {
             // Closer to an end than the spacing of its floats, f32 rounds.
             if x.is_finite() && [number.low, number.high].iter().any(|end| (x - end).abs() <= 1e-7 * end.abs()) {
                 continue;

@@ -39,7 +39,7 @@ def main():
     arguments = parser.parse_args()
     in_own_environment()
     subprocess.run(
-        ["cargo", "build", "--release", "--quiet", "--package", "mesh-damper-hil", "--bin", "hil"], cwd=ROOT, check=True
+        ["cargo", "build", "--release", "--quiet", "--package", "mesh-damper-hil", "--features", "full", "--bin", "hil"], cwd=ROOT, check=True
     )
 
     # Nothing is left in the tree.

@@ -16,6 +16,7 @@ use clap::Parser as _;
 
 /// A search constantly allocates and frees columns as long as the recording. The system's allocator returns their pages to the
 /// system each time, which costs an eighth of a trace.
+#[cfg(feature = "full")]
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -8,6 +8,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
 use super::tolerance::certainty;
+
 /// A fit in the search for effects, or for a residual table, uses at most about this many samples. Convention: a fit then takes a
 /// second.
 pub(crate) const SEARCH_ROWS: usize = 4_000;

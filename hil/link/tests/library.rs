@@ -26,6 +26,6 @@ fn the_crate_has_no_build_script_no_binaries_and_no_feature_of_an_image() {
     }
     let features = root["features"].as_object().unwrap();
     let names: Vec<&String> = features.keys().collect();
-    let expected = ["async", "default", "defmt", "fixed-point", "serde", "std"];
+    let expected = ["async", "defmt", "fixed-point", "serde", "std"];
     assert_eq!(names, expected);
 }

@@ -1,9 +1,9 @@
 //! How numbers that decide something are stated.
 //!
 //! A number decides where another value of it would lead to another answer: a threshold, a limit of what is accepted, the length of a
-//! window, a level of significance. Each stands in one struct beside the code that it is for, by [`numbers!`](crate::numbers), with a
+//! window, a level of significance. Each stands in one struct beside the code that it is for, by [`numbers!`](macro@crate::numbers), with a
 //! sentence and a [`Mark`] that says where it comes from. The code reads it there: `SignPolicy::in_use().certain`. A list of these
-//! structs, by [`policy!`](crate::policy!), serves whoever changes or prints them all.
+//! structs, by [`policy!`](macro@crate::policy), serves whoever changes or prints them all.
 //!
 //! A number that only bounds time or memory, and constants that an array's length or a pattern needs, are plain constants with the
 //! same sentence and source in their comment.
@@ -26,7 +26,7 @@
 pub enum Mark {
     /// It follows from something else, which the reason gives.
     Derived,
-    /// Another would do as well, or it bounds time and memory; the reason says why this one.
+    /// Another would do as well; the reason says why this one.
     Convention,
     /// It was chosen for what it leads to; the reason says on what.
     Tuned,
@@ -134,7 +134,7 @@ macro_rules! policy {
             /// Puts them in use for the whole process, before any work.
             ///
             /// # Errors
-            /// Numbers of a concern were installed or read before.
+            /// Numbers of a concern were installed or read before; those of the concerns before it are installed then.
             pub fn install(self) -> Result<(), $crate::numbers::AlreadyInUse> {
                 $(self.$part.install()?;)+
                 Ok(())

@@ -12,7 +12,7 @@ pub fn trimmed(manifest: &str) -> String {
         if line.starts_with('[') {
             is_of_tests = line.starts_with("[dev-dependencies");
         }
-        if is_of_tests {
+        if is_of_tests || line.starts_with("default-members = ") {
             continue;
         }
         lines.push(if line.starts_with("members = ") {
@@ -31,7 +31,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_not_named() {
         let manifest = "[package]\nname = \"a\"\n\n[dev-dependencies]\nb.workspace = true\n\n[workspace]\n\
-            members = [\"hil/*\"]\nresolver = \"3\"\n";
+            default-members = [\".\"]\nmembers = [\"hil/*\"]\nresolver = \"3\"\n";
         let expected =
             format!("[package]\nname = \"a\"\n\n[workspace]\n{MEMBERS}\nresolver = \"3\"\n");
         assert_eq!(trimmed(manifest), expected);

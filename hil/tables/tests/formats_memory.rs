@@ -1,5 +1,5 @@
 //! The memory that reading takes for all formats, damaged files included. The process runs this test only.
-#![cfg(target_os = "linux")]
+#![cfg(all(feature = "formats", target_os = "linux"))]
 
 use std::fs;
 use std::path::Path;

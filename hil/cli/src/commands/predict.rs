@@ -42,7 +42,7 @@ pub struct Predict {
     /// Where the law is evaluated
     ///
     /// `f64`: in double precision, as it was fitted. `f32`: the embedded law at the recording's rate. `image`: the same in the firmware
-    /// image, in an emulator. `serial:PORT`: the same on a board.
+    /// image, in an emulator. `serial:PORT`: the same on a board. These two need a build with the feature `full`, as `cargo hil` has it.
     #[arg(long, value_name = "PLACE", default_value_t = On::F32)]
     on: On,
     /// Print log messages of the image from this level on

@@ -58,6 +58,7 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
     assert!((rate - 200.0).abs() < 1e-6, "{rate}");
 }
 
+#[cfg(feature = "full")]
 #[test]
 fn the_texts_of_a_file_are_shown() {
     let root = tempfile::tempdir().unwrap();

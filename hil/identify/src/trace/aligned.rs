@@ -9,8 +9,7 @@ use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::faults::ShiftPolicy;
 use mesh_damper_recording::pink::pink_deviation;
 use mesh_damper_recording::trajectory::{Known, Trajectory};
-use mesh_damper_recording::zero::ZeroPolicy;
-use mesh_damper_recording::zero::zero_step;
+use mesh_damper_recording::zero::{ZeroPolicy, zero_step};
 use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
 use crate::families::delay;

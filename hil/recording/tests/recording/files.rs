@@ -283,6 +283,7 @@ fn times_from_far_away_are_written_with_the_digits_of_their_steps() {
     assert!(again.guesses().is_empty());
 }
 
+#[cfg(feature = "formats")]
 /// The notes about a MAT file with these variables and two channels.
 fn notes_of_mat(more: &[(&str, Vec<f64>)]) -> Vec<String> {
     let wave = |n: i32| (0.3 * f64::from(n)).sin();
@@ -297,6 +298,7 @@ fn notes_of_mat(more: &[(&str, Vec<f64>)]) -> Vec<String> {
     read.guesses().to_vec()
 }
 
+#[cfg(feature = "formats")]
 #[test]
 fn the_step_of_a_mat_file_may_be_called_ts() {
     let said = "there is no time column; the times are computed from the number Ts = 0.005 s";
@@ -371,6 +373,7 @@ fn a_column_that_turns_out_to_be_words_is_not_half_rewritten() {
     assert!(recording.guesses().iter().any(said));
 }
 
+#[cfg(feature = "formats")]
 #[test]
 fn a_rate_that_contradicts_the_times_is_said() {
     let times: Vec<f64> = (0..60).map(|n| 0.005 * f64::from(n)).collect();

@@ -4,7 +4,6 @@
 //! next to it. It marks a date by a style alone, often by one of its built-in numbers without a format code. It keeps cells that
 //! are formatted and empty, values of formulas, and errors. It adds its own namespaces and attributes. It may count days from 1904
 //! or write the strict form of the standard.
-#![cfg(feature = "formats")]
 
 use mesh_damper_recording::Recording;
 use mesh_damper_tables::files::Reading;

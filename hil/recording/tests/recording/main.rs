@@ -3,9 +3,13 @@
 mod columns;
 mod control_columns;
 mod files;
+#[cfg(feature = "formats")]
 mod formats;
+#[cfg(feature = "formats")]
 mod formats_excel;
 mod input;
 mod motion;
+#[cfg(feature = "formats")]
 mod several_tables;
+#[cfg(feature = "formats")]
 mod writing;

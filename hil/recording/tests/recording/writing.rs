@@ -27,18 +27,13 @@ fn again(recording: &Recording, name: &str) -> Recording {
     Recording::from_bytes(path, recording.to_file(path).unwrap()).unwrap()
 }
 
-/// The formats that this build writes and reads.
-fn names() -> Vec<&'static str> {
-    let all = ["a.mat", "a.parquet"];
-    all.into_iter()
-        .filter(|name| WriteAs::of(Path::new(name)).is_ok())
-        .collect()
-}
+/// Formats that are written and read.
+const NAMES: [&str; 2] = ["a.mat", "a.parquet"];
 
 #[test]
 fn a_recording_comes_back_bit_by_bit() {
     let recording = recording();
-    for name in names() {
+    for name in NAMES {
         let again = again(&recording, name);
         assert_eq!(again.time, recording.time, "{name}");
         assert_eq!(again.displacement, recording.displacement, "{name}");
@@ -57,7 +52,7 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
     let text = format!("# specimen: D1\ntime_ms,displacement_mm,force_N,cycle,state\n{rows}");
     let read = Recording::from_bytes(Path::new("a.csv"), text.clone().into_bytes()).unwrap();
     assert_eq!(read.to_file(Path::new("b.csv")).unwrap(), text.as_bytes());
-    for name in names() {
+    for name in NAMES {
         let again = again(&read, name);
         assert_eq!(again.time, read.time, "{name}");
         assert_eq!(again.force, read.force, "{name}");
@@ -108,7 +103,7 @@ fn what_was_found_out_of_a_foreign_text_need_not_be_found_out_again() {
         let text = format!("{header}\n{}", rows(separator));
         let read = Recording::from_bytes(Path::new("lab.csv"), text.into_bytes()).unwrap();
         assert!(!read.guesses().is_empty());
-        for name in names().into_iter().chain(["a.csv"]) {
+        for name in NAMES.into_iter().chain(["a.csv"]) {
             let again = again(&read, name);
             assert_eq!(again.time, read.time, "{name}");
             assert_eq!(again.force, read.force, "{name}");
@@ -167,7 +162,7 @@ fn a_prediction_has_the_units_of_the_recording() {
     recording.units.force = units::FORCE[1];
     let force: Vec<f64> = recording.force.iter().map(|force| force + 0.5).collect();
     let band = vec![0.002; force.len()];
-    for name in names() {
+    for name in NAMES {
         let path = Path::new(name);
         let bytes = recording
             .to_file_with_prediction(path, &force, &band)
@@ -193,9 +188,6 @@ fn a_prediction_has_the_units_of_the_recording() {
 #[test]
 fn a_table_that_a_format_does_not_hold_is_refused() {
     let path = Path::new("a.parquet");
-    if WriteAs::of(path).is_err() {
-        return;
-    }
     let columns = |second: &[f64]| [("time_s", vec![0.0, 1.0]), ("force_kN", second.to_vec())];
     let written = table(path, &[], &columns(&[1.0, 2.0])).unwrap();
     assert!(written.starts_with(b"PAR1"));

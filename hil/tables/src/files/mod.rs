@@ -4,30 +4,40 @@
 //! Then the format reads the wanted ones. Thus no format depends on forces and displacements, and no rule about names depends on
 //! formats.
 
+#[cfg(feature = "formats")]
 mod arrays;
+#[cfg(feature = "formats")]
 mod beside;
+#[cfg(feature = "formats")]
 mod guard;
-#[cfg(feature = "hdf5")]
+#[cfg(feature = "formats")]
 mod hdf5;
+#[cfg(feature = "formats")]
 mod json;
+#[cfg(feature = "formats")]
 mod mat;
-#[cfg(feature = "mdf")]
+#[cfg(feature = "formats")]
 mod mdf;
 mod memory;
 mod names;
 mod needs;
+#[cfg(feature = "formats")]
 mod number;
+#[cfg(feature = "formats")]
 mod opened;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet;
+#[cfg(feature = "formats")]
 mod runs;
 mod source;
 pub mod table;
+#[cfg(feature = "formats")]
 mod tdms;
 mod text;
+#[cfg(feature = "formats")]
 mod units_beside;
 mod unread;
-#[cfg(feature = "xlsx")]
+#[cfg(feature = "formats")]
 mod xlsx;
 
 use std::path::Path;
@@ -91,18 +101,21 @@ pub enum Kept {
 
 /// The formats, in the order in which they are tried. Text is the last, because it is the default.
 pub const FORMATS: &[&dyn Format] = &[
-    #[cfg(feature = "mdf")]
+    #[cfg(feature = "formats")]
     &mdf::Mdf,
+    #[cfg(feature = "formats")]
     &mat::Mat,
-    #[cfg(feature = "hdf5")]
+    #[cfg(feature = "formats")]
     &hdf5::Hdf5,
-    #[cfg(feature = "parquet")]
+    #[cfg(feature = "formats")]
     &parquet::Parquet,
-    #[cfg(feature = "parquet")]
+    #[cfg(feature = "formats")]
     &parquet::Arrow,
+    #[cfg(feature = "formats")]
     &tdms::Tdms,
-    #[cfg(feature = "xlsx")]
+    #[cfg(feature = "formats")]
     &xlsx::Xlsx,
+    #[cfg(feature = "formats")]
     &json::Json,
     &unread::Unread,
     &text::Text,

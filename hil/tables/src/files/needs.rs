@@ -23,7 +23,7 @@ pub enum Unmarked {
     Refused,
     /// One of these, which the user named for such columns.
     Stated(Units),
-    /// One of these, by assumption. [`Recording::assumed`](crate::Recording::assumed) reports it.
+    /// One of these, by assumption. The recording then says so.
     Assumed(Units),
 }
 

@@ -36,7 +36,7 @@ macro_rules! left_out {
     ($format:literal) => {
         (
             concat!("is ", $format, ", which this build of hil does not read"),
-            "build it with all formats, as `cargo build --release` does, or write the columns as CSV",
+            "build it with all formats, as `cargo hil` does, or write the columns as CSV",
         )
     };
 }
@@ -53,6 +53,15 @@ fn known(head: &[u8]) -> Option<(&'static str, &'static str)> {
             "is MDF of version 3 or older, which is not read",
             "convert it with asammdf: MDF(NAME).convert('4.10').save('NAME.mf4')",
         ));
+    }
+    if is_mat_5(head) {
+        return Some(left_out!("MATLAB"));
+    }
+    if begins(b"TDSm") {
+        return Some(left_out!("TDMS"));
+    }
+    if is_json(head) {
+        return Some(left_out!("JSON"));
     }
     if begins(b"PAR1") {
         return Some(left_out!("Parquet"));
@@ -128,6 +137,29 @@ pub(super) fn is_npz(head: &[u8]) -> bool {
     head.starts_with(b"PK\x03\x04") && name().is_some_and(|name| name.ends_with(b".npy"))
 }
 
+/// Whether it is a MAT file of version 5: its header ends in the version, and `MI` in the order of the bytes that follow.
+pub(super) fn is_mat_5(head: &[u8]) -> bool {
+    matches!(
+        head.get(124..128),
+        Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I'])
+    )
+}
+
+/// Whether it begins as JSON does that holds columns.
+pub(super) fn is_json(head: &[u8]) -> bool {
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let mut bytes = head
+        .iter()
+        .copied()
+        .filter(|byte| !byte.is_ascii_whitespace());
+    match (bytes.next(), bytes.next()) {
+        (Some(b'{'), Some(b'"' | b'}')) => true,
+        // A line such as [Header] stands above tables of text.
+        (Some(b'['), Some(b'{' | b'[' | b'"' | b'0'..=b'9' | b'-')) => true,
+        _ => false,
+    }
+}
+
 /// Whether it begins with a matrix of MATLAB 4: five words, of which the first has only four digits, and a name that ends in a
 /// zero.
 fn is_mat_4(head: &[u8]) -> bool {
@@ -160,6 +192,25 @@ fn is_mat_4(head: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(not(feature = "formats"))]
+    #[test]
+    fn a_build_without_a_format_says_so() {
+        let mat = [&[b' '; 124][..], &[0, 1, b'I', b'M']].concat();
+        let others: [&[u8]; 6] = [
+            b"MDF     4.10    ",
+            b"PAR1",
+            b"ARROW1",
+            b"\x89HDF\r\n\x1a\n",
+            b"TDSm",
+            b"{\"time_s\": [0]}",
+        ];
+        for head in others.into_iter().chain([&mat[..]]) {
+            let (problem, remedy) = known(head).unwrap();
+            assert!(problem.contains("this build of hil does not read"));
+            assert!(remedy.contains("cargo hil"));
+        }
+    }
 
     #[test]
     fn a_message_is_a_sentence() {

@@ -1,9 +1,10 @@
 //! Columns as the bytes of a file, in the format of the file's ending.
 
+#[cfg(feature = "formats")]
 mod mat;
-#[cfg(feature = "mcap")]
+#[cfg(feature = "formats")]
 mod mcap;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet;
 mod text;
 
@@ -84,9 +85,8 @@ impl WriteAs {
 
     fn is_built(self) -> bool {
         match self {
-            Self::Csv | Self::CsvGz | Self::Mat => true,
-            Self::Parquet => cfg!(feature = "parquet"),
-            Self::Mcap => cfg!(feature = "mcap"),
+            Self::Csv | Self::CsvGz => true,
+            Self::Parquet | Self::Mat | Self::Mcap => cfg!(feature = "formats"),
         }
     }
 
@@ -94,6 +94,10 @@ impl WriteAs {
     ///
     /// # Errors
     /// Columns that the format cannot hold.
+    #[cfg_attr(
+        not(feature = "formats"),
+        allow(unused_variables, reason = "text needs neither")
+    )]
     pub fn bytes(
         self,
         path: &Path,
@@ -104,10 +108,11 @@ impl WriteAs {
         let written = match self {
             Self::Csv => text(),
             Self::CsvGz => text().and_then(|text| text::gzipped(&text)),
+            #[cfg(feature = "formats")]
             Self::Mat => mat::write(comments, &named(&columns())),
-            #[cfg(feature = "parquet")]
+            #[cfg(feature = "formats")]
             Self::Parquet => parquet::write(comments, &named(&columns())),
-            #[cfg(feature = "mcap")]
+            #[cfg(feature = "formats")]
             Self::Mcap => mcap::write(comments, &named(&columns())),
             #[allow(unreachable_patterns, reason = "where all formats are built")]
             _ => text(),

@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(numbers.len(), count);
     }
 
-    /// A block that is in no list decides, and can be neither changed nor printed.
+    /// A block of these crates that is in no list decides, and can be neither changed nor printed.
     #[test]
     fn every_block_of_numbers_is_listed() {
         fn blocks(folder: &Path) -> usize {

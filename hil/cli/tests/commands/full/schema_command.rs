@@ -456,7 +456,7 @@ fn no_field_of_the_stored_schemas_is_lost() {
     assert!(
         all.is_empty(),
         "{}\na field that goes or changes its type takes a new VERSION of the document; then, and of what is new, \
-         BLESS=1 cargo test -p mesh-damper-hil --test commands schema writes the stored schemas again",
+         BLESS=1 cargo test -p mesh-damper-hil --features full --test commands schema writes the stored schemas again",
         all.join("\n")
     );
 }

@@ -12,6 +12,7 @@ use super::beside::Beside;
 use super::guard::damaged;
 use super::opened::Opened;
 use super::units_beside::{UnitsBeside, are_units};
+use super::unread::is_json;
 use super::{Column, Format, Reading, Source, Tables};
 use crate::read_limit::ReadLimit;
 use node::{Channel, Fields, List, Node, Seed};
@@ -31,17 +32,7 @@ impl Format for Json {
     }
 
     fn recognizes(&self, head: &[u8]) -> bool {
-        let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-        let mut bytes = head
-            .iter()
-            .copied()
-            .filter(|byte| !byte.is_ascii_whitespace());
-        match (bytes.next(), bytes.next()) {
-            (Some(b'{'), Some(b'"' | b'}')) => true,
-            // A line such as [Header] stands above tables of text.
-            (Some(b'['), Some(b'{' | b'[' | b'"' | b'0'..=b'9' | b'-')) => true,
-            _ => false,
-        }
+        is_json(head)
     }
 
     fn open<'a>(

@@ -11,12 +11,12 @@ use mesh_damper_output::error::InputError;
 use super::arrays::arranged;
 use super::guard::damaged;
 use super::opened::Opened;
+use super::unread::is_mat_5;
 use super::{Format, Reading, Source, Tables};
 use element::Element;
 
 pub(super) use element::{Broken, Bytes, Numbers};
 
-#[cfg(feature = "hdf5")]
 pub(super) use tree::rows_of_text;
 pub(super) use tree::{Tree, Value};
 
@@ -37,11 +37,7 @@ impl Format for Mat {
     }
 
     fn recognizes(&self, head: &[u8]) -> bool {
-        // The version, and `MI` in the order of the bytes that follow.
-        matches!(
-            head.get(124..HEADER),
-            Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I'])
-        )
+        is_mat_5(head)
     }
 
     fn open<'a>(
