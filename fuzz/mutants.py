@@ -184,8 +184,8 @@ class Tree:
         return refused
 
     def programs(self, modules, known=None):
-        """The test programs: the crate's, the quickest first, and then these modules of the simulated rig's. The run times of a mutant that is built
-        alone are those of the `known` programs. `None` if they do not build."""
+        """The test programs: the crate's, the quickest first, and then these modules of the simulated rig's. The run times
+        of a mutant that is built alone are those of the `known` programs. `None` if they do not build."""
         crate = self.built(["--package", "mesh-damper", "--lib", "--tests"])
         others = self.built(["--package", "mesh-damper-rig", "--test", "rig"]) if modules else []
         if crate is None or others is None:

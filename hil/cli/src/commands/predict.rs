@@ -237,9 +237,7 @@ impl Predict {
             On::F64 => predict(&model, &trajectory).map_err(wrong)?,
             On::F32 => predict_embedded(&model, &trajectory).map_err(wrong)?,
             #[cfg(feature = "full")]
-            On::Linked(link) => link
-                .predict(self.log, &model, &trajectory)?
-                .map_err(wrong)?,
+            On::Linked(link) => link.predict(self.log, &model, &trajectory, wrong)?,
         };
         let band = band(&model, &trajectory).map_err(wrong)?;
         // A constant channel is no measured force.

@@ -44,16 +44,17 @@ impl Display for Link {
 }
 
 impl Link {
-    /// The force of `model` over `trajectory`, kN, one value per tick; or why the crate rejects the model.
+    /// The force of `model` over `trajectory`, kN, one value per tick.
     ///
     /// # Errors
-    /// The image or the board does not answer.
+    /// The image or the board does not answer, or the crate rejects the model, which `wrong` describes.
     pub fn predict(
         &self,
         log: LogLevel,
         model: &Model,
         trajectory: &Trajectory,
-    ) -> Result<Result<Vec<f64>, ModelError>, InputError> {
+        wrong: impl Fn(ModelError) -> InputError,
+    ) -> Result<Vec<f64>, InputError> {
         let predicted = match self {
             Self::Image => {
                 // Ticks are not counted for a law alone.
@@ -65,10 +66,9 @@ impl Link {
                 predict_on(&mut board, model, trajectory)
             }
         };
-        match predicted {
-            Err(ImageError::Model(error)) => Ok(Err(error)),
-            Err(ImageError::Link(error)) => Err(error.into()),
-            Ok(force) => Ok(Ok(force)),
-        }
+        predicted.map_err(|error| match error {
+            ImageError::Model(error) => wrong(error),
+            ImageError::Link(error) => error.into(),
+        })
     }
 }
