@@ -154,6 +154,7 @@ fn hum_is_no_damage() {
 /// While every cycle contains hum, no cycle is monitored until the hum is learned as normal. Damage from that time is not learned as
 /// normal.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_break_behind_hum_is_reported_once_the_hum_is_normal() {
     for seed in 0..SEEDS {
         for (channel, part) in [(0, 0.05), (1, 0.2)] {

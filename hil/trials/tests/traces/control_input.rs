@@ -131,6 +131,7 @@ fn a_current_in_steps_is_found_with_its_lag() {
 
 /// Three currents are fitted, and the fourth, which lies between them, is predicted. The law alone does not use the current.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_current_that_is_steady_in_each_recording_is_the_same_thing() {
     let at = |current: f64, seed| recorded(controlled(1.0, held(current)), &blocks(), seed);
     let fitted = [at(0.0, 1), at(0.4, 2), at(1.0, 3)];

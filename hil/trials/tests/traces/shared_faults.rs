@@ -59,6 +59,7 @@ fn asymmetry() -> Hidden {
 
 /// The law depends on amplitude, and a single recording shows the delay of the force to half a tick at best.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_force_that_is_early_is_moved_alike_in_all() {
     let [fitted, other] = tests(nothing);
     let clean = error_of_clean(&fitted, &other);

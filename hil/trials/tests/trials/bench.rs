@@ -18,13 +18,20 @@ fn say(line: &str) {
 }
 
 #[test]
-fn counts_are_the_same_in_every_run_no_higher_than_the_baseline_and_within_the_limits() {
+#[ignore = "a minute: in the full tier"]
+fn counts_are_the_same_in_every_run() {
+    if emulated::image(&IMAGE, Board::Mps2An386).is_none() {
+        return;
+    }
+    assert_eq!(run(&|_| ()).unwrap().counts, run(&|_| ()).unwrap().counts);
+}
+
+#[test]
+fn counts_are_no_higher_than_the_baseline_and_within_the_limits() {
     if emulated::image(&IMAGE, Board::Mps2An386).is_none() {
         return;
     }
     let results = run(&|_| ()).unwrap();
-    assert_eq!(run(&|_| ()).unwrap().counts, results.counts);
-
     for left_out in &results.left_out {
         assert!(!is_ci(), "{left_out}");
         say(&format!("left out: {left_out}"));
