@@ -51,9 +51,9 @@ pub struct Cycle {
     pub elastic_energy: f32,
     /// η = ΔW/(2π·W), eq 4. 0 when W is 0, as for a cycle that stands still or has no force.
     pub loss_factor: f32,
-    /// Mean force over the time of the cycle, kN.
+    /// Mean force over the time of the cycle, kN. 0 for a cycle without a length.
     pub mean_force: f32,
-    /// Mean displacement over the time of the cycle, mm.
+    /// Mean displacement over the time of the cycle, mm. 0 for a cycle without a length.
     pub mean_displacement: f32,
     /// Length of the cycle in ticks, fractions included.
     pub ticks: f32,
@@ -229,7 +229,12 @@ impl<const F: usize> Integrals<F> {
     fn finish(&self) -> [Cycle; F] {
         let amplitude = 0.5 * (self.max - self.min);
         let ticks = self.ticks as f32 + self.fraction;
-        let per_tick = if ticks > 0.0 { 0.5 / ticks } else { 0.0 };
+        // The reciprocal of a shorter time would be infinite.
+        let per_tick = if ticks > f32::MIN_POSITIVE {
+            0.5 / ticks
+        } else {
+            0.0
+        };
         // Both harmonics are 2/(2π) times their integral over the phase. The phase's unit is 2π/2³², and the trapezoids' ½ is
         // applied here.
         let harmonic = |sum: Sum| sum.total() * (1.0 / (1u64 << 32) as f32);
@@ -344,8 +349,8 @@ impl<const F: usize> CycleAccumulator<F> {
     }
 
     /// Takes one tick where the caller knows the end of the cycle: `boundary` is the part of the interval from the last sample to
-    /// this one, 0…1, at which a cycle ended and the next began with phase 0. The other arguments are those of
-    /// [`CycleAccumulator::update`].
+    /// this one, 0…1, at which a cycle ended and the next began with phase 0; below 0 and NaN it is treated as 0, above 1 as 1. The
+    /// other arguments are those of [`CycleAccumulator::update`].
     #[inline]
     pub fn update_at(
         &mut self,
@@ -370,7 +375,12 @@ impl<const F: usize> CycleAccumulator<F> {
             self.sums.tick();
             return None;
         };
-        self.end_cycle(&last, &sample, boundary.clamped(1.0), last_phase, phase)
+        let boundary = if boundary > 0.0 {
+            boundary.clamped(1.0)
+        } else {
+            0.0
+        };
+        self.end_cycle(&last, &sample, boundary, last_phase, phase)
     }
 
     fn end_cycle(

@@ -27,7 +27,7 @@ use crate::effects::residual_table::LARGEST_TABLE;
 use crate::error::ConfigError;
 use crate::fast_law::FastLaw;
 use crate::frame::{Writer, checksum};
-use crate::passivity::{Active, Passivity};
+use crate::passivity::Active;
 use crate::power::{OCTAVES, SEGMENTS};
 use check::Check;
 use info::LARGEST_INFO;
@@ -46,9 +46,6 @@ const EFFECTS: usize = 1 + (2 + 4 * MOST_WORDS) + 7 * (2 + 4 * OTHER_WORDS);
 const OTHER_WORDS: usize = 12;
 /// Largest pack, bytes. Derived: the sum of its parts.
 pub const LARGEST: usize = HEADER + LARGEST_INFO + LAW + EFFECTS + 1 + LARGEST_TABLE;
-
-/// Tick rate in Hz assumed for the effects of a pack that does not state one: that of the paper's rig in this crate's tests.
-const SILENT_RATE: f32 = 1e4;
 
 const MAGIC: [u8; 4] = *b"MDCP";
 
@@ -106,13 +103,8 @@ pub enum PackError {
     Checksum,
     /// The body cannot be read, although its checksum is right.
     Body,
-    /// Its law gives out more energy than it absorbs, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
-    Active {
-        /// Amplitude of the motion in which it does, mm.
-        amplitude: f32,
-        /// Frequency of that motion, Hz.
-        frequency: f32,
-    },
+    /// Its law can give out more energy than it absorbs, and [`Expectation::allow_active`] is not set: see [`crate::passivity`].
+    Active(Active),
     /// A coefficient or parameter that its constructor rejects.
     Refused(ConfigError),
 }
@@ -181,13 +173,9 @@ impl fmt::Display for PackError {
                 "the pack's checksum does not match: copy or export it again"
             ),
             Self::Body => write!(f, "the pack's body cannot be read: export the model again"),
-            Self::Active {
-                amplitude,
-                frequency,
-            } => write!(
+            Self::Active(active) => write!(
                 f,
-                "law: it gives more energy than it takes in a cycle of {amplitude} mm at {frequency} Hz, and a passive one is required: \
-                 correct a damping or a friction stiffness below 0, or allow an active law"
+                "law: {active}, and a passive law is required: correct it, or allow an active law"
             ),
             Self::Refused(error) => error.fmt(f),
         }
@@ -198,10 +186,7 @@ impl core::error::Error for PackError {}
 
 impl From<Active> for PackError {
     fn from(active: Active) -> Self {
-        Self::Active {
-            amplitude: active.amplitude,
-            frequency: active.frequency,
-        }
+        Self::Active(active)
     }
 }
 
@@ -269,12 +254,10 @@ pub fn encode<'b, const N: usize>(
 /// Writes the law in a pack over `slot`; if the pack is refused, `slot` holds no law. Returns the pack's stamp, or `None` for a
 /// pack of version 6, which has none. [`PackInfo::of`] returns the complete description of the pack.
 ///
-/// Unless [`Expectation::allow_active`] is set, it needs a [`Passivity`] on the stack and evaluates several hundred forces of the
-/// law, far more than a tick has time for. Use [`Upload::finish_slice`] in a running rig.
+/// It takes far longer than a tick has time for. Use [`Upload::finish_slice`] in a running rig.
 ///
 /// # Errors
 /// Any error of the pack; a pack with any one bit changed is refused. If the pack does not meet `expected`, `slot` stays as it was.
-/// [`PackError::Active`]: `slot` has the law, which must not be used.
 pub fn decode<const N: usize>(
     pack: &[u8],
     slot: &mut FastLaw<N>,
@@ -282,10 +265,7 @@ pub fn decode<const N: usize>(
 ) -> Result<Option<Stamp>, PackError> {
     let mut check = Check::START;
     loop {
-        if let Some(stamp) = check.step(pack, slot, expected, None)? {
-            if !expected.allow_active {
-                check.check_passivity(slot)?;
-            }
+        if let Some(stamp) = check.step(pack, slot, expected)? {
             return Ok(stamp);
         }
     }
@@ -395,9 +375,8 @@ impl Upload {
         Ok(())
     }
 
-    /// Does one slice of [`Upload::finish`], once every part has arrived: at most about 600 instructions or one force of the law,
-    /// for a rig that keeps ticking between slices. `passivity` checks whether the law is passive; pass the same one each time.
-    /// Returns `None` while slices remain: `slot` holds no law until then; see
+    /// Does one slice of [`Upload::finish`], once every part has arrived: at most about 600 instructions, for a rig that keeps
+    /// ticking between slices. Returns `None` while slices remain: `slot` holds no law until then; see
     /// [`RunningLaw::swap_in_slices`](crate::fast_law::RunningLaw::swap_in_slices). If another law was written over the slot in
     /// between, the check starts again. After the last slice the upload is empty, whatever its result.
     ///
@@ -407,10 +386,9 @@ impl Upload {
         &mut self,
         slot: &mut FastLaw<N>,
         expected: &Expectation,
-        passivity: &mut Passivity<N>,
     ) -> Result<Option<Option<Stamp>>, PackError> {
         let pack = self.bytes.get(..self.received).unwrap_or_default();
-        let step = self.check.step(pack, slot, expected, Some(passivity));
+        let step = self.check.step(pack, slot, expected);
         if !matches!(step, Ok(None)) {
             self.received = 0;
             self.check = Check::START;

@@ -4,6 +4,7 @@
 //! Q23 counts 2⁻²³.
 
 use crate::error::ConfigError;
+use crate::law::Law;
 use crate::limits;
 use crate::real::{in_range, within};
 
@@ -23,7 +24,7 @@ const FRACTION: u32 = 0x007f_ffff;
 ///
 /// 2^(α·(e + log₂ m)), with the exponent in integers, so that an e of −126 costs no digits of the fraction.
 #[inline(always)]
-pub fn abs_pow(v: f32, alpha: f32) -> f32 {
+pub const fn abs_pow(v: f32, alpha: f32) -> f32 {
     let bits = v.to_bits() & 0x7fff_ffff;
     let exponent = bits.wrapping_sub(MANTISSA_LOW) & !FRACTION;
     let mantissa = f32::from_bits(bits.wrapping_sub(exponent));
@@ -38,7 +39,7 @@ pub fn abs_pow(v: f32, alpha: f32) -> f32 {
 
     // α as a Q31, so that the upper half of the product is a Q23. A value of 1 becomes 1 − 2⁻³¹.
     let alpha = (alpha * (1u32 << 31) as f32) as i32;
-    let power = ((i64::from(alpha) * i64::from(logarithm)) >> 32) as i32;
+    let power = ((alpha as i64 * logarithm as i64) >> 32) as i32;
     let scale = if bits < SMALLEST {
         0
     } else {
@@ -59,7 +60,7 @@ pub(crate) fn exp2_of_negative(x: f32) -> f32 {
 
 /// Bits of 2ⁿ for the integer part n of a Q23.
 #[inline(always)]
-fn exponent_bits(exponent: i32) -> u32 {
+const fn exponent_bits(exponent: i32) -> u32 {
     (exponent as u32 & !FRACTION).wrapping_add(ONE)
 }
 
@@ -67,7 +68,7 @@ fn exponent_bits(exponent: i32) -> u32 {
 ///
 /// 1 + r·q(r), r in units of 2⁻²³: minimax for the smallest relative error, 7.8e-8.
 #[inline(always)]
-fn exp2_of_fraction(exponent: i32) -> f32 {
+const fn exp2_of_fraction(exponent: i32) -> f32 {
     let fraction = (exponent as u32 & FRACTION) as f32;
     let q = 1.817_702_2e-30 + fraction * 4.509_714e-38;
     let q = 3.412_853_2e-15 + fraction * (9.455_48e-23 + fraction * q);
@@ -87,10 +88,16 @@ const WITHIN: u32 = 20;
 /// Bits of the lowest octave's smallest float.
 const LOWEST_BITS: u32 = ((127 + LOWEST_EXPONENT) as u32) << 23;
 
-/// Largest magnitude of a number in [`PowerSeed::octave`]: for any α in 0…1 the numbers are below it.
+/// Largest magnitude of a number in [`PowerSeed::octave`]: for any α in 0…1 the numbers are below it. It also bounds the rounding
+/// of a segment's sum, to 1e-5.
 const OCTAVE_MOST: f32 = 2.0;
-/// Largest number in [`PowerSeed::scale`]: that of the largest c in the lowest octave, for α = 0, with a margin for rounding.
-const SCALE_MOST: f32 = (1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT) as f64) as f32;
+/// Scales that are checked together: as much work as one segment.
+const TOGETHER: usize = 4;
+/// Parts of a seed that are read and checked one by one: a segment, or [`TOGETHER`] scales.
+const PARTS: usize = SEGMENTS + OCTAVES / TOGETHER;
+/// Relative difference of a seed from the power that [`abs_pow`] gives. Derived: the 4e-7 of the seed's segments and of `abs_pow`,
+/// 3e-7 for the rounding of the sum, and twice that as a margin for the powers of another host.
+const AGREEMENT: f32 = 2e-6;
 
 /// One segment of c·|v|^α·sgn v. With t the segment's lower edge, signed as v,
 ///
@@ -99,11 +106,14 @@ const SCALE_MOST: f32 = (1.001 * limits::COEFFICIENT * (1u32 << -LOWEST_EXPONENT
 /// in this order. It is c·|v|^α as a cubic in |v|, and t gives the sign.
 pub type Segment = [f32; 4];
 
-/// The seed from which a [`PowerTable`] is filled, 256 bytes for one c and α.
+/// The seed from which a [`PowerTable`] is filled, 264 bytes for one c and α.
 ///
-/// Each octave is the one below times 2^α, so that the segments of |v| = 1…2 serve all of them.
+/// Each octave is the one below times 2^α, so that the segments of |v| = 1…2 serve all of them. Every seed agrees with its c and α:
+/// its numbers are computed from them, or compared with them where they come from a host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerSeed {
+    c: f32,
+    alpha: f32,
     octave: [Segment; SEGMENTS],
     scale: [f32; OCTAVES],
 }
@@ -111,6 +121,8 @@ pub struct PowerSeed {
 impl PowerSeed {
     /// Seed without damping.
     pub(crate) const EMPTY: Self = Self {
+        c: 0.0,
+        alpha: 0.0,
         octave: [[0.0; 4]; SEGMENTS],
         scale: [0.0; OCTAVES],
     };
@@ -143,59 +155,138 @@ impl PowerSeed {
         for (exponent, scale) in (LOWEST_EXPONENT..).zip(&mut scale) {
             *scale = (c * libm::exp2((alpha - 1.0) * f64::from(exponent))) as f32;
         }
-        Self { octave, scale }
+        Self {
+            c: c as f32,
+            alpha: alpha as f32,
+            octave,
+            scale,
+        }
     }
 
-    /// From the numbers of [`PowerSeed::octave`] and [`PowerSeed::scale`], computed on a host. For firmware that knows its law,
-    /// which then links no power in f64. In a `const` the compiler checks it.
+    /// From the numbers of [`PowerSeed::octave`] and [`PowerSeed::scale`], computed on a host for this `c` and `alpha`. For firmware
+    /// that knows its law, which then links no power in f64. In a `const` the compiler compares them.
     ///
     /// # Errors
-    /// A number that is not finite, or that no c and α in their ranges give.
+    /// `c` or `alpha` out of range, as for [`PowerSeed::new`]; a number that is not finite, or not that of `c` and `alpha`.
     pub const fn from_parts(
+        c: f32,
+        alpha: f32,
         octave: [Segment; SEGMENTS],
         scale: [f32; OCTAVES],
     ) -> Result<Self, ConfigError> {
-        let new = Self { octave, scale };
-        let flat = new.octave.as_flattened();
-        let mut place = 0;
-        while place < flat.len() {
-            if let Err(error) = within("octave", flat[place], -OCTAVE_MOST, OCTAVE_MOST) {
-                return Err(error);
-            }
-            place += 1;
+        if let Err(error) = within("c", c, 0.0, limits::COEFFICIENT as f32) {
+            return Err(error);
         }
-        place = 0;
-        while place < OCTAVES {
-            if let Err(error) = within("scale", new.scale[place], 0.0, SCALE_MOST) {
+        if let Err(error) = within("alpha", alpha, 0.0, 1.0) {
+            return Err(error);
+        }
+        let new = Self {
+            c,
+            alpha,
+            octave,
+            scale,
+        };
+        let mut part = 0;
+        while part < PARTS {
+            if let Err(error) = new.check_part(part) {
                 return Err(error);
             }
-            place += 1;
+            part += 1;
         }
         Ok(new)
     }
 
-    /// Reads the numbers of [`PowerSeed::octave`] and then [`PowerSeed::scale`] from index `from` to before index `to`, each by
-    /// `next`. Returns whether these were the last.
+    /// Begins a seed of `law` whose numbers are read.
+    pub(crate) fn begin(&mut self, law: &Law<f32>) {
+        self.c = law.c();
+        self.alpha = law.alpha();
+    }
+
+    /// Reads the numbers of a part, those of [`PowerSeed::octave`] before those of [`PowerSeed::scale`], each by `next`, and compares
+    /// them with c and α. Returns whether this was the last part.
     ///
     /// # Errors
-    /// The error of `next`; a number that is not finite, or that no c and α in their ranges give.
+    /// The error of `next`; a number that is not that of c and α.
     #[inline(never)]
     pub(crate) fn read_part<E: From<ConfigError>>(
         &mut self,
-        from: usize,
-        to: usize,
+        part: usize,
         mut next: impl FnMut() -> Result<f32, E>,
     ) -> Result<bool, E> {
-        let octave = self.octave.as_flattened_mut();
-        let first = octave.len();
-        for value in octave.get_mut(from..to.min(first)).unwrap_or_default() {
-            *value = read("octave", next()?, -OCTAVE_MOST, OCTAVE_MOST)?;
+        let numbers = match part.checked_sub(SEGMENTS) {
+            None => self.octave.get_mut(part).map(<[f32; 4]>::as_mut_slice),
+            Some(group) => self.scale.chunks_exact_mut(TOGETHER).nth(group),
+        };
+        for number in numbers.unwrap_or_default() {
+            *number = next()?;
         }
-        let scales = from.saturating_sub(first)..to.saturating_sub(first).min(OCTAVES);
-        for value in self.scale.get_mut(scales).unwrap_or_default() {
-            *value = read("scale", next()?, 0.0, SCALE_MOST)?;
+        self.check_part(part)?;
+        Ok(part + 1 >= PARTS)
+    }
+
+    /// Compares a part with c and α.
+    ///
+    /// # Errors
+    /// A number that is not finite or does not agree.
+    const fn check_part(&self, part: usize) -> Result<(), ConfigError> {
+        if part < SEGMENTS {
+            return self.check_segment(part);
         }
-        Ok(to >= first + OCTAVES)
+        let first = TOGETHER * (part - SEGMENTS);
+        let mut place = first;
+        while place < first + TOGETHER {
+            if let Err(error) = self.check_scale(place) {
+                return Err(error);
+            }
+            place += 1;
+        }
+        Ok(())
+    }
+
+    /// Compares a segment with |v|^α at both of its ends and at its thirds. A cubic that agrees at four points agrees between them,
+    /// within 1.7 times as much.
+    const fn check_segment(&self, index: usize) -> Result<(), ConfigError> {
+        let [p0, p1, p2, p3] = self.octave[index % SEGMENTS];
+        let mut place = 0;
+        while place < 4 {
+            let number = self.octave[index % SEGMENTS][place];
+            if let Err(error) = within("octave", number, -OCTAVE_MOST, OCTAVE_MOST) {
+                return Err(error);
+            }
+            place += 1;
+        }
+        let edge = 1.0 + index as f32 * (1.0 / SEGMENTS as f32);
+        let mut third = 0;
+        while third < 4 {
+            let v = edge + third as f32 * (1.0 / (3 * SEGMENTS) as f32);
+            let found = edge * (p0 + v * (p1 + v * (p2 + v * p3)));
+            if let Err(error) = agrees("octave", found, abs_pow(v, self.alpha)) {
+                return Err(error);
+            }
+            third += 1;
+        }
+        Ok(())
+    }
+
+    /// Compares a scale with c·2^(e·(α − 1)), as c·(2ᵉ)^α/2ᵉ: the powers of two are exact.
+    const fn check_scale(&self, place: usize) -> Result<(), ConfigError> {
+        let exponent = (place as i32 + LOWEST_EXPONENT) << 23;
+        let [octave, unit] = [
+            f32::from_bits((ONE as i32 + exponent) as u32),
+            f32::from_bits((ONE as i32 - exponent) as u32),
+        ];
+        let expected = self.c * abs_pow(octave, self.alpha) * unit;
+        agrees("scale", self.scale[place % OCTAVES], expected)
+    }
+
+    /// c, kN·(s/mm)^α.
+    pub fn c(&self) -> f32 {
+        self.c
+    }
+
+    /// α
+    pub fn alpha(&self) -> f32 {
+        self.alpha
     }
 
     /// The segments of |v|^α over |v| = 1…2.
@@ -236,13 +327,14 @@ impl PowerSeed {
     }
 }
 
-/// Returns `value` if it is within `low..=high`. A valid value, the usual case, costs two comparisons.
-#[inline(always)]
-fn read(field: &'static str, value: f32, low: f32, high: f32) -> Result<f32, ConfigError> {
-    if value >= low && value <= high {
-        return Ok(value);
-    }
-    in_range(field, value, low.into(), high.into())
+/// Checks that `found` is `expected`, a number of at least 0, within [`AGREEMENT`].
+///
+/// # Errors
+/// It is not finite, or does not agree.
+const fn agrees(field: &'static str, found: f32, expected: f32) -> Result<(), ConfigError> {
+    // Beside the relative part, the rounding of a number below the smallest normal one.
+    let most = AGREEMENT * expected + f32::MIN_POSITIVE;
+    within(field, found, expected - most, expected + most)
 }
 
 /// c·|v|^α·sgn v for one c and α, with a relative error within 4e-7: 4 KiB of cubics, eight per octave, for |v| from 5.4e-7

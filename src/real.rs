@@ -88,14 +88,31 @@ pub(crate) fn in_range<R: Real>(
     compare(field, value, R::from_f64(low), R::from_f64(high))
 }
 
+/// Returns `value` if it is 0…`high` and may be divided by: −0, which would give the other infinity, is out of range.
+pub(crate) fn divisor<R: Real>(field: &'static str, value: R, high: f64) -> Result<R, ConfigError> {
+    if value.sign_bit() == 1 {
+        return Err(out_of_range(field, value, R::ZERO, R::from_f64(high)));
+    }
+    in_range(field, value, 0.0, high)
+}
+
 /// Returns `value` if it is a valid stiffness, damping or force coefficient.
 pub(crate) fn coefficient<R: Real>(field: &'static str, value: R) -> Result<R, ConfigError> {
     in_range(field, value, -limits::COEFFICIENT, limits::COEFFICIENT)
 }
 
+/// [`in_range`] for bounds that are computed.
+///
+/// # Errors
+/// As there.
 // Not inlined, because there are many calls, and none on every tick.
 #[inline(never)]
-fn compare<R: Real>(field: &'static str, value: R, low: R, high: R) -> Result<R, ConfigError> {
+pub(crate) fn compare<R: Real>(
+    field: &'static str,
+    value: R,
+    low: R,
+    high: R,
+) -> Result<R, ConfigError> {
     if value >= low && value <= high && value.is_finite() {
         Ok(value)
     } else {
@@ -119,15 +136,16 @@ fn out_of_range<R: Real>(field: &'static str, value: R, low: R, high: R) -> Conf
 }
 
 /// [`in_range`] for an `f32` in a `const`, where a trait's comparison cannot be called.
+#[inline(never)]
 pub(crate) const fn within(
     field: &'static str,
     value: f32,
     low: f32,
     high: f32,
 ) -> Result<(), ConfigError> {
-    if !value.is_finite() {
-        Err(ConfigError::NonFinite(field))
-    } else if value < low || value > high {
+    if value >= low && value <= high && value.is_finite() {
+        Ok(())
+    } else if value.is_finite() {
         Err(ConfigError::OutOfRange {
             field,
             value: value as f64,
@@ -135,7 +153,7 @@ pub(crate) const fn within(
             high: high as f64,
         })
     } else {
-        Ok(())
+        Err(ConfigError::NonFinite(field))
     }
 }
 

@@ -1,10 +1,11 @@
 //! The mixed damping law with the effects named in its type: only those are linked, and only they hold state.
 
 use crate::effects::{EffectSet, LawForce, Motion};
+use crate::error::ConfigError;
 use crate::fast_law::Adaptation;
 use crate::law::Law;
 use crate::power::{PowerSeed, PowerTable};
-use crate::real::Real;
+use crate::real::{Real, in_range};
 use crate::tick_law::TickLaw;
 
 /// The running mixed damping law, with its damping from a table of 4 KiB, and the effects of the tuple `E`.
@@ -59,11 +60,31 @@ impl<E: EffectSet<f32>> StaticLaw<E> {
     /// Sets `law` and `effects`, at rest. Computes 64 powers in f64: not for the hot path.
     pub fn set(&mut self, law: Law<f32>, effects: E) {
         let seed = PowerSeed::from_valid(law.c().to_f64(), law.alpha().to_f64());
-        self.set_with_seed(law, &seed, effects);
+        self.fill(law, &seed, effects);
     }
 
     /// [`StaticLaw::set`] with the seed of the damping table that the host computed for `law`. It fills the 256 rows of the table.
-    pub fn set_with_seed(&mut self, law: Law<f32>, seed: &PowerSeed, effects: E) {
+    ///
+    /// # Errors
+    /// [`ConfigError::OutOfRange`] if `seed` is for another `c` or `alpha`.
+    pub fn set_with_seed(
+        &mut self,
+        law: Law<f32>,
+        seed: &PowerSeed,
+        effects: E,
+    ) -> Result<(), ConfigError> {
+        in_range("c", seed.c(), law.c().to_f64(), law.c().to_f64())?;
+        in_range(
+            "alpha",
+            seed.alpha(),
+            law.alpha().to_f64(),
+            law.alpha().to_f64(),
+        )?;
+        self.fill(law, seed, effects);
+        Ok(())
+    }
+
+    fn fill(&mut self, law: Law<f32>, seed: &PowerSeed, effects: E) {
         self.table.fill(seed);
         self.given = law;
         self.effects = effects;

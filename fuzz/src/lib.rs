@@ -10,6 +10,7 @@ mod edit;
 mod feed;
 pub mod formats;
 pub mod frames;
+pub mod grown;
 mod law;
 pub mod model_file;
 pub mod motion;

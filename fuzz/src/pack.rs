@@ -9,7 +9,7 @@ use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
     self, Expectation, Identity, LARGEST, PackError, PackInfo, Stamp, Upload, VERSION,
 };
-use mesh_damper::passivity::Passivity;
+use mesh_damper::passivity;
 
 use crate::edit::edited;
 use crate::feed::{Feed, Random};
@@ -111,9 +111,8 @@ fn version_of(pack: &[u8]) -> u16 {
 fn in_slices(mut upload: Upload, whole: &Result<Option<Stamp>, PackError>, law: &FastLaw<EFFECTS>) {
     let passive = Expectation::default();
     let mut running = RunningLaw::<EFFECTS>::empty();
-    let mut passivity = Passivity::EMPTY;
     let sliced = loop {
-        let slice = |slot: &mut _| upload.finish_slice(slot, &passive, &mut passivity);
+        let slice = |slot: &mut _| upload.finish_slice(slot, &passive);
         match running.swap_in_slices(slice) {
             Ok(None) => assert!(!running.boundary()),
             Ok(Some(stamp)) => break Ok(stamp),
@@ -168,8 +167,7 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let mut unused = FastLaw::<EFFECTS>::EMPTY;
     // Without the expectation, the verdict is that of a check of the law alone.
     let passive = pack::decode(bytes, &mut unused, &Expectation::default());
-    let range = info.operating_range.as_ref();
-    let checked = Passivity::new(range, stamp.tick_rate).check(&slot);
+    let checked = passivity::check(slot.augmented(), info.operating_range.as_ref());
     assert_eq!(passive, checked.map(|()| said).map_err(PackError::from));
     in_slices(sliced, &passive, &slot);
     // A pack of version 6 contains none of the required information.

@@ -1,7 +1,7 @@
 //! Even stiffness: a damper that is stiffer in one direction, such as a preloaded ring. The paper's eq 14 contains it as a2 and
 //! then drops it.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -42,7 +42,7 @@ impl<R: Real> Equations<R> for Asymmetry<R> {
         typical: &[2.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::Quadratic,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "Even stiffness: a damper that is stiffer one way than the other.",
     };

@@ -3,9 +3,9 @@
 //! Examples are pins in worn holes, and wires that lie loosely against their contacts. The sliding part is pushed from one side; on
 //! the way back it stays where it is until it is pushed from the other side.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::stretch::Stretch;
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -68,7 +68,7 @@ impl<R: Real> Equations<R> for Backlash<R> {
         typical: &[2.0, 0.02, 0.04],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Friction with elastic pre-sliding behind free play: after each reversal the damper moves through the play before \
                    friction holds it.",
@@ -91,6 +91,10 @@ impl<R: Real> Equations<R> for Backlash<R> {
         coefficient("stiffness", self.stiffness)?;
         in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
         in_range("slack", self.half_slack, 0.0, 0.5 * limits::DISPLACEMENT).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

@@ -1,8 +1,8 @@
 //! Rate-independent friction with smooth yielding (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::stretch::{SHARPEST, Stretch, power};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -95,7 +95,7 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         typical: &[0.9, 0.02, 1.5],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Rate-independent friction that gives way smoothly.",
     };
@@ -117,6 +117,10 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         coefficient("stiffness", self.stiffness)?;
         in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
         in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that ticks without this effect do not load its registers and constants.

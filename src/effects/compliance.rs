@@ -1,6 +1,6 @@
 //! A spring in series with the specimen: the fixture yields, so the specimen moves less than the measured displacement.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion, Packed};
 use crate::error::ConfigError;
 use crate::law::Law;
@@ -44,6 +44,11 @@ pub struct ComplianceState<R> {
     velocity: R,
 }
 
+/// h of a tick, s.
+fn step_of<R: Real>(tick: R) -> R {
+    tick * R::from_f64(2.0 / 3.0)
+}
+
 /// Number of Newton steps.
 const STEPS: usize = 4;
 /// Number of squarings that approximate an exponent above 1.
@@ -62,10 +67,15 @@ impl<R: Real> Compliance<R> {
         let tick = in_range("tick", tick, 1e-7, 1e3)?;
         let new = Self {
             stiffness,
-            step: tick * R::from_f64(2.0 / 3.0),
+            step: step_of(tick),
         };
         new.check()?;
         Ok(new)
+    }
+
+    /// K, kN/mm.
+    pub(super) fn stiffness(&self) -> R {
+        self.stiffness
     }
 
     /// At the first tick the spring is stretched as if `motion` had been constant for some time.
@@ -105,7 +115,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
             Dependence::Amplitude,
         ],
         outside: Growth::AtMostLinear,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "A spring in series with the specimen: the fixture gives way.",
     };
@@ -125,6 +135,10 @@ impl<R: Real> Equations<R> for Compliance<R> {
     fn check(&self) -> Result<(), ConfigError> {
         in_range("stiffness", self.stiffness, 1e-3, limits::COEFFICIENT)?;
         in_range("step", self.step, 6e-8, 700.0).map(|_| ())
+    }
+
+    fn check_tick(&self, tick: R) -> Result<(), ConfigError> {
+        super::is_of_tick("step", self.step, step_of(tick))
     }
 
     #[inline(always)]

@@ -1,12 +1,15 @@
 //! A yielding branch and a dashpot whose strength follows a control input: the coil current of a magneto-rheological damper, the
 //! pressure on a friction pad, the tension of a band.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{
+    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
+};
 use super::motion::CONTROLS;
-use super::{ClampedMotion, Equations, LawForce, Packed, Yielding};
+use super::relaxation::LEAST_PART;
+use super::{ClampedMotion, Equations, LawForce, Packed, Yielding, below_0};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use crate::real::{Real, coefficient, divisor, in_range};
 
 /// Longest lag, s: that of a branch of [`Relaxation`](super::Relaxation).
 const LAG: f64 = 1e6;
@@ -58,12 +61,13 @@ impl<R: Real> ControlInput<R> {
     /// An input without lag, whose force is proportional to the input.
     ///
     /// * `input`: index among [`Motion::controls`](super::Motion::controls), 0…3
-    /// * `branch`: the branch at an input of 1
+    /// * `branch`: the branch at an input of 1, without a time τ
     /// * `viscosity`: c, the dashpot at an input of 1, kN·s/mm, −1e9…1e9
     ///
     /// # Errors
-    /// The field that is not finite or out of range.
+    /// The field that is not finite or out of range; for a `branch` with a time τ, its product with the rate v₀.
     pub fn new(input: usize, branch: Yielding<R>, viscosity: R) -> Result<Self, ConfigError> {
+        in_range("time * rate of the branch", branch.drag(), 0.0, 0.0)?;
         let new = Self {
             branch,
             viscosity,
@@ -83,11 +87,13 @@ impl<R: Real> ControlInput<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn with_lag(self, lag: R, tick: R) -> Result<Self, ConfigError> {
-        let lag = in_range("lag", lag, 0.0, LAG)?.to_f64();
+        let lag = divisor("lag", lag, LAG)?.to_f64();
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
         // 1 without a lag.
         let arriving = R::from_f64(-libm::expm1(-tick / lag));
-        Ok(Self { arriving, ..self })
+        let new = Self { arriving, ..self };
+        new.check()?;
+        Ok(new)
     }
 
     /// The same with a strength that approaches `saturation`.
@@ -98,10 +104,12 @@ impl<R: Real> ControlInput<R> {
     /// `saturation` is not finite or out of range.
     pub fn with_saturation(self, saturation: R) -> Result<Self, ConfigError> {
         let saturation = in_range("saturation", saturation, SATURATION[0], SATURATION[1])?;
-        Ok(Self {
+        let new = Self {
             bend: R::ONE / saturation,
             ..self
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
 
     /// f, after a tick with this input.
@@ -157,7 +165,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
             Dependence::History,
         ],
         outside: Growth::AtMostLinear,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness", "viscosity"]),
         scales_law: false,
         sentence: "A yielding branch and a dashpot, whose strength follows a control input, optionally with a lag.",
     };
@@ -197,22 +205,18 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
+        in_range("drag", self.branch.drag(), 0.0, 0.0)?;
         self.branch.check()?;
         coefficient("viscosity", self.viscosity)?;
-        in_range("arriving", self.arriving, 0.0, 1.0)?;
+        in_range("arriving", self.arriving, LEAST_PART, 1.0)?;
         let bend = [0.999 / SATURATION[1], 1.001 / SATURATION[0]];
         in_range("bend", self.bend, bend[0], bend[1])?;
         place("input", self.input as f64).map(|_| ())
     }
 
-    /// Its lag stays, because a steady input has arrived before the first tick. For the doubled tick 1 − e^(−2Δt/T) = a·(2 − a), a
-    /// = 1 − e^(−Δt/T).
-    fn at_half_rate(&self) -> Self {
-        Self {
-            branch: self.branch.at_half_rate(),
-            arriving: self.arriving * (R::from_f64(2.0) - self.arriving),
-            ..*self
-        }
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        let branch = self.branch.supplies();
+        branch.or_else(|| below_0("viscosity", self.viscosity))
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

@@ -3,8 +3,10 @@
 //! Examples are rubber on its first strokes (Mullins effect), and joints and wires that bend loose. A motion within the largest one
 //! so far meets a softer damper than the first motion did.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{
+    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
+};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -65,7 +67,7 @@ impl<R: Real> Equations<R> for Degradation<R> {
         typical: &[1.5, 0.08, 0.3],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "A spring that loses stiffness with the largest displacement so far, and may be softer about 0.",
     };
@@ -88,6 +90,10 @@ impl<R: Real> Equations<R> for Degradation<R> {
         coefficient("stiffness", self.stiffness)?;
         in_range("softening", self.softening, SOFTENING[0], SOFTENING[1])?;
         in_range("pinching", self.pinching, 0.0, 1.0).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

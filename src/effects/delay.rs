@@ -1,9 +1,9 @@
 //! A delayed force channel: the skew of a multiplexed converter, or a filter in the force channel only.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
-use crate::real::{Real, in_range};
+use crate::real::{Real, compare, in_range};
 
 /// Longest [`Delay`], ticks.
 pub const MAX_DELAY: u8 = 255;
@@ -58,10 +58,13 @@ impl<R: Real> Delay<R> {
         let ticks = in_range("time", time, 0.0, most * tick)?.to_f64() / tick;
         let ticks = if ticks < most { ticks } else { most };
         let whole = (ticks + 0.5) as u8;
-        Ok(Self {
+        let new = Self {
             whole,
             rest: R::from_f64((ticks - f64::from(whole)) * tick),
-        })
+        };
+        new.check()?;
+        new.check_tick(R::from_f64(tick))?;
+        Ok(new)
     }
 
     /// Delay in ticks of the force of the [`Self::shifted`] motion.
@@ -96,7 +99,7 @@ impl<R: Real> Equations<R> for Delay<R> {
         typical: &[0.0012],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
-        supplies_energy: true,
+        energy: Energy::Active,
         scales_law: false,
         sentence: "A force channel that is late.",
     };
@@ -118,7 +121,16 @@ impl<R: Real> Equations<R> for Delay<R> {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("rest", self.rest, -500.0, 500.0).map(|_| ())
+        // No delay is below 0 or above the longest.
+        let low = if self.whole == 0 { 0.0 } else { -500.0 };
+        let high = if self.whole == MAX_DELAY { 0.0 } else { 500.0 };
+        in_range("rest", self.rest, low, high).map(|_| ())
+    }
+
+    /// The rest is at most half a tick, with a margin for rounding.
+    fn check_tick(&self, tick: R) -> Result<(), ConfigError> {
+        let most = tick * R::from_f64(0.500_001);
+        compare("rest", self.rest, -most, most).map(|_| ())
     }
 
     #[inline(always)]
@@ -143,11 +155,9 @@ impl Packed for Delay<f32> {
     }
 
     fn unpack(words: &[f32]) -> Option<Self> {
-        let &[whole, rest] = words else { return None };
-        Some(Self {
-            whole: whole as u8,
-            rest,
-        })
+        let &[ticks, rest] = words else { return None };
+        let whole = ticks as u8;
+        (f32::from(whole) == ticks).then_some(Self { whole, rest })
     }
 }
 

@@ -62,6 +62,22 @@ impl Dependence {
     }
 }
 
+/// Whether an effect can give out more energy than it absorbs in a closed cycle, with the other inputs constant. On this rests the
+/// argument of [`crate::passivity`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// It cannot: it absorbs energy, or returns what it has stored, whatever its parameters.
+    Passive,
+    /// It can if one of these parameters is below 0, and cannot otherwise.
+    Below0(&'static [&'static str]),
+    /// It changes the part of the law's damping that acts. It can if less than nothing of that remains, together with the other
+    /// effects of this kind.
+    ScalesDamping,
+    /// It does by its nature, whatever its parameters: a tone, which drives by itself, or a delayed force, which returns more than
+    /// was stored.
+    Active,
+}
+
 /// How a force grows when a motion exceeds the operating range, with displacement, velocity and acceleration in proportion.
 ///
 /// A force always stays finite, because motions are clamped to [`crate::limits`].
@@ -181,11 +197,8 @@ pub struct Description {
     pub depends_on: &'static [Dependence],
     /// How its force grows outside the operating range.
     pub outside: Growth,
-    /// Whether it gives out more energy than it absorbs in closed cycles by its nature, whatever its parameters. Examples are a
-    /// tone, which drives by itself, and a delayed force, which returns more than was stored.
-    /// [`Passivity`](crate::passivity::Passivity) leaves such an effect out. The flag is not set for an effect that supplies energy
-    /// only with some parameters, such as a dashpot below 0.
-    pub supplies_energy: bool,
+    /// Whether it can give out more energy than it absorbs in a closed cycle.
+    pub energy: Energy,
     /// Whether all of its force, or a part, is proportional to the mixed damping law's, so that slow changes of the law change it
     /// too.
     pub scales_law: bool,

@@ -1,6 +1,6 @@
 //! Damping that differs between the directions: valves with different openings, wires with a drawing direction.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, in_range};
@@ -39,7 +39,7 @@ impl<R: Real> Equations<R> for Directional<R> {
         typical: &[0.3],
         depends_on: &[Dependence::Velocity],
         outside: Growth::OfDamping,
-        supplies_energy: false,
+        energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "Damping that is stronger one way than the other.",
     };
@@ -57,6 +57,10 @@ impl<R: Real> Equations<R> for Directional<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("difference", self.difference, -1.0, 1.0).map(|_| ())
+    }
+
+    fn least_damping(&self) -> (&'static str, R, R) {
+        ("difference", self.difference, -self.difference.abs())
     }
 
     /// At rest the law has no damping, and so this force is 0.

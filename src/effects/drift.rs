@@ -1,10 +1,15 @@
 //! A force that settles with the cycles: run-in, friction wear, or wires that break one after another.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{
+    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
+};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use crate::real::{Real, coefficient, compare, in_range};
+
+/// Range of N.
+const CYCLES: [f64; 2] = [0.1, limits::CYCLES];
 
 /// F = (1 − e^(−n/N))·(k·y + a·F_elastic + b·F_damping), n the cycles since the test began. In the end the stiffness has changed by
 /// k, the elastic force of the mixed damping law (eq 13) by the fraction a of itself, and its damping force by b.
@@ -26,13 +31,15 @@ impl<R: Real> Drift<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(stiffness: R, cycles: R) -> Result<Self, ConfigError> {
-        let cycles = in_range("cycles", cycles, 0.1, limits::CYCLES)?;
-        Ok(Self {
-            stiffness: coefficient("stiffness", stiffness)?,
+        let cycles = in_range("cycles", cycles, CYCLES[0], CYCLES[1])?;
+        let new = Self {
+            stiffness,
             elastic: R::ZERO,
             beyond: R::ZERO,
             rate: R::from_f64(-core::f64::consts::LOG2_E) / cycles,
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
 
     /// The same with a change of eq 13's forces.
@@ -46,11 +53,13 @@ impl<R: Real> Drift<R> {
     pub fn with_forces(self, elastic_change: R, damping_change: R) -> Result<Self, ConfigError> {
         let elastic = in_range("elastic_change", elastic_change, -1.0, limits::CHANGE)?;
         let damping = in_range("damping_change", damping_change, -1.0, limits::CHANGE)?;
-        Ok(Self {
+        let new = Self {
             elastic,
             beyond: damping - elastic,
             ..self
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
 
     /// Final change of the forces of `law`.
@@ -74,7 +83,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         kind: EffectKind::Force,
         cost: Cost::Common,
         parameters: &[
-            Parameter::new("cycles", "1", 0.1, limits::CYCLES),
+            Parameter::new("cycles", "1", CYCLES[0], CYCLES[1]),
             Parameter::new(
                 "stiffness",
                 "kN/mm",
@@ -89,7 +98,7 @@ impl<R: Real> Equations<R> for Drift<R> {
         typical: &[30.0, 0.2, 0.1, -0.3],
         depends_on: &[Dependence::Displacement, Dependence::Cycle],
         outside: Growth::OfLaw,
-        supplies_energy: false,
+        energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.",
     };
@@ -111,10 +120,26 @@ impl<R: Real> Equations<R> for Drift<R> {
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("stiffness", self.stiffness)?;
         in_range("elastic_change", self.elastic, -1.0, limits::CHANGE)?;
-        // A little beyond the range, because it is a sum of rounded numbers; the same holds for −log₂ e/0.1.
+        // Beyond the range only by the rounding of the two in f32: `least_damping` takes it for the end of the range.
+        let rounding = R::from_f64(2.4e-7) * (R::ONE + self.elastic.abs());
         let damping = self.elastic + self.beyond;
-        in_range("damping_change", damping, -1.001, 1.001 * limits::CHANGE)?;
-        in_range("rate", self.rate, -15.0, 0.0).map(|_| ())
+        let most = R::from_f64(limits::CHANGE);
+        compare(
+            "damping_change",
+            damping,
+            -R::ONE - rounding,
+            most + rounding,
+        )?;
+        // A little beyond the range, because it is computed from a rounded number.
+        let rate = CYCLES.map(|cycles| -core::f64::consts::LOG2_E / cycles);
+        in_range("rate", self.rate, 1.001 * rate[0], 0.999 * rate[1]).map(|_| ())
+    }
+
+    /// Before the first cycle there is no change yet.
+    fn least_damping(&self) -> (&'static str, R, R) {
+        let change = self.elastic + self.beyond;
+        let least = if change < R::ZERO { change } else { R::ZERO };
+        ("damping_change", change, least.clamped(R::ONE))
     }
 
     #[inline(always)]

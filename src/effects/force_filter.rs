@@ -2,10 +2,10 @@
 
 use core::f64::consts::{PI, SQRT_2};
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{Equations, Packed};
 use crate::error::ConfigError;
-use crate::real::{Real, in_range};
+use crate::real::{Real, compare, in_range};
 
 /// Lowest and highest corner, cycles per tick. Below, f32 would lose the change within a tick; above, a tick has no lag.
 const CORNER: [f64; 2] = [1e-4, 1e3];
@@ -59,13 +59,24 @@ impl<R: Real> ForceFilter<R> {
         let (sin, cos) = libm::sincos(a);
         let kept = libm::exp(-a);
         let (lost, im) = (1.0 - kept * cos, kept * sin);
-        Ok(Self {
+        let new = Self {
             lost: R::from_f64(lost),
             im: R::from_f64(im),
             along: R::from_f64(-lost / a),
             across: R::from_f64(-im / a),
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
+}
+
+/// Checks that `value` is `expected`. Derived: exponential, sine and a round within 1e-6 of a whole, in f32.
+///
+/// # Errors
+/// It is not.
+fn is_about<R: Real>(field: &'static str, value: R, expected: R) -> Result<(), ConfigError> {
+    let [low, high] = [-2e-6, 2e-6].map(|off| expected + R::from_f64(off));
+    compare(field, value, low, high).map(|_| ())
 }
 
 impl<R: Real> Equations<R> for ForceFilter<R> {
@@ -81,7 +92,7 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         typical: &[200.0],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
-        supplies_energy: true,
+        energy: Energy::Active,
         scales_law: false,
         sentence: "A force channel behind a second-order low-pass.",
     };
@@ -100,16 +111,21 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         Self::new(R::from_f64(corner), R::from_f64(tick))
     }
 
+    /// One number gives all four: a, which lost and along say. The state then shrinks by e^(−a) per tick.
     fn check(&self) -> Result<(), ConfigError> {
-        // e^(−a)·cos a is −0.067 at least, at 3π/4; e^(−a)·sin a is 0.323 at most, at π/4, and −0.014 at least, at 5π/4.
         in_range("lost", self.lost, 1e-4, 1.07)?;
-        in_range("im", self.im, -0.014, 0.323)?;
-        in_range("along", self.along, -1.0, 0.0)?;
-        in_range("across", self.across, -1.0, 0.004)?;
-        // The numbers read may be any of these, and the state must not grow: the lowest corner keeps 1 − 9e-4 of the square.
-        let kept = R::ONE - self.lost;
-        let square = kept * kept + self.im * self.im;
-        in_range("kept", square, 0.0, 0.9995).map(|_| ())
+        in_range("along", self.along, -1.0, -1e-4)?;
+        let a = self.lost / -self.along;
+        let [low, high] = CORNER.map(|corner| SQRT_2 * PI * corner);
+        in_range("corner", a, 0.999 * low, 1.001 * high)?;
+        let kept = (a * R::from_f64(-core::f64::consts::LOG2_E)).exp2_of_negative();
+        let turns = a * R::from_f64(0.5 / PI);
+        let part = turns - R::from_i32(turns.to_i32());
+        let phase = u64::from((part * R::from_f64(f64::from(1 << 30))).to_i32() as u32) << 34;
+        let [sin, cos] = [phase, phase.wrapping_add(1 << 62)].map(R::sine);
+        is_about("lost", self.lost, R::ONE - kept * cos)?;
+        is_about("im", self.im, kept * sin)?;
+        is_about("across", self.across, -self.im / a)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Free play of the mounting: the specimen does not feel the first part of a displacement in either direction.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -28,6 +28,11 @@ impl<R: Real> Gap<R> {
         };
         new.check()?;
         Ok(new)
+    }
+
+    /// Whether velocity and acceleration are 0 within the play.
+    pub(super) fn is_idle_inside(&self) -> bool {
+        self.inside != R::ONE
     }
 
     /// The motion of the specimen for the mounting's `motion`. Cycles and temperature stay.
@@ -63,7 +68,7 @@ impl<R: Real> Equations<R> for Gap<R> {
         typical: &[0.01, 0.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::OfForceBehind,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "Free play of the mounting: the first part of a displacement is not felt.",
     };
@@ -83,7 +88,10 @@ impl<R: Real> Equations<R> for Gap<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("half_width", self.half_width, 0.0, limits::DISPLACEMENT)?;
-        in_range("inside", self.inside, 0.0, 1.0).map(|_| ())
+        if self.inside == R::ZERO {
+            return Ok(());
+        }
+        in_range("inside", self.inside, 1.0, 1.0).map(|_| ())
     }
 
     /// A motion within the limits stays within them.

@@ -1,6 +1,6 @@
 //! Stiffness of the fifth order: wires that come into contact with each other towards the end of the stroke.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Hardening<R> {
         typical: &[90.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::FifthPower,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "Stiffness of the fifth order: wires that come to lie against each other.",
     };

@@ -1,8 +1,8 @@
 //! Rate-independent friction in the general form of Bouc (1967) and Wen (1976), bounded: the third form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::stretch::{SHARPEST, Stretch, power};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -166,7 +166,7 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         typical: &[0.9, 0.4, 1.0, 2.0, 10.0],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Rate-independent friction whose branches grow steeper, and fall off faster than they rose.",
     };
@@ -198,6 +198,10 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         in_range("sharpness", self.sharpness, 0.5, SHARPEST)?;
         in_range("hardening", self.hardening, HARDENING[0], HARDENING[1])?;
         in_range("loss", self.loss, 0.0, MOST_LOSS).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

@@ -1,6 +1,6 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -23,9 +23,16 @@ impl<R: Real> Inertia<R> {
     /// `mass` not finite or out of range.
     pub fn new(mass: R) -> Result<Self, ConfigError> {
         let mass = in_range("mass", mass, -limits::MASS, limits::MASS)?;
-        Ok(Self {
+        let new = Self {
             mass: mass * R::from_f64(KILONEWTON),
-        })
+        };
+        new.check()?;
+        Ok(new)
+    }
+
+    /// kg
+    pub(super) fn mass(&self) -> R {
+        self.mass * R::from_f64(1.0 / KILONEWTON)
     }
 
     /// Force in kN at an acceleration in mm/s².
@@ -47,7 +54,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
         typical: &[50.0],
         depends_on: &[Dependence::Displacement, Dependence::Frequency],
         outside: Growth::Linear,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "A mass that moves between the load cell and the specimen.",
     };

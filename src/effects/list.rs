@@ -113,10 +113,6 @@ macro_rules! effects {
         const LIGHT: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Light) { Bit::$name.mask() } else { 0 })|+;
         const RARE: u32 = $(if is_cost(&<$name<f32> as Equations<f32>>::DESCRIPTION, Cost::Rare) { Bit::$name.mask() } else { 0 })|+;
         const SCALING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.scales_law { Bit::$name.mask() } else { 0 })|+;
-        const HELD: u32 = $(if depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Control)
-            || depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Cycle) { Bit::$name.mask() } else { 0 })|+;
-        const WARMED: u32 = $(if depends_on(&<$name<f32> as Equations<f32>>::DESCRIPTION, Dependence::Temperature) { Bit::$name.mask() } else { 0 })|+;
-        const SUPPLYING: u32 = $(if <$name<f32> as Equations<f32>>::DESCRIPTION.supplies_energy { Bit::$name.mask() } else { 0 })|+;
         const STAGES: u32 = $(if is_kind(&<$name<f32> as Equations<f32>>::DESCRIPTION, EffectKind::Stage) { Bit::$name.mask() } else { 0 })|+;
 
         /// Up to one effect of each kind.
@@ -172,13 +168,50 @@ macro_rules! effects {
                 Ok(())
             }
 
-            /// [`Equations::check`] of the effect with this number.
+            /// [`Equations::check`] of the effect with this number, and, for a known tick, [`Equations::check_tick`].
             #[inline(never)]
-            fn check(&self, number: u8) -> Result<(), ConfigError> {
+            fn check(&self, number: u8, tick: Option<R>) -> Result<(), ConfigError> {
                 $(if number == <$name<R> as Equations<R>>::DESCRIPTION.number {
-                    return self.$module.check();
+                    self.$module.check()?;
+                    return tick.map_or(Ok(()), |tick| self.$module.check_tick(tick));
                 })+
                 Ok(())
+            }
+
+            /// The first effect for which [`Equations::supplies`] names a parameter.
+            #[inline(never)]
+            fn supplies(&self) -> Option<Active> {
+                $(if self.has(Bit::$name.mask())
+                    && let Some((field, value)) = self.$module.supplies()
+                {
+                    return Some(Active {
+                        effect: <$name<R> as Equations<R>>::DESCRIPTION.name,
+                        field,
+                        value: value.to_f64(),
+                    });
+                })+
+                None
+            }
+
+            /// [`AugmentedLaw::least_damping`]
+            #[inline(never)]
+            fn least_damping(&self) -> (R, Active) {
+                let mut left = R::ONE;
+                let mut by = Active { effect: "", field: "", value: 0.0 };
+                $(if matches!(<$name<R> as Equations<R>>::DESCRIPTION.energy, Energy::ScalesDamping)
+                    && self.has(Bit::$name.mask())
+                {
+                    let (field, value, change) = self.$module.least_damping();
+                    left += change;
+                    if change < R::ZERO {
+                        by = Active {
+                            effect: <$name<R> as Equations<R>>::DESCRIPTION.name,
+                            field,
+                            value: value.to_f64(),
+                        };
+                    }
+                })+
+                (left, by)
             }
 
             /// The bits of the effects.
@@ -189,21 +222,6 @@ macro_rules! effects {
             #[inline(always)]
             fn has(&self, bit: u32) -> bool {
                 self.present & bit != 0
-            }
-
-            /// Copies `other`, one effect at a time: a copy of all at once needs too much of a small stack.
-            #[inline(never)]
-            fn copy_from(&mut self, other: &Self) {
-                self.present = other.present;
-                $(self.$module = other.$module;)+
-            }
-
-            /// [`Equations::at_half_rate`] of each effect that is present.
-            #[inline(never)]
-            fn halve_rate(&mut self) {
-                $(if self.has(Bit::$name.mask()) {
-                    self.$module = self.$module.at_half_rate();
-                })+
             }
 
             fn iter(&self) -> impl Iterator<Item = Effect<R>> {

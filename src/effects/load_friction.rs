@@ -1,6 +1,6 @@
 //! Friction that grows with the load on the contacts: the displacement presses the wires together.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -39,7 +39,7 @@ impl<R: Real> Equations<R> for LoadFriction<R> {
         typical: &[4.0],
         depends_on: &[Dependence::Displacement, Dependence::Velocity],
         outside: Growth::LinearTimesDamping,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: true,
         sentence: "Friction that grows with the displacement, which presses the wires together.",
     };

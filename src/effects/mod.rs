@@ -29,8 +29,10 @@ pub use stop::MAX_CONTACTS;
 use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
-use crate::real::Real;
-use description::{Cost, Dependence, Description, EffectKind};
+use crate::operating_range::OperatingRange;
+use crate::passivity::Active;
+use crate::real::{Real, compare};
+use description::{Cost, Description, EffectKind, Energy};
 use residual_table::ResidualTableState;
 
 /// Former name of [`ResidualTable`].
@@ -65,12 +67,33 @@ pub trait Equations<R: Real>: Copy {
     /// Too few or too many parameters, or the one that is not finite or out of range.
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError>;
 
-    /// Checks an effect that was not constructed but read: whether its numbers are finite and within the range that its constructor
-    /// can give.
+    /// Checks the numbers of an effect, as its constructor does: whether they are finite, within the range that the constructor can
+    /// give, and agree with each other where one follows from others.
     ///
     /// # Errors
     /// The field that is not finite or out of range.
     fn check(&self) -> Result<(), ConfigError>;
+
+    /// Checks the numbers that follow from the tick, for one of `tick` s.
+    ///
+    /// # Errors
+    /// The field that is of another tick.
+    fn check_tick(&self, _tick: R) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
+    /// The parameter with which it can give out more energy than it absorbs in a closed cycle, and its value; `None` if it cannot
+    /// with its parameters, and for an effect that does so by its nature. The description's
+    /// [`energy`](description::Description::energy) says which parameters these are.
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        None
+    }
+
+    /// For an effect of [`Energy::ScalesDamping`](description::Energy): the parameter that changes the law's damping, its value,
+    /// and the change as a part of the damping, at the motion and the temperature at which the least of it remains.
+    fn least_damping(&self) -> (&'static str, R, R) {
+        ("", R::ZERO, R::ZERO)
+    }
 
     /// The force in kN that it adds on this tick to that of the mixed damping law, `law`. Called once per tick, in order.
     #[inline(always)]
@@ -88,13 +111,6 @@ pub trait Equations<R: Real>: Copy {
     #[inline(always)]
     fn viscous(&self) -> R {
         R::ZERO
-    }
-
-    /// The same effect for ticks that are twice as long, in a few hundred instructions at most; unchanged for an effect that does
-    /// not depend on the tick.
-    #[must_use]
-    fn at_half_rate(&self) -> Self {
-        *self
     }
 
     /// For a stage: the motion of the specimen behind the stage, where the motion before the stage is `motion`.
@@ -197,6 +213,20 @@ fn elements<const N: usize, const MOST: usize, E>(
     Ok(elements)
 }
 
+/// Checks a number that follows from the tick. Derived: a tick and a rate in f32 are each rounded, within 1.2e-7 together.
+///
+/// # Errors
+/// It is not `expected`, within a millionth.
+fn is_of_tick<R: Real>(field: &'static str, value: R, expected: R) -> Result<(), ConfigError> {
+    let [low, high] = [1.0 - 1e-6, 1.0 + 1e-6].map(|part| expected * R::from_f64(part));
+    compare(field, value, low, high).map(|_| ())
+}
+
+/// The parameter `name` and its `value` if that is below 0.
+fn below_0<R: Real>(name: &'static str, value: R) -> Option<(&'static str, R)> {
+    (value < R::ZERO).then_some((name, value))
+}
+
 /// The first `used` of an effect's elements, at least one.
 ///
 /// # Errors
@@ -215,17 +245,6 @@ fn some<'t, T>(field: &'static str, all: &'t [T], used: usize) -> Result<&'t [T]
 
 const fn is_cost(description: &Description, cost: Cost) -> bool {
     description.cost as u8 == cost as u8
-}
-
-const fn depends_on(description: &Description, what: Dependence) -> bool {
-    let mut place = 0;
-    while place < description.depends_on.len() {
-        if description.depends_on[place] as u8 == what as u8 {
-            return true;
-        }
-        place += 1;
-    }
-    false
 }
 
 const fn is_kind(description: &Description, kind: EffectKind) -> bool {
@@ -280,12 +299,12 @@ impl<const N: usize> AugmentedLaw<f32, N> {
         self.correction = ResidualTable::NONE;
     }
 
-    /// Checks that the effect of this number is in its ranges, after it was read.
+    /// Checks the numbers of the effect with this number, for a tick of `tick` s if that is known, after it was read.
     ///
     /// # Errors
-    /// The field that is not in its range.
-    pub(crate) fn check_effect(&self, number: u8) -> Result<(), ConfigError> {
-        self.effects.check(number)
+    /// The field that is not in its range, or does not agree with others.
+    pub(crate) fn check_effect(&self, number: u8, tick: Option<f32>) -> Result<(), ConfigError> {
+        self.effects.check(number, tick)
     }
 
     /// Whether it is still being written by this upload; no running law is.
@@ -442,39 +461,45 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         self.with_effects(state, &motion, law)
     }
 
-    /// The law that the check of [`crate::passivity`] examines, written into `judged` to save stack: without the effects that
-    /// supply energy by their description, and without a spring in series. Such a spring returns the energy that it absorbs. But it
-    /// uses the other effects' forces of the tick before, which is harmless at the tick that it is made for, and wrong at a tick of
-    /// a thirtieth of a cycle.
-    pub(crate) fn write_judged(&self, judged: &mut Self) {
-        judged.law = self.law;
-        judged.effects.copy_from(&self.effects);
-        judged.effects.present &= !(SUPPLYING | Bit::Compliance.mask());
-        judged.correction = self.correction;
+    /// The first effect that can give out more energy than it absorbs with its parameters, for the check of [`crate::passivity`].
+    pub(crate) fn supplies(&self, range: Option<&OperatingRange<R>>) -> Option<Active> {
+        let is_there = |bit: Bit| self.effects.has(bit.mask());
+        if is_there(Bit::Inertia) {
+            let mass = self.effects.inertia.mass();
+            // A mass that a motion accelerates within the play, where it has no force, gives that energy out beyond it.
+            let is_let_go =
+                is_there(Bit::Gap) && self.effects.gap.is_idle_inside() && mass != R::ZERO;
+            // One below 0 pulls the spring so that the specimen's damping acts with the motion.
+            if is_let_go || is_there(Bit::Compliance) && mass < R::ZERO {
+                return Some(Active {
+                    effect: Inertia::<R>::DESCRIPTION.name,
+                    field: "mass",
+                    value: mass.to_f64(),
+                });
+            }
+        }
+        // A law that is softer than the spring jumps from one displacement to another.
+        if is_there(Bit::Compliance) {
+            let stiffness = self.effects.compliance.stiffness();
+            let ends = range.map_or([R::ZERO; 2], |range| range.displacement());
+            let softest = |y: R| self.law.k1() + R::from_f64(3.0) * self.law.k3() * y * y;
+            if [R::ZERO, ends[0], ends[1]]
+                .into_iter()
+                .any(|y| softest(y) + stiffness <= R::ZERO)
+            {
+                return Some(Active {
+                    effect: Compliance::<R>::DESCRIPTION.name,
+                    field: "stiffness",
+                    value: stiffness.to_f64(),
+                });
+            }
+        }
+        self.effects.supplies()
     }
 
-    /// The same for ticks that are twice as long.
-    pub(crate) fn halve_rate(&mut self) {
-        self.effects.halve_rate();
-        self.correction.halve_rate();
-    }
-
-    /// Whether an effect depends on a control input or on the cycles. The check of [`crate::passivity`] holds both constant, and
-    /// runs in two states of them.
-    pub(crate) fn has_parameters_of_state(&self) -> bool {
-        self.effects.present & HELD != 0
-    }
-
-    /// Whether it depends on the temperature.
-    pub(crate) fn depends_on_temperature(&self) -> bool {
-        let of_table = |table: &ResidualTable<R>| table.is_over_temperature();
-        self.effects.present & WARMED != 0 || self.residual_table().is_some_and(of_table)
-    }
-
-    /// Whether the frequency is computed from the cycles.
-    pub(crate) fn is_over_frequency(&self) -> bool {
-        self.residual_table()
-            .is_some_and(ResidualTable::is_over_frequency)
+    /// The least part of the law's damping that remains with the effects that scale it, and a parameter that takes of it.
+    pub(crate) fn least_damping(&self) -> (R, Active) {
+        self.effects.least_damping()
     }
 
     /// Whether a stage is among the effects.

@@ -1,6 +1,6 @@
 //! A constant force: a preload, or a load cell that was not zeroed.
 
-use super::description::{Cost, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Offset<R> {
         typical: &[0.05],
         depends_on: &[],
         outside: Growth::Constant,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "A constant force: a preload, or a load cell that was not zeroed.",
     };

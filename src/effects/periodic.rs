@@ -3,7 +3,7 @@
 
 use core::f64::consts::TAU;
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed, some};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
@@ -11,8 +11,10 @@ use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
 
-/// Highest frequency, Hz: half of the highest tick rate.
-const FREQUENCY_MAX: f64 = 0.499e6;
+/// Highest frequency, cycles per tick: below half a cycle.
+const HIGHEST: f64 = 0.499;
+/// Highest frequency, Hz: that of the highest tick rate.
+const FREQUENCY_MAX: f64 = 1e6 * HIGHEST;
 
 /// Most tones in one [`Periodic`].
 pub const MAX_TONES: usize = 3;
@@ -41,6 +43,26 @@ impl<R: Real> Tone<R> {
         increment: [0; 2],
         phase: [0; 2],
     };
+
+    // Not inlined, because the loop that calls it is unrolled.
+    #[inline(never)]
+    fn check(&self) -> Result<(), ConfigError> {
+        coefficient("amplitude", self.amplitude)?;
+        // In cycles per tick, with a margin for the rounding of a rate. 2⁶⁴ are a cycle.
+        let [low, high] = [FREQUENCY_MIN * 1e-6, HIGHEST];
+        let [least, most] = [(1.0 - 1e-9) * low, (1.0 + 1e-9) * high]
+            .map(|part| (part * (1u128 << 64) as f64) as u64);
+        let increment = whole(self.increment);
+        if (least..=most).contains(&increment) {
+            return Ok(());
+        }
+        Err(ConfigError::OutOfRange {
+            field: "frequency",
+            value: increment as f64 / (1u128 << 64) as f64,
+            low,
+            high,
+        })
+    }
 
     #[inline(always)]
     fn force(&self, state: &mut [u32; 2]) -> R {
@@ -74,7 +96,7 @@ impl<R: Real> Periodic<R> {
             ..Self::NONE
         };
         for (slot, &(amplitude, frequency, phase)) in new.tones.iter_mut().zip(tones) {
-            in_range("frequency", frequency, FREQUENCY_MIN, 0.499 * tick_rate)?;
+            in_range("frequency", frequency, FREQUENCY_MIN, HIGHEST * tick_rate)?;
             let turns = in_range("phase", phase, -1e3, 1e3)? / TAU;
             *slot = Tone {
                 amplitude,
@@ -103,7 +125,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
         typical: &[0.02, 50.0, 0.3],
         depends_on: &[Dependence::Time],
         outside: Growth::Constant,
-        supplies_energy: true,
+        energy: Energy::Active,
         scales_law: false,
         sentence: "Tones: forces of their own frequencies, whatever the motion.",
     };
@@ -127,8 +149,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("tones", &self.tones, self.used)?;
-        used.iter()
-            .try_for_each(|tone| coefficient("amplitude", tone.amplitude).map(|_| ()))
+        used.iter().try_for_each(Tone::check)
     }
 
     #[inline(always)]

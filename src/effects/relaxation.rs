@@ -3,14 +3,17 @@
 //! Several branches with spread times are a Prony series, which the paper uses for its material (Table 5). They also approximate
 //! materials that relax on all time scales.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, some};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
 /// Most branches in one [`Relaxation`].
 pub const MAX_BRANCHES: usize = 3;
+
+/// Smallest part of a difference that decays in a tick: that of the shortest tick and the longest time, with a margin for rounding.
+pub(super) const LEAST_PART: f64 = 0.999 * 1e-7 / 1e6;
 
 /// dzᵢ/dt = kᵢ·v − zᵢ/τᵢ, F = Σ zᵢ.
 ///
@@ -58,7 +61,7 @@ impl<R: Real> Branch<R> {
     #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("gain", self.gain)?;
-        in_range("loss", self.loss, 0.0, 1.0).map(|_| ())
+        in_range("loss", self.loss, LEAST_PART, 1.0).map(|_| ())
     }
 }
 
@@ -131,7 +134,7 @@ impl<R: Real> Equations<R> for Relaxation<R> {
             Dependence::Frequency,
         ],
         outside: Growth::Linear,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Springs and dashpots in series: a force that fades when the motion stops.",
     };
@@ -156,16 +159,10 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         used.iter().try_for_each(Branch::check)
     }
 
-    /// For two ticks: loss ← 1 − (1 − loss)² = loss·(2 − loss), and gain, in proportion to loss/Δt, ← gain·(2 − loss)/2. With q = 1
-    /// − e^(−Δt/τ), 1 − e^(−2Δt/τ) = q·(2 − q), and the gain k·q·τ/Δt becomes k·q·(2 − q)·τ/2Δt.
-    fn at_half_rate(&self) -> Self {
-        let mut new = *self;
-        for branch in &mut new.branches {
-            let two = R::from_f64(2.0) - branch.loss;
-            branch.gain = R::from_f64(0.5) * branch.gain * two;
-            branch.loss = branch.loss * two;
-        }
-        new
+    /// The gain has the sign of the stiffness.
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        let mut branches = self.branches.iter().take(self.used);
+        branches.find_map(|branch| below_0("stiffness", branch.gain))
     }
 
     #[inline(always)]

@@ -3,8 +3,8 @@
 //! Each element is a spring in series with a Coulomb slider. It sticks until its spring is stretched by the slip limit, then slides
 //! at constant force. Several elements with spread slip limits describe a bundle of wires whose contacts slip one after another.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, some};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0, some};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -90,7 +90,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         ],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Rate-independent friction with elastic pre-sliding: springs behind Coulomb sliders.",
     };
@@ -117,6 +117,11 @@ impl<R: Real> Equations<R> for StickSlip<R> {
     fn check(&self) -> Result<(), ConfigError> {
         let used = some("elements", &self.elements, self.used)?;
         used.iter().try_for_each(Element::check)
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        let mut elements = self.elements.iter().take(self.used);
+        elements.find_map(|element| below_0("stiffness", element.stiffness))
     }
 
     // Not inlined on a target, so that ticks without this effect do not load its registers and constants.

@@ -1,6 +1,6 @@
 //! One-sided contact: a stop that the specimen or its fixture reaches beyond a gap.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -25,6 +25,12 @@ struct Contact<R> {
 }
 
 impl<R: Real> Contact<R> {
+    const NONE: Self = Self {
+        stiffness: R::ZERO,
+        gap: R::ZERO,
+    };
+
+    /// The sign of its gap gives its side.
     fn check(&self) -> Result<(), ConfigError> {
         in_range("stiffness", self.stiffness, 0.0, limits::COEFFICIENT)?;
         in_range("gap", self.gap.abs(), 1e-9, limits::DISPLACEMENT).map(|_| ())
@@ -38,9 +44,6 @@ impl<R: Real> Stop<R> {
     /// # Errors
     /// No contacts, too many, or the field that is not finite or out of range.
     pub fn new(contacts: &[(R, R)]) -> Result<Self, ConfigError> {
-        if contacts.is_empty() {
-            return Err(ConfigError::Empty("contacts"));
-        }
         if contacts.len() > MAX_CONTACTS {
             return Err(ConfigError::Full {
                 field: "contacts",
@@ -52,6 +55,7 @@ impl<R: Real> Stop<R> {
             *slot = Contact { stiffness, gap };
             slot.check()?;
         }
+        new.check()?;
         Ok(new)
     }
 }
@@ -71,15 +75,12 @@ impl<R: Real> Equations<R> for Stop<R> {
         typical: &[2.0, 0.06, 3.0, -0.08],
         depends_on: &[Dependence::Displacement],
         outside: Growth::LinearBeyondGap,
-        supplies_energy: false,
+        energy: Energy::Passive,
         scales_law: false,
         sentence: "One-sided contact: a stop that the specimen or its fixture meets beyond a gap.",
     };
     const NONE: Self = Self {
-        contacts: [Contact {
-            stiffness: R::ZERO,
-            gap: R::ZERO,
-        }; MAX_CONTACTS],
+        contacts: [Contact::NONE; MAX_CONTACTS],
     };
 
     type State = ();
@@ -94,13 +95,12 @@ impl<R: Real> Equations<R> for Stop<R> {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        for contact in &self.contacts {
-            // The sign of a contact's gap gives its side.
-            if contact.stiffness != R::ZERO || contact.gap != R::ZERO {
-                contact.check()?;
-            }
+        let is_there = |contact: &&Contact<R>| **contact != Contact::NONE;
+        let mut there = self.contacts.iter().filter(is_there).peekable();
+        if there.peek().is_none() {
+            return Err(ConfigError::Empty("contacts"));
         }
-        Ok(())
+        there.try_for_each(Contact::check)
     }
 
     #[inline(always)]

@@ -1,10 +1,13 @@
 //! A force that scales with temperature: the wire's modulus and its friction change, together or separately.
 
-use super::description::{Absent, Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{
+    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
+};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
+use crate::rig;
 
 /// F = −(T − T0)·(β·F_elastic + β_damping·F_damping): per °C above T0 the elastic force of the mixed damping
 /// law (eq 13) falls by the fraction β, and its damping force by β_damping.
@@ -26,13 +29,13 @@ impl<R: Real> Temperature<R> {
     /// # Errors
     /// The field that is not finite or out of range.
     pub fn new(beta: R, reference: R) -> Result<Self, ConfigError> {
-        let beta = in_range("beta", beta, -1.0, 1.0)?;
-        let reference = in_range("reference", reference, -273.15, limits::TEMPERATURE)?;
-        Ok(Self {
+        let new = Self {
             beta,
             beyond: R::ZERO,
             reference,
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
 
     /// The same with a separate β for the damping force.
@@ -43,10 +46,12 @@ impl<R: Real> Temperature<R> {
     /// `beta_damping` is not finite or out of range.
     pub fn with_damping(self, beta_damping: R) -> Result<Self, ConfigError> {
         let beta_damping = in_range("beta_damping", beta_damping, -1.0, 1.0)?;
-        Ok(Self {
+        let new = Self {
             beyond: beta_damping - self.beta,
             ..self
-        })
+        };
+        new.check()?;
+        Ok(new)
     }
 }
 
@@ -66,7 +71,7 @@ impl<R: Real> Equations<R> for Temperature<R> {
         typical: &[0.005, 20.0, -0.002],
         depends_on: &[Dependence::Temperature],
         outside: Growth::OfLaw,
-        supplies_energy: false,
+        energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "A force that scales with the temperature, as the modulus and the friction of wire do.",
     };
@@ -86,9 +91,19 @@ impl<R: Real> Equations<R> for Temperature<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         in_range("beta", self.beta, -1.0, 1.0)?;
-        in_range("beyond", self.beyond, -2.0, 2.0)?;
+        // A little beyond the range, because it is a sum of rounded numbers.
+        let damping = self.beta + self.beyond;
+        in_range("beta_damping", damping, -1.001, 1.001)?;
         let reference = in_range("reference", self.reference, -273.15, limits::TEMPERATURE);
         reference.map(|_| ())
+    }
+
+    /// Over the temperatures that a rig accepts by default. The change is linear in the temperature.
+    fn least_damping(&self) -> (&'static str, R, R) {
+        let beta = self.beta + self.beyond;
+        let change = |temperature| (self.reference - R::from_f64(temperature)) * beta;
+        let [cold, hot] = rig::TEMPERATURES.map(change);
+        ("beta_damping", beta, if cold < hot { cold } else { hot })
     }
 
     #[inline(always)]

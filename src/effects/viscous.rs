@@ -1,7 +1,7 @@
 //! A linear dashpot parallel to the |v|^α damping: a fluid, or the film between wires.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient};
@@ -41,7 +41,7 @@ impl<R: Real> Equations<R> for Viscous<R> {
         typical: &[0.02],
         depends_on: &[Dependence::Velocity],
         outside: Growth::Linear,
-        supplies_energy: false,
+        energy: Energy::Below0(&["c1"]),
         scales_law: false,
         sentence: "A linear dashpot: a fluid, or the film between wires.",
     };
@@ -57,6 +57,10 @@ impl<R: Real> Equations<R> for Viscous<R> {
 
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("c1", self.c1).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("c1", self.c1)
     }
 
     #[inline(always)]

@@ -3,8 +3,8 @@
 //! Examples are contacts that become polished and asperities that wear off. The friction with elastic pre-sliding fades as the
 //! damper works.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -115,7 +115,7 @@ impl<R: Real> Equations<R> for Weakening<R> {
         typical: &[2.0, 0.03, 0.6, 0.2],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "Friction with elastic pre-sliding that fades with the energy that it has dissipated.",
     };
@@ -139,6 +139,10 @@ impl<R: Real> Equations<R> for Weakening<R> {
         in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
         in_range("loss", self.loss, 0.0, 1.0)?;
         in_range("energy", self.energy, ENERGY[0], ENERGY[1]).map(|_| ())
+    }
+
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

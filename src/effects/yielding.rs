@@ -3,12 +3,12 @@
 //! Examples are oil through a valve that opens, a pad that slips under enough force, and rubber that flows. They are stiff for
 //! small motions, and have a nearly constant force for large ones.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Growth, Parameter};
+use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
 use super::stretch::Stretch;
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
 use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use crate::real::{Real, coefficient, compare, in_range};
 
 /// Range of v₀, mm/s.
 const RATE: [f64; 2] = [1e-9, limits::VELOCITY];
@@ -74,11 +74,14 @@ impl<R: Real> Yielding<R> {
             slip: R::from_f64(PART * tick * rate),
             reach: R::ZERO,
         };
-        // The lower bound, until the value is computed.
-        new.reach = new.yield_stretch + new.drag + new.slip;
-        new.check()?;
         new.reach = new.reached();
+        new.check()?;
         Ok(new)
+    }
+
+    /// τ·v₀, mm.
+    pub(super) fn drag(&self) -> R {
+        self.drag
     }
 
     /// x/tanh u at the root u for b = x.
@@ -89,25 +92,34 @@ impl<R: Real> Yielding<R> {
         self.reach_of(self.risen::<24>(start, self.yield_stretch))
     }
 
+    /// Checks that the reach is that of the root for b = x: a search that starts from it finds a root that solves the equation, and
+    /// leads back to it. A start above the root would stay where it is, and one too far below would not arrive.
+    #[inline(never)]
+    fn check_reach(&self) -> Result<(), ConfigError> {
+        // Far above the rounding of both in f32, 1e-6, and too little to matter to a search.
+        let close = R::from_f64(1e-5);
+        let x = self.yield_stretch;
+        let root = self.root(x);
+        let missing = x - x * tanh(root) - (self.drag + self.slip) * root;
+        let found = self.reach_of(root);
+        if missing.abs() <= close * x && (self.reach - found).abs() <= close * found {
+            return Ok(());
+        }
+        let reached = self.reached();
+        let [low, high] = [reached - close * reached, reached + close * reached];
+        compare("reach", self.reach, low, high).map(|_| ())
+    }
+
     /// x/tanh u at the root u for b = x.
     fn reach_of(&self, root: R) -> R {
         let least = self.yield_stretch + self.drag + self.slip;
         let reach = self.yield_stretch / tanh(root);
         // Where the root is practically 0, the reach is the lower bound.
-        if reach > least { reach } else { least }
-    }
-
-    /// A value not above the root for b = x of the branch with twice the γ·Δt. It is below that root by at most ½·ln 2 plus the
-    /// error of the logarithm.
-    ///
-    /// Let u be the root for C, and δ = ½·ln 2. The root for at most 2·C is at least u/2, and at least u − δ. Proof: C = x·(1 −
-    /// tanh u)/u =: g(u) falls, g(u/2) ≥ 2·g(u), and g(u − δ) ≥ 2·g(u) where u ≤ δ·(2 + e²ᵘ), which holds for every u.
-    fn root_at_half_rate(&self) -> R {
-        let part = (self.yield_stretch / self.reach).clipped(R::from_f64(1.0 - 6e-8));
-        let root = artanh(part);
-        let half = root * R::from_f64(0.5);
-        let less = root - R::from_f64(0.5 * core::f64::consts::LN_2);
-        if less > half { less } else { half }
+        if reach > least && reach.is_finite() {
+            reach
+        } else {
+            least
+        }
     }
 
     /// The root for `force` = b ≥ 0 after a number of Halley steps from `start` ≥ 0, which is not above the root.
@@ -221,7 +233,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
             Dependence::Frequency,
         ],
         outside: Growth::AtMostLinear,
-        supplies_energy: false,
+        energy: Energy::Below0(&["stiffness"]),
         scales_law: false,
         sentence: "A spring and a dashpot that yields, in series: a force that fades when the motion stops, and rises ever more slowly with its speed.",
     };
@@ -252,23 +264,11 @@ impl<R: Real> Equations<R> for Yielding<R> {
         in_range("drag", self.drag, 0.0, 1.001 * TIME * RATE[1])?;
         let slip = [TICK[0] * RATE[0], TICK[1] * RATE[1]].map(|slip| PART * slip);
         in_range("slip", self.slip, 0.999 * slip[0], 1.001 * slip[1])?;
-        // It is x + C·u, with a u for which tanh u is 1, 20 in f64.
-        let most = self.yield_stretch + R::from_f64(24.0) * (self.drag + self.slip);
-        // Near 1 the rounding of tanh u adds a little.
-        let most = R::from_f64(1.001) * most;
-        let range = [self.yield_stretch, most].map(R::to_f64);
-        in_range("reach", self.reach, range[0], range[1]).map(|_| ())
+        self.check_reach()
     }
 
-    /// The start of a search follows from the start before.
-    fn at_half_rate(&self) -> Self {
-        let mut new = Self {
-            slip: self.slip + self.slip,
-            ..*self
-        };
-        let root = new.risen::<3>(self.root_at_half_rate(), self.yield_stretch);
-        new.reach = new.reach_of(root);
-        new
+    fn supplies(&self) -> Option<(&'static str, R)> {
+        below_0("stiffness", self.stiffness)
     }
 
     // Not inlined on a target, so that a tick without this effect does not save its registers.

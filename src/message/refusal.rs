@@ -39,8 +39,8 @@ pub enum Refusal<'a> {
     PackIdentity,
     /// [`PackError::Revision`].
     PackRevision,
-    /// [`PackError::Active`].
-    PackActive,
+    /// [`PackError::Active`], with the name of the parameter.
+    PackActive(&'a str),
     /// The first request had a number other than 0: the board has restarted since.
     Restarted,
     /// The rig does not start.
@@ -50,7 +50,7 @@ pub enum Refusal<'a> {
 }
 
 /// The refusals that consist of their number alone.
-const PLAIN: [Refusal<'static>; 13] = [
+const PLAIN: [Refusal<'static>; 12] = [
     Refusal::Order,
     Refusal::Converter,
     Refusal::PackMagic,
@@ -62,10 +62,11 @@ const PLAIN: [Refusal<'static>; 13] = [
     Refusal::PackTickRate,
     Refusal::PackIdentity,
     Refusal::PackRevision,
-    Refusal::PackActive,
     Refusal::Restarted,
 ];
 
+/// Number of [`Refusal::PackActive`] on the link.
+const ACTIVE: u8 = 11;
 /// Number of [`Refusal::Field`] on the link.
 const FIELD: u8 = u8::MAX;
 /// Number of [`Refusal::Removed`] on the link.
@@ -126,7 +127,7 @@ impl Refusal<'_> {
             Self::PackTickRate => 8,
             Self::PackIdentity => 9,
             Self::PackRevision => 10,
-            Self::PackActive => 11,
+            Self::PackActive(_) => ACTIVE,
             Self::Restarted => 12,
             Self::Field(_) => FIELD,
             Self::Removed(_) => REMOVED,
@@ -173,7 +174,7 @@ impl From<PackError> for Refusal<'static> {
             PackError::TickRate { .. } => Self::PackTickRate,
             PackError::Identity { .. } => Self::PackIdentity,
             PackError::Revision { .. } => Self::PackRevision,
-            PackError::Active { .. } => Self::PackActive,
+            PackError::Active(active) => Self::PackActive(active.field),
             PackError::Refused(error) => error.into(),
         }
     }
@@ -184,7 +185,9 @@ pub fn write_refusal(sequence: u32, refusal: &Refusal<'_>, buffer: &mut FrameBuf
     buffer.write(answer(kind::REFUSED, sequence, 1), |writer| {
         writer.u8(refusal.number());
         let state = match refusal {
-            Refusal::Field(name) | Refusal::Removed(name) => return writer.bytes(name.as_bytes()),
+            Refusal::Field(name) | Refusal::Removed(name) | Refusal::PackActive(name) => {
+                return writer.bytes(name.as_bytes());
+            }
             Refusal::Start(refused) => state_of_start(*refused),
             Refusal::Clear(refused) => state_of_clear(*refused),
             _ => return,
@@ -199,6 +202,7 @@ pub(super) fn read_refusal<'a>(reader: &mut Reader<'a>) -> Option<Refusal<'a>> {
     Some(match number {
         FIELD => Refusal::Field(name(reader)?),
         REMOVED => Refusal::Removed(name(reader)?),
+        ACTIVE => Refusal::PackActive(name(reader)?),
         START => Refusal::Start(start_of_state(state_of(reader.u8()?)?)?),
         CLEAR => Refusal::Clear(clear_of_state(state_of(reader.u8()?)?)?),
         number => PLAIN.into_iter().find(|each| each.number() == number)?,
@@ -213,7 +217,7 @@ mod tests {
     #[test]
     fn numbers_on_the_link_are_those_of_the_table() {
         use crate::rig::TripCause::{EnableLine, LinkLost};
-        let refusals: [(&[u8], Refusal<'_>); 21] = [
+        let refusals: [(&[u8], Refusal<'_>); 22] = [
             (&[0], Refusal::Order),
             (&[1], Refusal::Converter),
             (&[2], Refusal::PackMagic),
@@ -225,7 +229,9 @@ mod tests {
             (&[8], Refusal::PackTickRate),
             (&[9], Refusal::PackIdentity),
             (&[10], Refusal::PackRevision),
-            (&[11], Refusal::PackActive),
+            (b"\x0bc1", Refusal::PackActive("c1")),
+            // From an image that does not name the parameter.
+            (&[11], Refusal::PackActive("")),
             (&[12], Refusal::Restarted),
             (&[252, 0], Refusal::Clear(ClearRefused::Moving)),
             (&[252, 2], Refusal::Clear(ClearRefused::NoFault)),

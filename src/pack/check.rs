@@ -2,19 +2,16 @@
 //! in time.
 
 use super::info;
-use super::{Expectation, HEADER, OLDEST, PackError, SILENT_RATE, Stamp};
+use super::{Expectation, HEADER, OLDEST, PackError, Stamp};
 use crate::effects::{self, Effect, MOST_WORDS};
 use crate::fast_law::FastLaw;
 use crate::frame::{CHECKSUM, Reader, checksum_with};
 use crate::law::Law;
 use crate::operating_range::OperatingRange;
-use crate::passivity::{Active, Passivity};
+use crate::passivity;
 
-/// Size of a slice: bytes of the checksum, numbers of the damping, words of an effect and cells of the table. Each takes at most
-/// 380 instructions of a Cortex-M4F, as `cargo hil bench` counts them. The ranges of six sliders, which are checked in one slice,
-/// take 600.
+/// Size of a slice: bytes of the checksum, words of an effect and cells of the table.
 const BYTES: usize = 24;
-const NUMBERS: usize = 8;
 const WORDS: usize = 8;
 const CELLS: usize = 24;
 
@@ -27,7 +24,7 @@ enum Stage {
     Law,
     /// Removes the table of the law before.
     OldTable,
-    /// Reads the seed, from this index on.
+    /// Reads this part of the seed, and compares it with the law.
     Damping(usize),
     Effects,
     /// Begins the next effect, if there is one.
@@ -36,14 +33,14 @@ enum Stage {
     Words(usize),
     /// Puts it into the law.
     Put,
-    /// Checks its ranges.
-    Ranges,
+    /// Checks its numbers.
+    Numbers,
     Table,
     /// Reads the cells, from this index on.
     Cells(usize),
     End,
-    /// The law is complete; checks that it is passive.
-    Passivity,
+    /// The law is complete. Checks that this part of it is passive.
+    Passivity(usize),
 }
 
 /// Progress of a pack's check.
@@ -63,6 +60,8 @@ pub(super) struct Check {
     effect: u8,
     count: u8,
     words: [f32; MOST_WORDS],
+    /// Of the check that the law is passive.
+    bounds: [f32; 2],
 }
 
 impl Check {
@@ -79,18 +78,17 @@ impl Check {
         effect: 0,
         count: 0,
         words: [0.0; MOST_WORDS],
+        bounds: [0.0; 2],
     };
 
     /// Does one slice. Returns the stamp once the whole pack has been checked and its law written over `slot`, which holds no law
-    /// until then. `passivity` checks whether the law is passive, unless an active one is allowed: pass the same one each time.
-    /// Without it, the caller has to check.
+    /// until then.
     #[inline(never)]
     pub(super) fn step<const N: usize>(
         &mut self,
         pack: &[u8],
         slot: &mut FastLaw<N>,
         expected: &Expectation,
-        passivity: Option<&mut Passivity<N>>,
     ) -> Result<Option<Option<Stamp>>, PackError> {
         let is_before_the_law = matches!(
             self.stage,
@@ -109,9 +107,10 @@ impl Check {
             Stage::Info => {
                 if self.version != OLDEST {
                     let (found, description) = info::stamp(&mut reader).ok_or(PackError::Body)?;
+                    found.check()?;
                     self.stamp = Some(found);
                     expected.check(self.stamp.as_ref())?;
-                    self.range = info::operating_range(&mut Reader(description))?;
+                    self.range = info::numbers(&mut Reader(description))?.0;
                 } else {
                     expected.check(None)?;
                 }
@@ -120,20 +119,21 @@ impl Check {
             Stage::Law => {
                 let eq13 = reader.words().ok_or(PackError::Body)?;
                 let [k1, k3, c, alpha] = eq13.map(f32::from_bits);
-                slot.augmented.begin(Law::new(k1, k3, c, alpha)?);
+                let law = Law::new(k1, k3, c, alpha)?;
+                slot.augmented.begin(law);
+                slot.damping.begin(&law);
                 Stage::OldTable
             }
             Stage::OldTable => {
                 slot.augmented.begin_table();
                 Stage::Damping(0)
             }
-            Stage::Damping(from) => {
-                let to = from + NUMBERS;
+            Stage::Damping(part) => {
                 let next = || reader.f32().ok_or(PackError::Body);
-                if slot.damping.read_part(from, to, next)? {
+                if slot.damping.read_part(part, next)? {
                     Stage::Effects
                 } else {
-                    Stage::Damping(to)
+                    Stage::Damping(part + 1)
                 }
             }
             Stage::Effects => {
@@ -161,21 +161,26 @@ impl Check {
             }
             Stage::Put => {
                 slot.augmented.push(self.effect()?)?;
-                Stage::Ranges
+                Stage::Numbers
             }
-            Stage::Ranges => {
-                slot.augmented.check_effect(self.effect)?;
+            Stage::Numbers => {
+                slot.augmented.check_effect(self.effect, self.tick())?;
                 self.left = self.left.saturating_sub(1);
                 Stage::Effect
             }
             Stage::Table => match reader.u8() {
                 Some(0) => Stage::End,
                 Some(1) => {
+                    let tick = self.tick();
                     slot.augmented.correct_with(|correction| {
                         correction
                             .unpack_head(&mut reader)
                             .ok_or(PackError::Body)??;
-                        Ok::<_, PackError>(correction.check()?)
+                        correction.check()?;
+                        if let Some(tick) = tick {
+                            correction.check_tick(tick)?;
+                        }
+                        Ok::<_, PackError>(())
                     })?;
                     Stage::Cells(0)
                 }
@@ -194,21 +199,18 @@ impl Check {
                 if !reader.rest().is_empty() {
                     return Err(PackError::Body);
                 }
-                match passivity {
-                    Some(passivity) if !expected.allow_active => {
-                        passivity.begin(self.range.as_ref(), self.tick_rate());
-                        Stage::Passivity
-                    }
-                    _ => return Ok(Some(self.end(slot))),
-                }
-            }
-            Stage::Passivity => match passivity.and_then(|passivity| passivity.step(slot)) {
-                Some(verdict) => {
-                    verdict?;
+                if expected.allow_active {
                     return Ok(Some(self.end(slot)));
                 }
-                None => return Ok(None),
-            },
+                Stage::Passivity(0)
+            }
+            Stage::Passivity(part) => {
+                let range = self.range.as_ref();
+                if passivity::check_part(&slot.augmented, range, part, &mut self.bounds)? {
+                    return Ok(Some(self.end(slot)));
+                }
+                Stage::Passivity(part + 1)
+            }
         };
         self.at = pack.len() - reader.rest().len();
         Ok(None)
@@ -220,19 +222,9 @@ impl Check {
         self.stamp
     }
 
-    /// Checks all at once whether the law that was read is passive. Not inlined, so that its stack is free again afterwards, and a
-    /// load that allows an active law uses none of it.
-    ///
-    /// # Errors
-    /// The motion in which it is active.
-    #[inline(never)]
-    pub(super) fn check_passivity<const N: usize>(&self, law: &FastLaw<N>) -> Result<(), Active> {
-        Passivity::new(self.range.as_ref(), self.tick_rate()).check(law)
-    }
-
-    /// Tick rate for which the effects are made, Hz: 10 kHz if the pack does not state one.
-    fn tick_rate(&self) -> f32 {
-        self.stamp.map_or(SILENT_RATE, |stamp| stamp.tick_rate)
+    /// The tick for which the effects are made, s, if the pack states it.
+    fn tick(&self) -> Option<f32> {
+        self.stamp.map(|stamp| 1.0 / stamp.tick_rate)
     }
 
     /// The effect from the words that were read. Its numbers are not checked yet.

@@ -52,6 +52,12 @@ pub struct Stamp {
 }
 
 impl Stamp {
+    /// # Errors
+    /// The tick rate is not finite or out of range.
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        in_range("tick_rate", self.tick_rate, TICK_RATES[0], TICK_RATES[1]).map(|_| ())
+    }
+
     fn write(&self, writer: &mut Writer<'_>) {
         writer.f32(self.tick_rate);
         writer.u32(self.revision);
@@ -81,21 +87,40 @@ pub(super) fn stamp<'p>(reader: &mut Reader<'p>) -> Option<(Stamp, &'p [u8])> {
     Some((stamp, description))
 }
 
-/// The first field after the stamp.
-pub(super) fn operating_range(
-    reader: &mut Reader<'_>,
-) -> Result<Option<OperatingRange<f32>>, PackError> {
-    if !is_there(reader)? {
-        return Ok(None);
+/// Operating range, density and amplitude.
+type Numbers = (Option<OperatingRange<f32>>, Option<f32>, Option<f32>);
+
+/// The fields after the stamp, checked, up to the name.
+pub(super) fn numbers(reader: &mut Reader<'_>) -> Result<Numbers, PackError> {
+    let mut range = None;
+    if is_there(reader)? {
+        let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
+        let [low, high, slowest, fastest] = ends.map(f32::from_bits);
+        range = Some(OperatingRange::new([low, high], [slowest, fastest])?);
     }
-    let ends: [u32; 4] = reader.words().ok_or(PackError::Body)?;
-    let [low, high, slowest, fastest] = ends.map(f32::from_bits);
-    let range = OperatingRange::new([low, high], [slowest, fastest])?;
-    Ok(Some(range))
+    let mut number = || match is_there(reader)? {
+        true => reader.f32().map(Some).ok_or(PackError::Body),
+        false => Ok(None),
+    };
+    let (density, amplitude) = (number()?, number()?);
+    check_numbers(density, amplitude)?;
+    Ok((range, density, amplitude))
 }
 
-/// Description of a pack in addition to its law. A load reads only the [`Stamp`] and the operating range, so that a firmware that
-/// needs no more links no more.
+/// # Errors
+/// The field that is not finite or out of range.
+fn check_numbers(density: Option<f32>, amplitude: Option<f32>) -> Result<(), ConfigError> {
+    if let Some(density) = density {
+        in_range("density", density, 0.0, DENSITY_MOST)?;
+    }
+    if let Some(amplitude) = amplitude {
+        in_range("amplitude", amplitude, 0.0, limits::DISPLACEMENT)?;
+    }
+    Ok(())
+}
+
+/// Description of a pack in addition to its law. A load reads and checks everything but the name, so that a firmware that does not
+/// need the name links no more.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -140,10 +165,10 @@ impl PackInfo {
             return Ok(None);
         }
         let (stamp, description) = stamp(&mut Reader(body)).ok_or(PackError::Body)?;
+        stamp.check()?;
         let mut info = Self::at(stamp.tick_rate);
         info.stamp = stamp;
         info.read(&mut Reader(description))?;
-        info.check()?;
         Ok(Some(info))
     }
 
@@ -162,15 +187,8 @@ impl PackInfo {
     /// # Errors
     /// The field that is not finite or out of range.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let [slowest, fastest] = TICK_RATES;
-        in_range("tick_rate", self.stamp.tick_rate, slowest, fastest)?;
-        if let Some(density) = self.density {
-            in_range("density", density, 0.0, DENSITY_MOST)?;
-        }
-        if let Some(amplitude) = self.amplitude {
-            in_range("amplitude", amplitude, 0.0, limits::DISPLACEMENT)?;
-        }
-        Ok(())
+        self.stamp.check()?;
+        check_numbers(self.density, self.amplitude)
     }
 
     /// Writes all fields, those after the stamp as postcard's `Vec<u8>`.
@@ -202,12 +220,7 @@ impl PackInfo {
 
     /// Reads the fields that [`PackInfo::write`] wrote after the stamp.
     fn read(&mut self, reader: &mut Reader<'_>) -> Result<(), PackError> {
-        self.operating_range = operating_range(reader)?;
-        for number in [&mut self.density, &mut self.amplitude] {
-            if is_there(reader)? {
-                *number = Some(reader.f32().ok_or(PackError::Body)?);
-            }
-        }
+        (self.operating_range, self.density, self.amplitude) = numbers(reader)?;
         let length = usize::from(reader.u8().ok_or(PackError::Body)?);
         let name = reader.rest();
         if name.len() != length {

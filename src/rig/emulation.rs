@@ -354,7 +354,7 @@ impl<L> EmulationController<L> {
     /// same kinds in the same order. The force changes over within `stop_ticks`.
     ///
     /// The law is used as given. A law loaded from a pack has been checked for passivity. Check any other law with
-    /// [`Passivity::check`](crate::passivity::Passivity::check) before.
+    /// [`passivity::check`](crate::passivity::check) before.
     pub fn swap_law<const N: usize>(&mut self, law: FastLaw<N>)
     where
         L: BorrowMut<RunningLaw<N>>,

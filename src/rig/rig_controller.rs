@@ -158,7 +158,7 @@ where
     /// takes changes that begin with the swap as normal.
     ///
     /// The law is used as given. A law loaded from a pack has been checked for passivity. Check any other law with
-    /// [`Passivity::check`](crate::passivity::Passivity::check) before.
+    /// [`passivity::check`](crate::passivity::check) before.
     pub fn swap_law(&mut self, law: FastLaw<N>) {
         self.law.borrow_mut().swap(law);
     }

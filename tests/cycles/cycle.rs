@@ -230,6 +230,63 @@ proptest! {
     }
 }
 
+proptest! {
+    /// Cycles may end anywhere between two samples, and one after the other: each result is finite, and a mean lies between the
+    /// extremes or is that of a cycle without a length.
+    #[test]
+    fn a_boundary_is_anywhere(
+        samples in prop::collection::vec(
+            (
+                -1e12f32..1e12,
+                -1e4f32..1e4,
+                any::<u32>(),
+                prop_oneof![
+                    Just(None), Just(Some(0.0f32)), Just(Some(-0.0)), Just(Some(1.0)), Just(Some(1e-40)),
+                    Just(Some(1e-45)), Just(Some(f32::MIN_POSITIVE)), Just(Some(-0.5)), Just(Some(f32::NAN)),
+                    Just(Some(7.0)), (0.0..1.0f32).prop_map(Some),
+                ],
+            ),
+            3..60,
+        ),
+    ) {
+        let mut accumulator = CycleAccumulator::<1>::new();
+        for (force, displacement, phase, boundary) in samples {
+            let Some([cycle]) = accumulator.update_at(displacement, [force], phase, boundary) else {
+                continue;
+            };
+            prop_assert!(cycle.values().iter().all(|value| value.is_finite()), "{:?}", cycle);
+            prop_assert!(cycle.ticks >= 0.0, "{:?}", cycle);
+            if cycle.ticks > 1e-30 {
+                let near = |mean: f32, low: f32, high: f32| {
+                    let margin = 1e-5 * low.abs().max(high.abs());
+                    mean >= low - margin && mean <= high + margin
+                };
+                prop_assert!(near(cycle.mean_force, cycle.force_min, cycle.force_max), "{:?}", cycle);
+                prop_assert!(
+                    near(cycle.mean_displacement, cycle.displacement_min, cycle.displacement_max),
+                    "{:?}", cycle
+                );
+            }
+        }
+    }
+}
+
+/// Two ends with 1e-40 of a tick between them: the reciprocal of that is infinite.
+#[test]
+fn a_cycle_without_a_length_has_means_of_0() {
+    let mut accumulator = CycleAccumulator::<1>::new();
+    accumulator.update_at(0.1, [1.0], 0, None);
+    accumulator.update_at(0.2, [2.0], 1 << 30, Some(1.0));
+    let [cycle] = accumulator
+        .update_at(0.3, [3.0], 1 << 31, Some(1e-40))
+        .unwrap();
+    assert_eq!((cycle.mean_force, cycle.mean_displacement), (0.0, 0.0));
+    assert!(
+        cycle.values().iter().all(|value| value.is_finite()),
+        "{cycle:?}"
+    );
+}
+
 #[test]
 fn degenerate_cycles_have_defined_results() {
     let still = run(|_| (0.25, 0.0), |_, _| 1.5, 40.0, 3);

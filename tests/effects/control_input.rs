@@ -109,6 +109,13 @@ fn what_is_out_of_range_is_named() {
         field(ControlInput::new(0, branch(), f64::NAN).unwrap_err()),
         "viscosity"
     );
+    let with_time = Yielding::new(1.0, 0.1, 0.5, 0.3, TICK).unwrap();
+    assert_eq!(
+        ControlInput::new(0, with_time, 0.0)
+            .unwrap_err()
+            .to_string(),
+        "time * rate of the branch = 0.15 is outside 0…0"
+    );
     let at_once = effect::<f64>(0, TICK);
     assert_eq!(field(at_once.with_lag(-1.0, TICK).unwrap_err()), "lag");
     assert_eq!(field(at_once.with_lag(1.0, 0.0).unwrap_err()), "tick");

@@ -187,3 +187,39 @@ proptest! {
         prop_assert!(law.force(&mut state, &sine(0.1, 1.0, 7)).is_finite());
     }
 }
+
+/// A parameter of −0 is refused, or as good as one of 0: nothing is divided by it.
+#[test]
+fn a_zero_of_the_other_sign_is_refused_or_gives_the_same_force() {
+    let mut refused = Vec::new();
+    for description in DESCRIPTIONS {
+        for (place, parameter) in description.parameters.iter().enumerate() {
+            let forces = |zero: f64| {
+                let mut parameters = description.typical.to_vec();
+                parameters[place] = zero;
+                let made = Effect::<f32>::from_parameters(description.number, &parameters, 1e-4);
+                let law = AugmentedLaw::<f32, 1>::new(Law::new(1.0, 10.0, 0.1, 0.3).unwrap());
+                let law = law.with(made.ok()?).unwrap();
+                let mut state = law.at_rest();
+                let motion = |n| Motion {
+                    controls: [0.7; 4],
+                    cycles: 0.01 * n as f32,
+                    ..sine(0.1, 5.0, n)
+                };
+                let forces: Vec<f32> = (0..TICKS / 4)
+                    .map(|n| law.force(&mut state, &motion(n)))
+                    .collect();
+                Some(forces)
+            };
+            let (negative, positive) = (forces(-0.0), forces(0.0));
+            if negative.is_none() && positive.is_some() {
+                refused.push(parameter.name);
+                continue;
+            }
+            let name = description.name;
+            assert_eq!(negative, positive, "{name} {}", parameter.name);
+            assert!(positive.into_iter().flatten().all(f32::is_finite));
+        }
+    }
+    assert_eq!(refused, ["lag"]);
+}

@@ -8,7 +8,6 @@ mod degradation;
 mod directional;
 mod every_effect;
 mod force_filter;
-mod half_rate;
 mod hardening_friction;
 mod load_friction;
 mod loops;

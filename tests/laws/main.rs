@@ -1,5 +1,7 @@
 //! The law in f32 and in integers against f64.
 
+#[path = "../common/drawn.rs"]
+mod drawn;
 mod fast_law;
 mod finite;
 #[cfg(feature = "fixed-point")]

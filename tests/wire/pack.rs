@@ -7,12 +7,12 @@ use mesh_damper::effects::{
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
-use mesh_damper::pack::{self, Expectation, LARGEST, PackError};
+use mesh_damper::pack::{self, Expectation, LARGEST, PackError, PackInfo};
 use mesh_damper::power::PowerSeed;
 use proptest::prelude::*;
 
 use crate::support::{
-    EFFECTS, INFO, decode, every_effect, info, law, pack, refused, table_pack, tabulated,
+    EFFECTS, INFO, decode, encoded, every_effect, info, law, pack, refused, table_pack, tabulated,
     with_header,
 };
 
@@ -96,7 +96,9 @@ fn effects_at_the_ends_of_their_ranges_survive() {
             ..Expectation::default()
         };
         let mut decoded = FastLaw::<EFFECTS>::EMPTY;
-        pack::decode(&pack(&[effect]), &mut decoded, &expected).unwrap();
+        let info = PackInfo::at((1.0 / tick) as f32);
+        let pack = encoded(&tabulated::<EFFECTS>(&[effect]), &info);
+        pack::decode(&pack, &mut decoded, &expected).unwrap();
         assert!(decoded.augmented().effects().eq([effect]));
     }
 }

@@ -5,18 +5,19 @@ use std::rc::Rc;
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
-use mesh_damper::effects::{AugmentedLaw, Delay, Effect, StickSlip};
+use mesh_damper::effects::residual_table::Memory;
+use mesh_damper::effects::{AugmentedLaw, Compliance, Delay, Effect, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::operating_range::OperatingRange;
 use mesh_damper::pack::{
-    self, Expectation, Identity, LARGEST, NAME, PackError, PackInfo, Stamp, Upload, VERSION,
+    self, Expectation, Identity, LARGEST, NAME, OLDEST, PackError, PackInfo, Stamp, Upload, VERSION,
 };
 use mesh_damper::rig::{Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{SimulatedAd5761, SimulatedAds8688, enable_line};
 
-use crate::support::{encoded, law, with_table};
+use crate::support::{encoded, law, of_version, residual_table, with_table};
 
 /// A pack, and its law.
 type Stored = (&'static [u8], fn() -> FastLaw<8>);
@@ -85,10 +86,18 @@ fn what_a_pack_says_of_itself_comes_back() {
     };
     let empty = PackInfo::at(1e7);
     for info in [info(), nameless, published, empty] {
-        let pack = packed(&info);
+        let pack = encoded(&FastLaw::<8>::new(alone()), &info);
         let loaded = load(&pack, &Expectation::at(info.stamp.tick_rate));
         assert_eq!(loaded, Ok(Some(info.stamp)));
         assert_eq!(PackInfo::of(&pack), Ok(Some(info)));
+    }
+}
+
+/// The tables of these tests drive.
+fn any() -> Expectation {
+    Expectation {
+        allow_active: true,
+        ..Expectation::default()
     }
 }
 
@@ -96,7 +105,7 @@ fn what_a_pack_says_of_itself_comes_back() {
 fn a_pack_of_version_6_is_read_and_does_not_know_its_rate() {
     for (pack, law) in OLD {
         let mut slot = FastLaw::EMPTY;
-        let info = pack::decode(pack, &mut slot, &Expectation::default());
+        let info = pack::decode(pack, &mut slot, &any());
         assert_eq!((info, slot), (Ok(None), law()));
         assert_eq!(PackInfo::of(pack), Ok(None));
         let mut slot = FastLaw::<8>::EMPTY;
@@ -116,6 +125,21 @@ fn a_pack_of_version_6_is_read_and_does_not_know_its_rate() {
         let cut = pack::decode(&pack[..pack.len() - 1], &mut slot, &Expectation::default());
         assert!(matches!(cut, Err(PackError::Length { .. })));
     }
+}
+
+/// It does not say its rate, so that numbers of any tick are right.
+#[test]
+fn a_pack_of_version_6_may_be_for_any_rate() {
+    let spring = Effect::Compliance(Compliance::new(20.0, 5e-4).unwrap());
+    let table = residual_table(Memory::Frequency { time: 0.1 });
+    let law = alone().with(spring).unwrap();
+    let law = FastLaw::<8>::new(law.with_residual_table(table).unwrap());
+    let pack = encoded(&law, &info());
+    // The law comes after the rate, 12 bytes and the description with its length.
+    let body = &pack[12 + 17 + usize::from(pack[12 + 16])..];
+    let mut slot = FastLaw::EMPTY;
+    let read = pack::decode(&of_version(OLDEST, body), &mut slot, &any());
+    assert_eq!((read, slot), (Ok(None), law));
 }
 
 #[test]
@@ -259,7 +283,7 @@ fn a_rig_refuses_an_upload_for_another_rate() {
     }
 }
 
-/// A pack with a correct checksum can still contain an invalid description. Its law is read, because a load examines only the stamp.
+/// A pack with a correct checksum can still contain an invalid description. A load examines all of it but the name.
 #[test]
 fn nonsense_that_a_pack_says_of_itself_is_refused() {
     let good = packed(&info());
@@ -274,6 +298,7 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
         (29, &[2], body),
         (29, &[0], body),
         (32, &[0xc0, 0x7f], "displacement is not a finite number"),
+        (46, &[2], body),
         (14, &[0xc0, 0x7f], "tick_rate is not a finite number"),
     ] {
         let mut bad = good.clone();
@@ -281,13 +306,29 @@ fn nonsense_that_a_pack_says_of_itself_is_refused() {
         seal(&mut bad);
         let refused = PackInfo::of(&bad).unwrap_err().to_string();
         assert_eq!(refused, said, "{place}");
-        // A load also reads the operating range, over which it checks the law.
         let loaded = load(&bad, &Expectation::default());
-        if said.starts_with("displacement") || value == [2] {
-            assert_eq!(loaded.unwrap_err().to_string(), said);
-        } else {
+        if place >= name - 1 {
             assert!(loaded.is_ok(), "{place}");
+        } else {
+            assert_eq!(loaded.unwrap_err().to_string(), said, "{place}");
         }
+    }
+    // The last two bytes of each number, behind those of the operating range.
+    let published = packed(&PackInfo {
+        density: Some(3.0),
+        amplitude: Some(0.1),
+        ..info()
+    });
+    for (place, said) in [
+        (49, "density is not a finite number"),
+        (54, "amplitude is not a finite number"),
+    ] {
+        let mut bad = published.clone();
+        bad[place..place + 2].copy_from_slice(&[0xc0, 0x7f]);
+        seal(&mut bad);
+        assert_eq!(PackInfo::of(&bad).unwrap_err().to_string(), said);
+        let loaded = load(&bad, &Expectation::default());
+        assert_eq!(loaded.unwrap_err().to_string(), said);
     }
     // A pack that ends within the stamp, or before the description ends.
     for length in [12, 20, 28, 40] {

@@ -5,7 +5,6 @@ use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, ResidualT
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::law::Law;
 use mesh_damper::pack::{Expectation, PackError, PackInfo, Stamp, Upload};
-use mesh_damper::passivity::Passivity;
 use proptest::prelude::*;
 
 use crate::support::{EFFECTS, encoded};
@@ -47,10 +46,9 @@ fn upload(pack: &[u8]) -> Upload {
 fn slice(
     running: &mut RunningLaw<EFFECTS>,
     upload: &mut Upload,
-    passivity: &mut Passivity<EFFECTS>,
 ) -> Result<Option<Option<Stamp>>, PackError> {
     let expected = Expectation::at(RATE);
-    running.swap_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
+    running.swap_in_slices(|slot| upload.finish_slice(slot, &expected))
 }
 
 fn motion(tick: usize) -> Motion<f32> {
@@ -69,13 +67,9 @@ fn no_law_waits_before_it_is_complete() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
     let mut running = RunningLaw::new(old.clone());
     let mut alone = RunningLaw::new(old);
-    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&packed(&new));
     let mut slices = 1;
-    while slice(&mut running, &mut upload, &mut passivity)
-        .unwrap()
-        .is_none()
-    {
+    while slice(&mut running, &mut upload).unwrap().is_none() {
         assert!(!running.boundary(), "after slice {slices}");
         assert_eq!(
             running.force(&motion(slices)),
@@ -88,7 +82,7 @@ fn no_law_waits_before_it_is_complete() {
     assert!(running.boundary());
     assert_eq!(*running.law(), new);
     // The upload is empty.
-    let again = slice(&mut running, &mut upload, &mut passivity);
+    let again = slice(&mut running, &mut upload);
     assert!(
         matches!(again, Err(PackError::Length { found: 0, .. })),
         "{again:?}"
@@ -101,9 +95,8 @@ fn a_check_that_begins_drops_the_law_that_waited() {
     let (old, new) = (law(1.0, 0), law(2.0, 5));
     let mut running = RunningLaw::new(old.clone());
     running.swap(law(3.0, 9));
-    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&packed(&new));
-    assert_eq!(slice(&mut running, &mut upload, &mut passivity), Ok(None));
+    assert_eq!(slice(&mut running, &mut upload), Ok(None));
     assert!(!running.boundary());
     assert_eq!(*running.law(), old);
 }
@@ -116,15 +109,14 @@ fn a_check_that_is_broken_off_leaves_the_law_in_force() {
     let mut bad = good.clone();
     *bad.last_mut().unwrap() ^= 1;
     let mut running = RunningLaw::new(old.clone());
-    let mut passivity = Passivity::EMPTY;
     let mut upload = upload(&good);
     for done in [10, 60] {
         for _ in 0..done {
-            assert_eq!(slice(&mut running, &mut upload, &mut passivity), Ok(None));
+            assert_eq!(slice(&mut running, &mut upload), Ok(None));
         }
         upload.part(0, &bad).unwrap();
         let refused = loop {
-            match slice(&mut running, &mut upload, &mut passivity) {
+            match slice(&mut running, &mut upload) {
                 Ok(none) => assert_eq!(none, None),
                 Err(refused) => break refused,
             }
@@ -144,8 +136,7 @@ proptest! {
         let (whole, sent) = ([law(1.0, 0), law(3.0, 9)], law(2.0, 5));
         let good = packed(&sent);
         let mut running = RunningLaw::new(whole[0].clone());
-        let mut passivity = Passivity::EMPTY;
-        let mut upload = upload(&good);
+            let mut upload = upload(&good);
         for step in steps {
             match step {
                 0 => running.swap(whole[1].clone()),
@@ -154,7 +145,7 @@ proptest! {
                 }
                 3 => upload.part(0, &good).unwrap(),
                 _ => {
-                    let slice = slice(&mut running, &mut upload, &mut passivity);
+                    let slice = slice(&mut running, &mut upload);
                     let is_empty = matches!(slice, Err(PackError::Length { found: 0, .. }));
                     prop_assert!(slice.is_ok() || is_empty, "{slice:?}");
                 }

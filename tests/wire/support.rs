@@ -102,7 +102,12 @@ pub fn table_pack() -> Vec<u8> {
 
 /// A body with the header of a pack.
 pub fn with_header(body: &[u8]) -> Vec<u8> {
-    let mut stamped = pack::VERSION.to_le_bytes().to_vec();
+    of_version(pack::VERSION, body)
+}
+
+/// The same of a version.
+pub fn of_version(version: u16, body: &[u8]) -> Vec<u8> {
+    let mut stamped = version.to_le_bytes().to_vec();
     stamped.extend((body.len() as u16).to_le_bytes());
     let mut crc = !0u32;
     for byte in stamped.iter().chain(body) {

@@ -38,12 +38,12 @@
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_law`.
-#define MD_LAW_SIZE 8024
+#define MD_LAW_SIZE 8040
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_law`.
-#define MD_LAW_SIZE 8088
+#define MD_LAW_SIZE 8104
 #endif
 
 // Alignment of `md_law`, bytes.
@@ -144,7 +144,7 @@ enum md_error
   MD_ERROR_PACK_BODY = 17,
   // The pack has version 6, which does not describe its contents.
   MD_ERROR_PACK_SILENT = 18,
-  // The law of the pack is not passive: it gives out more energy than it takes.
+  // The law of the pack is not passive: it can give out more energy than it takes.
   MD_ERROR_PACK_ACTIVE = 19,
   // A field is NaN or infinite.
   MD_ERROR_NON_FINITE = 30,

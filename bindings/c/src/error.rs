@@ -40,7 +40,7 @@ pub enum Error {
     PackBody = 17,
     /// The pack has version 6, which does not describe its contents.
     PackSilent = 18,
-    /// The law of the pack is not passive: it gives out more energy than it takes.
+    /// The law of the pack is not passive: it can give out more energy than it takes.
     PackActive = 19,
     /// A field is NaN or infinite.
     NonFinite = 30,
@@ -177,9 +177,9 @@ impl From<PackError> for Problem {
             ),
             PackError::Checksum => Error::PackChecksum.into(),
             PackError::Body => Error::PackBody.into(),
-            PackError::Active { amplitude, .. } => Self {
-                value: amplitude.into(),
-                ..Self::of(Error::PackActive, "law")
+            PackError::Active(active) => Self {
+                value: active.value,
+                ..Self::of(Error::PackActive, active.field)
             },
             PackError::Refused(error) => error.into(),
             _ => Error::Other.into(),
@@ -290,7 +290,7 @@ const CODES: [(Error, &CStr, &CStr); 26] = [
     (
         Error::PackActive,
         c"MD_ERROR_PACK_ACTIVE",
-        c"the law gives more energy than it takes in a cycle of md_problem's value in mm: correct a damping or a friction stiffness below 0, or set allow_active",
+        c"the law can give more energy than it takes with the field that md_problem names: correct it, or set allow_active",
     ),
     (
         Error::NonFinite,

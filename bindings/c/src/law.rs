@@ -18,10 +18,10 @@ pub const MD_IDENTITY: usize = 8;
 
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "32")]
-pub const MD_LAW_SIZE: usize = 8024;
+pub const MD_LAW_SIZE: usize = 8040;
 /// Bytes of `md_law`.
 #[cfg(target_pointer_width = "64")]
-pub const MD_LAW_SIZE: usize = 8088;
+pub const MD_LAW_SIZE: usize = 8104;
 /// Alignment of `md_law`, bytes.
 pub const MD_LAW_ALIGN: usize = 8;
 

@@ -65,16 +65,15 @@ pub type DamperLaw = StaticLaw<(StickSlip<f32>,)>;
 pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let [k1, k3, c, alpha] = LAW;
     let seed = const {
-        match PowerSeed::from_parts(OCTAVE, SCALE) {
+        match PowerSeed::from_parts(LAW[2], LAW[3], OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
+            Err(_) => panic!("LAW, OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (
         StickSlip::<f32>::from_parameters(&STICK_SLIP, TICK)?,
     );
-    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects);
-    Ok(())
+    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects)
 }
 
 /// The motion that the law was fitted on, without a margin for overshoot and noise.

@@ -14,7 +14,6 @@ use mesh_damper::message::{
 use mesh_damper::pack::{Expectation, Upload};
 #[cfg(feature = "own-timer")]
 use mesh_damper::pack::{Identity, Stamp};
-use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::{
     AnyExciter, Blocking, RigController, State, Stream, StreamConfig, Telemetry, Wiring,
 };
@@ -64,7 +63,6 @@ pub struct Controller<B: Board> {
     #[cfg(feature = "own-timer")]
     stamp: Option<Stamp>,
     upload: &'static mut Upload,
-    passivity: &'static mut Passivity<EFFECTS>,
     /// Block of the last tick, for the log.
     block: Option<usize>,
     state: State,
@@ -102,11 +100,7 @@ impl<B: Board<Converters: Harnessed>> Controller<B> {
 }
 
 impl<B: Board> Controller<B> {
-    pub fn new(
-        parts: Parts<B>,
-        upload: &'static mut Upload,
-        passivity: &'static mut Passivity<EFFECTS>,
-    ) -> Self {
+    pub fn new(parts: Parts<B>, upload: &'static mut Upload) -> Self {
         Self {
             parts: Some(parts),
             rig: None,
@@ -114,7 +108,6 @@ impl<B: Board> Controller<B> {
             #[cfg(feature = "own-timer")]
             stamp: None,
             upload,
-            passivity,
             block: None,
             state: State::Idle,
         }
@@ -260,7 +253,7 @@ impl<B: Board> Controller<B> {
     /// the answer is no as long as there are more: a tick may be due in between. The law is then taken at the end of the cycle.
     #[inline(never)]
     fn take_pack(&mut self) -> Result<bool, Refusal<'static>> {
-        let (upload, passivity) = (&mut *self.upload, &mut *self.passivity);
+        let upload = &mut *self.upload;
         let expected = match &self.rig {
             Some(_) => Expectation {
                 tick_rate: self.rate,
@@ -270,7 +263,7 @@ impl<B: Board> Controller<B> {
         };
         let taken = match (&mut self.parts, &mut self.rig) {
             (Some(parts), _) => loop {
-                let slice = |slot: &mut _| upload.finish_slice(slot, &expected, passivity);
+                let slice = |slot: &mut _| upload.finish_slice(slot, &expected);
                 match parts.law.swap_in_slices(slice) {
                     Ok(None) => {}
                     Ok(Some(stamp)) => {
@@ -287,7 +280,7 @@ impl<B: Board> Controller<B> {
                 }
             },
             (_, Some(rig)) => rig
-                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected, passivity))
+                .swap_law_in_slices(|slot| upload.finish_slice(slot, &expected))
                 .map(|stamp| {
                     #[cfg(feature = "own-timer")]
                     if let Some(stamp) = stamp {

@@ -15,7 +15,6 @@ use mesh_damper::fast_law::RunningLaw;
 use mesh_damper::frame::{Frame, Frames, LARGEST};
 use mesh_damper::message::{MAX_BLOCKS, Refusal, is_hello, is_join, write_again, write_refusal};
 use mesh_damper::pack::Upload;
-use mesh_damper::passivity::Passivity;
 use mesh_damper::rig::StreamConfig;
 use mesh_damper::sine::Programme;
 
@@ -31,7 +30,6 @@ pub struct Memory<B: Board> {
     rig: MaybeUninit<WiredRig<B>>,
     controller: MaybeUninit<Excitation>,
     upload: Upload,
-    passivity: Passivity<EFFECTS>,
     received: [u8; LARGEST],
     again: FrameBuffer,
 }
@@ -47,7 +45,6 @@ impl<B: Board> Memory<B> {
             rig: MaybeUninit::uninit(),
             controller: MaybeUninit::uninit(),
             upload: Upload::new(),
-            passivity: Passivity::EMPTY,
             received: [0; LARGEST],
             again: FrameBuffer::new(),
         }
@@ -115,7 +112,7 @@ impl<B: Board> Memory<B> {
             rig: &mut self.rig,
             controller: &mut self.controller,
         };
-        let controller = Controller::new(parts, &mut self.upload, &mut self.passivity);
+        let controller = Controller::new(parts, &mut self.upload);
         (controller, &mut self.received, &mut self.again)
     }
 }

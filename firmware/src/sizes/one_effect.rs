@@ -21,7 +21,8 @@ pub fn one_effect_static<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut STATIC).as_mut() }?;
     let mixed = Law::new(black_box(1.2), 30.0, 0.1, 0.3).ok()?;
-    law.set_with_seed(mixed, &SEED, (StickSlip::new(&[(1.2, 0.03)]).ok()?,));
+    law.set_with_seed(mixed, &SEED, (StickSlip::new(&[(1.2, 0.03)]).ok()?,))
+        .ok()?;
     tick(law);
     Some(())
 }

@@ -58,7 +58,7 @@ const SCALE: [f32; OCTAVES] = [
     0.00078125,
 ];
 
-pub(super) const SEED: PowerSeed = match PowerSeed::from_parts(OCTAVE, SCALE) {
+pub(super) const SEED: PowerSeed = match PowerSeed::from_parts(0.1, 0.3, OCTAVE, SCALE) {
     Ok(seed) => seed,
     Err(_) => panic!("no seed"),
 };
@@ -70,7 +70,8 @@ pub fn static_law<B: Board>(_: &mut B::Link) -> Option<()> {
     // SAFETY: an image calls this once.
     let law = unsafe { (&raw mut LAW).as_mut() }?;
     let mixed = Law::new(black_box(1.2), 30.0, 0.1, 0.3).ok()?;
-    law.set_with_seed(mixed, &SEED, (StickSlip::new(&[(0.5, 0.02)]).ok()?,));
+    law.set_with_seed(mixed, &SEED, (StickSlip::new(&[(0.5, 0.02)]).ok()?,))
+        .ok()?;
     let mut cycles = CycleAccumulator::<1>::new();
     for n in 0..TICKS {
         let motion = motion(n);

@@ -5,6 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
+use mesh_damper_output::ending;
 use mesh_damper_output::error::{InputError, Place};
 use serde::{Deserialize, Serialize};
 
@@ -110,6 +111,8 @@ impl Journal {
     }
 
     fn write(&mut self, line: Vec<u8>) -> Result<(), InputError> {
+        // An end by a signal leaves whole lines.
+        let _whole = ending::whole();
         self.file
             .write_all(&line)
             .and_then(|()| self.file.sync_data())

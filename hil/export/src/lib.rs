@@ -30,6 +30,7 @@ use mesh_damper::pack::NAME;
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::visible;
 use serde::Serialize;
 
 use fmu::Unit;
@@ -203,7 +204,7 @@ impl Request {
             ));
         }
         // The source includes the header by its name.
-        if stem.is_empty() || stem.contains(['"', '\\']) || stem.contains(char::is_control) {
+        if stem.is_empty() || stem.contains(['"', '\\']) || visible(&stem) != stem {
             return Err(InputError::new(
                 format!("--out {}", self.out.display()),
                 "this is not a valid name for a C header",
@@ -239,8 +240,8 @@ impl Request {
             Some(name) => (name.clone(), "--name"),
             None => (self.stem(), "--out"),
         };
-        let problem = if name.contains(char::is_control) {
-            "holds a control character".to_owned()
+        let problem = if visible(&name) != name {
+            "holds a character that a terminal obeys".to_owned()
         } else if name.len() > NAME {
             format!("has {} bytes, and a pack holds {NAME}", name.len())
         } else {

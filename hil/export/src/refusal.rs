@@ -38,9 +38,9 @@ impl Request {
             ExportError::Active(active) => InputError::new(
                 model,
                 format!("the law is active: {active}"),
-                "check for a negative damping, a negative friction stiffness and a residual table that supplies energy, or give --allow-active",
+                "correct it, or give --allow-active to export the law as it is",
             )
-            .at(Place::Field("law".into())),
+            .at(Place::Field(format!("{}.{}", active.effect, active.field))),
             ExportError::ResidualTable => InputError::new(
                 model,
                 "a Rust module cannot hold a residual table",

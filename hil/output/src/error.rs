@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::terminal::visible;
+
 /// Input that was rejected: the file, the place in it, the problem and its correction.
 ///
 /// Its text is always a single line, whatever the file's name or its cells contain.
@@ -172,31 +174,21 @@ impl InputError {
     }
 }
 
-/// `text` with its control characters escaped, shortened where a file made it long.
+/// `text` as one [`visible`] line, shortened where a file made it long.
 fn single_line(text: &str) -> String {
     /// More than any path or list that a message is made of.
     const LONGEST: usize = 5000;
     let cut = (text.chars().nth(LONGEST).is_some()).then_some('…');
-    text.chars()
-        .take(LONGEST)
-        .chain(cut)
-        .flat_map(|c| {
-            let escaped = c.is_control().then(|| c.escape_default());
-            let plain = escaped.is_none().then_some(c);
-            escaped.into_iter().flatten().chain(plain)
-        })
-        .collect()
+    let text: String = text.chars().take(LONGEST).chain(cut).collect();
+    visible(&text).into_owned()
 }
 
 /// A cell or a name quoted for a message, shortened where it is long.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
     let shown: String = text.chars().take(LONGEST).collect();
-    let cut = if text.chars().count() > LONGEST {
-        "…"
-    } else {
-        ""
-    };
+    let is_longer = text.chars().nth(LONGEST).is_some();
+    let cut = if is_longer { "…" } else { "" };
     format!("\"{shown}{cut}\"")
 }
 

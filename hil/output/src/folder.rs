@@ -4,17 +4,19 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use crate::ending::{self, AtEnd};
 use crate::error::InputError;
 
 /// Largest number of attempts to create a folder that other commands remove at the same time.
 const ATTEMPTS: usize = 16;
 
-/// Directories created on the way, removed again unless they are kept, and the lock on the command's folder.
+/// Directories created on the way, removed again unless they are kept, also at an [end](ending) of the program, and the lock on the
+/// command's folder.
 ///
 /// The lock is the system's on an open file, so that it ends with the process in any case.
 #[derive(Debug, Default)]
 pub(super) struct Folders {
-    made: Vec<PathBuf>,
+    made: Vec<(PathBuf, AtEnd)>,
     lock: Option<Lock>,
 }
 
@@ -27,7 +29,14 @@ impl Folders {
             .collect();
         for directory in missing.into_iter().rev() {
             match fs::create_dir(directory) {
-                Ok(()) => self.made.push(directory.to_owned()),
+                Ok(()) => {
+                    let made = directory.to_owned();
+                    let at_end = ending::at_end({
+                        let made = made.clone();
+                        move |_| remove(&made)
+                    });
+                    self.made.push((made, at_end));
+                }
                 // Another command has just created it.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && directory.is_dir() => {}
                 Err(error) => return Err(error),
@@ -81,11 +90,16 @@ impl Drop for Folders {
             lock.remove();
         }
         // Before the lock is released, or another command could lock a folder that is about to be removed.
-        for directory in self.made.iter().rev() {
-            // A directory that is not empty stays, and so does one that is gone already.
-            let _ = fs::remove_dir(directory);
+        for (directory, _) in self.made.iter().rev() {
+            remove(directory);
         }
     }
+}
+
+/// Removes an empty directory. One that is not empty stays.
+fn remove(directory: &Path) {
+    // It may be gone already.
+    let _ = fs::remove_dir(directory);
 }
 
 /// A lock on a folder. On Unix the directory itself is locked, and nothing is left in it.

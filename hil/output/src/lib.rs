@@ -1,15 +1,31 @@
-//! Files that are written completely or not at all, and never over an input of the command.
+//! What the commands have in common towards the system and its user.
+//!
+//! | module | for |
+//! |---|---|
+//! | the root | files that are written completely or not at all, and never over an input of the command |
+//! | [`error`] | errors in one line |
+//! | [`terminal`], [`shell`] | lines for a person: what a terminal would obey is escaped; words of commands to type |
+//! | [`documents`] | the same in documents, without a change of their meaning |
+//! | [`process`], [`scratch`] | programs that are started, and files for the time of the work |
+//! | [`ending`] | the end by a signal, which leaves none of these behind |
 
 #![forbid(unsafe_code)]
 
+pub mod documents;
+pub mod ending;
 pub mod error;
+pub mod finite;
 mod folder;
 mod label;
 mod place;
 mod plan;
+pub mod process;
+pub mod scratch;
+pub mod shell;
+pub mod terminal;
 
 use std::fs;
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
@@ -52,25 +68,26 @@ impl Outputs {
         self.files.push((path.into(), bytes.into()));
     }
 
-    /// The same as indented JSON with a newline at its end.
+    /// The same as indented JSON with a newline at its end. What a terminal would obey in its texts is escaped, as JSON escapes.
     ///
     /// # Errors
-    /// A value that JSON cannot represent.
+    /// A number that is not finite, by the name of its field; a value that JSON cannot represent.
     pub fn add_json(
         &mut self,
         path: impl Into<PathBuf>,
         value: &impl serde::Serialize,
     ) -> Result<(), InputError> {
         let path = path.into();
-        let mut bytes = serde_json::to_vec_pretty(value).map_err(|error| {
+        // JSON would have `null` in its place.
+        finite::check_document(&path.display().to_string(), value)?;
+        let text = serde_json::to_string_pretty(value).map_err(|error| {
             InputError::new(
                 path.display().to_string(),
                 format!("not to be written as JSON: {error}"),
                 "report this",
             )
         })?;
-        bytes.push(b'\n');
-        self.add(path, bytes);
+        self.add(path, documents::json(&text) + "\n");
         Ok(())
     }
 
@@ -80,6 +97,8 @@ impl Outputs {
     /// # Errors
     /// The path that cannot be written and why; a path that was not planned.
     pub fn write(&mut self) -> Result<(), InputError> {
+        // An end by a signal leaves all files or none.
+        let whole = ending::whole();
         let mut staged: Vec<(TempPath, &Path, &Path)> = Vec::new();
         let mut direct: Vec<(&Target, &[u8])> = Vec::new();
         for (name, bytes) in &self.files {
@@ -103,6 +122,8 @@ impl Outputs {
             // All files are in place, whatever happens to direct outputs. The unfinished recording may not exist.
             let _ = fs::remove_file(unfinished);
         }
+        // The reader of a pipe may let wait.
+        drop(whole);
         for (target, bytes) in direct {
             self.is_sent = true;
             write_directly(target, bytes)?;
@@ -120,9 +141,12 @@ impl Outputs {
             return Err(not_planned(name));
         };
         match &target.place {
-            Place::File(path) => stage(name, path, bytes, &mut self.folders)?
-                .persist(path)
-                .map_err(|failed| InputError::io(name, "write", &failed.error)),
+            Place::File(path) => {
+                let _whole = ending::whole();
+                stage(name, path, bytes, &mut self.folders)?
+                    .persist(path)
+                    .map_err(|failed| InputError::io(name, "write", &failed.error))
+            }
             Place::StandardOutput | Place::Device(_) if self.is_sent => Ok(()),
             Place::StandardOutput | Place::Device(_) => write_directly(target, bytes),
         }
@@ -172,7 +196,14 @@ fn write_directly(target: &Target, bytes: &[u8]) -> Result<(), InputError> {
     let written = match &target.place {
         Place::StandardOutput => {
             let mut output = std::io::stdout().lock();
-            output.write_all(bytes).and_then(|()| output.flush())
+            // What a table or a comment holds may be anything.
+            let written = match str::from_utf8(bytes) {
+                Ok(text) if output.is_terminal() => {
+                    output.write_all(terminal::visible_lines(text).as_bytes())
+                }
+                _ => output.write_all(bytes),
+            };
+            written.and_then(|()| output.flush())
         }
         Place::Device(path) | Place::File(path) => fs::write(path, bytes),
     };

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Outputs;
+use super::ending;
 use super::folder::Folders;
 use super::place::{FileIdentity, Place, Target};
 use crate::error::InputError;
@@ -91,6 +92,8 @@ impl Plan {
         }
         let mut folders = Folders::default();
         if let Some(folder) = &self.folder {
+            // No end comes between a new directory and its entry for the end.
+            let _whole = ending::whole();
             folders.lock(folder)?;
         }
         // Not before the folder is locked, because a running test has such a file as well.

@@ -1,5 +1,6 @@
 //! Reading a recording from a file of any format.
 
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use mesh_damper_output::error::InputError;
@@ -204,12 +205,17 @@ fn own_names(header: &csv::StringRecord, chosen: &Chosen) -> csv::StringRecord {
     });
     let controls = chosen.controls.iter();
     let controls = controls.map(|control| (control.column, control.name.clone()));
+    // The first use of a column counts.
     let ours: Vec<(usize, String)> = channels.chain(controls).collect();
+    let by_column: HashMap<usize, &str> = (ours.iter().rev())
+        .map(|(column, name)| (*column, name.as_str()))
+        .collect();
+    let names: HashSet<&str> = ours.iter().map(|(_, name)| name.as_str()).collect();
     let named = header.iter().enumerate().map(|(column, name)| {
-        match ours.iter().find(|(place, _)| *place == column) {
-            Some((_, own)) => own.clone(),
+        match by_column.get(&column) {
+            Some(own) => (*own).to_owned(),
             // A column that would have been the channel without the user's setting.
-            None if ours.iter().any(|(_, own)| own == name) => format!("other_{name}"),
+            None if names.contains(name) => format!("other_{name}"),
             None => name.to_owned(),
         }
     });

@@ -3,9 +3,12 @@
 use std::path::Path;
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::finite::check_column;
 use mesh_damper_tables::csv_text::number;
 use mesh_damper_tables::units::Unit;
-use mesh_damper_tables::write::{Columns, DIGITS, Unwritten, WriteAs, decimal};
+use mesh_damper_tables::write::{
+    Columns, DIGITS, Unwritten, WriteAs, comment_line, decimal, guarded,
+};
 
 use super::Recording;
 
@@ -16,7 +19,7 @@ impl Recording {
     /// formats.
     ///
     /// # Errors
-    /// A recording that the format cannot hold.
+    /// A sample that was computed and is not finite; a recording that the format cannot hold.
     pub fn to_file(&self, path: &Path) -> Result<Vec<u8>, InputError> {
         self.written(path, None)
     }
@@ -26,7 +29,7 @@ impl Recording {
     /// one value per sample.
     ///
     /// # Errors
-    /// As for [`Recording::to_file`].
+    /// As for [`Recording::to_file`]; a predicted value that is not finite.
     pub fn to_file_with_prediction(
         &self,
         path: &Path,
@@ -38,6 +41,17 @@ impl Recording {
 
     fn written(&self, path: &Path, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, InputError> {
         let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
+        let name = path.display().to_string();
+        let predictions = ["predicted_band", "predicted_force"].into_iter();
+        for (column, values) in predictions.zip(predicted.into_iter().flatten()) {
+            check_column(&name, column, values)?;
+        }
+        // A text that was read may lack a value.
+        if self.source.is_none() {
+            for (column, _, values) in self.channels() {
+                check_column(&name, &column, values)?;
+            }
+        }
         format.bytes(
             path,
             &self.comments,
@@ -126,7 +140,7 @@ impl Recording {
     fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, Unwritten> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
-            bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
+            bytes.extend(comment_line(comment).bytes());
         }
         let unit = self.units.force.symbol;
         let columns = ["predicted_band", "predicted_force"].map(|name| format!("{name}_{unit}"));
@@ -148,7 +162,7 @@ impl Recording {
                 .iter()
                 .zip(&is_replaced)
                 .filter(|(_, is_replaced)| !**is_replaced)
-                .map(|(cell, _)| cell.to_owned());
+                .map(|(cell, _)| guarded(cell).into_owned());
             writer
                 .write_record(kept.chain(last.into_iter().flatten()))
                 .map_err(Unwritten::by)

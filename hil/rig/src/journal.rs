@@ -7,9 +7,10 @@ use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use mesh_damper_output::ending;
 use mesh_damper_output::error::InputError;
 use mesh_damper_recording::UNFINISHED;
-use mesh_damper_tables::write::decimal;
+use mesh_damper_tables::write::{comment_line, decimal, guarded};
 
 use super::run::Samples;
 
@@ -72,12 +73,12 @@ impl Journal {
             let made = File::create_new(&self.path);
             self.file = Some(made.map_err(|error| InputError::io(&self.path, "write", &error))?);
             for comment in &self.comments {
-                text += &format!("# {}\n", comment.replace(['\n', '\r'], " "));
+                text += &comment_line(comment);
             }
             text += &format!("# {UNFINISHED}: the run was under way\n");
             text += "time_s,displacement_mm,force_kN,temperature_degC";
             for control in &self.controls {
-                text += &format!(",{control}");
+                text += &format!(",{}", guarded(control));
             }
             text.push('\n');
         }
@@ -96,6 +97,8 @@ impl Journal {
             }
             text.push('\n');
         }
+        // An end by a signal leaves whole rows.
+        let _whole = ending::whole();
         if let Some(file) = &mut self.file {
             file.write_all(text.as_bytes())
                 .map_err(|error| InputError::io(&self.path, "write", &error))?;

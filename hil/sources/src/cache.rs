@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::scratch::Scratch;
 
 use super::manifest::trimmed;
 
@@ -58,7 +59,7 @@ pub fn unpacked(
 
 fn write(cache: &Path, files: &[(&str, &[u8])], folder: &Path) -> io::Result<()> {
     fs::create_dir_all(cache)?;
-    let whole = tempfile::tempdir_in(cache)?;
+    let whole = Scratch::within(cache)?;
     for (name, bytes) in files {
         let path = whole.path().join(name);
         fs::create_dir_all(path.parent().unwrap_or(cache))?;
@@ -69,11 +70,7 @@ fn write(cache: &Path, files: &[(&str, &[u8])], folder: &Path) -> io::Result<()>
         }
     }
     match fs::rename(whole.path(), folder) {
-        // Nothing is left to be removed.
-        Ok(()) => {
-            let _ = whole.keep();
-            Ok(())
-        }
+        Ok(()) => Ok(()),
         // Another command was faster.
         Err(_) if folder.is_dir() => Ok(()),
         Err(error) => Err(error),

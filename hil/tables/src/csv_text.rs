@@ -3,10 +3,15 @@
 use std::collections::HashMap;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
+use crate::budget::Budget;
 use crate::read_limit::{ReadLimit, open};
+use records::Records;
+
+mod records;
 
 /// The first two bytes of every gzip member (RFC 1952, 2.3.1).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -14,18 +19,28 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 /// Number of bytes read at a time.
 const CHUNK: usize = 1 << 16;
+/// Steps of work for a byte of text: it is unpacked and checked, and searched for the ends of cells and lines.
+const STEPS: u64 = 2;
+/// Bytes held for a byte that is read ahead, in a buffer that doubles as it grows.
+const OF_AHEAD: u64 = 2;
 
 /// The text of a CSV file as it is read: unzipped if it is gzip, without a byte order mark, and never held as a whole.
 ///
 /// An error in the file comes out of [`Read::read`] as an [`InputError`] within an [`io::Error`]; [`broken_csv`] extracts it.
 pub struct CsvText<'a> {
     path: PathBuf,
-    limit: ReadLimit,
+    budget: Rc<Budget>,
     source: Box<dyn Read + 'a>,
     is_gzip: bool,
-    /// Unpacked bytes that were read ahead, and the number of them already taken.
+    /// Whether the source was made of bytes that were counted before.
+    is_made: bool,
+    /// Number of bytes since the last line end, which count as read when their line ends: a line without an end takes no more than
+    /// may be held before a byte is read.
+    unended: u64,
+    /// Unpacked bytes that were read ahead, the number of them already taken, and the number of bytes held for them.
     ahead: Vec<u8>,
     taken: usize,
+    of_ahead: u64,
     /// Decoder to UTF-8; `None` if the bytes are UTF-8.
     decoder: Option<encoding_rs::Decoder>,
     /// Whether bytes that are not UTF-8 are taken for Windows-1252, if all before were ASCII.
@@ -37,29 +52,11 @@ pub struct CsvText<'a> {
     chunk: Vec<u8>,
     next: usize,
     whole: usize,
-    /// Number of unpacked bytes read from the file, and number of bytes handed on.
-    read: u64,
+    /// Number of bytes handed on.
     handed: u64,
     last: Option<u8>,
     has_ended: bool,
-    lines: Lines,
-}
-
-/// The lines of a text so far.
-#[derive(Default)]
-struct Lines {
-    /// Number of line ends passed.
-    ends: u64,
-    /// Bytes of this line so far.
-    length: u64,
-    /// Bytes of all comment lines so far.
-    of_comments: u64,
-    comments: Vec<String>,
-    /// The bytes of this line, if it is a comment.
-    comment: Option<Vec<u8>>,
-    /// Whether a quoted cell is open.
-    quoted: bool,
-    is_within: bool,
+    records: Records,
 }
 
 impl<'a> CsvText<'a> {
@@ -68,14 +65,15 @@ impl<'a> CsvText<'a> {
     /// # Errors
     /// The file and why it cannot be read: it does not exist, or is a folder.
     pub fn open(path: &Path, limit: ReadLimit) -> Result<Self, InputError> {
-        Self::of(path, open(path)?, limit)
+        let budget = Budget::new(path.display().to_string(), limit);
+        Self::of(path, open(path)?, Rc::new(budget))
     }
 
     /// The text of `source`; `path` is its name in errors.
     pub(crate) fn of(
         path: &Path,
         mut source: impl Read + 'a,
-        limit: ReadLimit,
+        budget: Rc<Budget>,
     ) -> Result<Self, InputError> {
         let mut head = Vec::new();
         (source.by_ref().take(GZIP_MAGIC.len() as u64))
@@ -84,17 +82,36 @@ impl<'a> CsvText<'a> {
         let named_gzip = path.extension().is_some_and(|extension| extension == "gz");
         let is_gzip = head == GZIP_MAGIC || (named_gzip && !head.is_empty());
         let whole = io::Cursor::new(head).chain(source);
-        Ok(Self {
+        Ok(if is_gzip {
+            let source = Box::new(flate2::read::MultiGzDecoder::new(whole));
+            Self {
+                is_gzip,
+                ..Self::from(path, source, budget)
+            }
+        } else {
+            Self::from(path, Box::new(whole), budget)
+        })
+    }
+
+    /// A text that was made of the contents of a file, whose bytes are counted already.
+    pub(crate) fn made(path: &Path, text: Vec<u8>, budget: Rc<Budget>) -> Self {
+        Self {
+            is_made: true,
+            ..Self::from(path, Box::new(io::Cursor::new(text)), budget)
+        }
+    }
+
+    fn from(path: &Path, source: Box<dyn Read + 'a>, budget: Rc<Budget>) -> Self {
+        Self {
             path: path.to_owned(),
-            limit,
-            source: if is_gzip {
-                Box::new(flate2::read::MultiGzDecoder::new(whole))
-            } else {
-                Box::new(whole)
-            },
-            is_gzip,
+            budget,
+            source,
+            is_gzip: false,
+            is_made: false,
+            unended: 0,
             ahead: Vec::new(),
             taken: 0,
+            of_ahead: 0,
             decoder: None,
             may_guess: false,
             guessed_from: None,
@@ -102,12 +119,11 @@ impl<'a> CsvText<'a> {
             chunk: Vec::with_capacity(CHUNK),
             next: 0,
             whole: 0,
-            read: 0,
             handed: 0,
             last: None,
             has_ended: false,
-            lines: Lines::default(),
-        })
+            records: Records::default(),
+        }
     }
 
     /// The file as the user named it.
@@ -115,8 +131,19 @@ impl<'a> CsvText<'a> {
         self.path.display().to_string()
     }
 
+    /// What reading the file may cost.
+    pub(crate) fn budget(&self) -> &Rc<Budget> {
+        &self.budget
+    }
+
+    /// Keeps the comments of the text that is read from here on.
+    pub(crate) fn keep_comments(&mut self) {
+        self.records.keep_comments();
+    }
+
     /// Its rows, also those of different lengths; comment lines are left out.
-    pub fn rows(self) -> csv::Reader<Self> {
+    pub fn rows(mut self) -> csv::Reader<Self> {
+        self.records.hold_rows();
         csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .has_headers(false)
@@ -128,7 +155,7 @@ impl<'a> CsvText<'a> {
 
     /// The lines read so far that begin with `#`, outside quoted cells.
     pub fn comments(self) -> Vec<String> {
-        self.lines.comments
+        self.records.into_comments()
     }
 
     /// The first unpacked bytes, before any is handed on: `count` of them, or all.
@@ -141,6 +168,9 @@ impl<'a> CsvText<'a> {
             let more = self.unpack(&mut bytes);
             self.ahead = bytes;
             self.has_ended = more? == 0;
+            let held = OF_AHEAD * self.ahead.len() as u64;
+            self.budget.hold(held - self.of_ahead, "its first lines")?;
+            self.of_ahead = held;
         }
         Ok(&self.ahead)
     }
@@ -175,7 +205,6 @@ impl<'a> CsvText<'a> {
             self.more()?;
             if self.handed == 0 && self.chunk.starts_with(BYTE_ORDER_MARK) {
                 self.chunk.drain(..BYTE_ORDER_MARK.len());
-                self.lines.length = BYTE_ORDER_MARK.len() as u64;
             }
             let error = std::str::from_utf8(&self.chunk).err();
             self.whole = error.map_or(self.chunk.len(), |error| error.valid_up_to());
@@ -186,10 +215,11 @@ impl<'a> CsvText<'a> {
                 self.guess();
                 is_broken = false;
             }
-            self.lines
-                .pass(&self.chunk[..self.whole], &self.name(), self.limit)?;
+            let text = &self.chunk[..self.whole];
+            self.budget.work(STEPS * text.len() as u64, "its text")?;
+            self.records.pass(text, &self.budget)?;
             if is_broken {
-                let line = 1 + self.lines.ends;
+                let line = 1 + self.records.ends;
                 return Err(InputError::new(
                     self.name(),
                     "not UTF-8 text",
@@ -199,7 +229,7 @@ impl<'a> CsvText<'a> {
             }
         }
         if self.is_read() {
-            self.lines.end();
+            self.records.end(&self.budget)?;
         }
         Ok(())
     }
@@ -207,7 +237,7 @@ impl<'a> CsvText<'a> {
     /// Takes the bytes from the first that is not UTF-8 for Windows-1252.
     fn guess(&mut self) {
         let ends = self.chunk[..self.whole].iter().filter(|&&b| b == b'\n');
-        self.guessed_from = Some(1 + self.lines.ends + ends.count() as u64);
+        self.guessed_from = Some(1 + self.records.ends + ends.count() as u64);
         self.may_guess = false;
         self.decoder = Some(encoding_rs::WINDOWS_1252.new_decoder_without_bom_handling());
         let rest = self.chunk.split_off(self.whole);
@@ -227,6 +257,7 @@ impl<'a> CsvText<'a> {
                 self.ahead = ahead;
             } else {
                 self.taken = 0;
+                self.budget.release(std::mem::take(&mut self.of_ahead));
             }
             return Ok(());
         }
@@ -270,11 +301,26 @@ impl<'a> CsvText<'a> {
             }
         };
         to.truncate(held + count);
-        self.read += count as u64;
-        if self.read > self.limit.file() {
-            return Err(self.limit.exceeded(&self.name()));
+        if !self.is_made {
+            self.count(&to[held..])?;
         }
         Ok(count)
+    }
+
+    /// Counts these bytes as read, up to their last line end; at the end of the file, where there are none, all before.
+    fn count(&mut self, bytes: &[u8]) -> Result<(), InputError> {
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        let ended = match bytes.iter().rposition(is_end) {
+            Some(end) => end + 1,
+            None if bytes.is_empty() => 0,
+            None => {
+                self.unended += bytes.len() as u64;
+                return Ok(());
+            }
+        };
+        let rest = (bytes.len() - ended) as u64;
+        let before = std::mem::replace(&mut self.unended, rest);
+        self.budget.read(before + ended as u64)
     }
 
     fn failed(&self, error: &io::Error) -> InputError {
@@ -302,50 +348,6 @@ impl Read for CsvText<'_> {
         self.next += count;
         self.handed += count as u64;
         Ok(count)
-    }
-}
-
-impl Lines {
-    /// Counts the lines of `text` and keeps the comments among them.
-    fn pass(&mut self, text: &[u8], name: &str, limit: ReadLimit) -> Result<(), InputError> {
-        for &byte in text {
-            if !self.is_within && byte == b'#' && !self.quoted {
-                self.comment = Some(Vec::new());
-            }
-            self.is_within = byte != b'\n';
-            match &mut self.comment {
-                Some(comment) if byte != b'\n' => {
-                    comment.push(byte);
-                    // Each takes more memory than its text, so that many short ones take many times the size of the file.
-                    if self.of_comments + comment.len() as u64 >= limit.line().saturating_add(1) {
-                        return Err(limit.exceeded_by(name, "has comments of", "all comments"));
-                    }
-                }
-                Some(_) => self.end(),
-                None => self.quoted ^= byte == b'"',
-            }
-            // A lone carriage return ends a row too, but no line is counted there.
-            self.length = match byte {
-                b'\n' | b'\r' => 0,
-                _ => self.length + 1,
-            };
-            if self.length > limit.line() {
-                let error = limit.exceeded_by(name, "has", "a line");
-                return Err(error.at(Place::Line(1 + self.ends)));
-            }
-            self.ends += u64::from(byte == b'\n');
-        }
-        Ok(())
-    }
-
-    /// Ends a comment.
-    fn end(&mut self) {
-        let Some(comment) = self.comment.take() else {
-            return;
-        };
-        self.of_comments += comment.len() as u64 + 1;
-        let text = String::from_utf8_lossy(&comment[1..]);
-        self.comments.push(text.trim().replace('\r', " "));
     }
 }
 

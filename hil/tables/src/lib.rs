@@ -18,12 +18,14 @@
     )
 )]
 
+pub mod budget;
 pub mod channel;
 pub mod columns;
 pub mod control;
 pub mod csv_text;
 pub mod files;
 pub mod read_limit;
+mod room;
 pub mod rows;
 pub mod units;
 pub mod write;

@@ -10,8 +10,8 @@ use std::str::FromStr;
 
 use mesh_damper_output::error::InputError;
 
-/// Part of a file's limit for one line, for all comments, or for a JSON file. Convention: a row of measured channels has some
-/// hundred bytes and a model file some ten thousand; at the default a header of 5e5 columns is still accepted.
+/// Part of a file's limit for a JSON file that is read as a whole: a model, a programme or a baseline. Convention: a model file has some
+/// ten thousand bytes.
 const PART: u64 = 64;
 /// Units of a size, the largest first.
 const UNITS: [(&str, u64); 7] = [
@@ -26,14 +26,13 @@ const UNITS: [(&str, u64); 7] = [
 
 /// The largest number of bytes read from a file, unpacked if it is gzip.
 ///
-/// A line, all comments together, and a JSON file, which is read as a whole, may have a 64th of that. The columns of a table need
-/// no separate limit: each takes a byte of the header's line at least.
+/// A JSON file that is no recording may have a 64th of that. What is made of a recording is bounded by its budget.
 ///
 /// ```
 /// use mesh_damper_tables::read_limit::ReadLimit;
 /// let limit: ReadLimit = "2GiB".parse()?;
 /// assert_eq!(limit.file(), 2 << 30);
-/// assert_eq!(limit.line(), 32 << 20);
+/// assert_eq!(limit.json(), 32 << 20);
 /// # Ok::<(), mesh_damper_tables::read_limit::NoSize>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,21 +62,9 @@ impl ReadLimit {
         self.file
     }
 
-    /// Bytes per line, for all comments, or for a JSON file.
-    pub fn line(self) -> u64 {
+    /// Bytes for a JSON file that is no recording.
+    pub fn json(self) -> u64 {
         self.file / PART
-    }
-
-    /// Error for exceeding the limit `of` a part of a file.
-    pub(crate) fn exceeded_by(self, name: &str, what: &str, of: &str) -> InputError {
-        let limit = Self::new(self.line());
-        self.refused(
-            name,
-            format!(
-                "{what} more than {limit}, the limit of {of}, 1/{PART} of {}",
-                Self::OPTION
-            ),
-        )
     }
 
     /// Error for a file that exceeds the limit.
@@ -85,7 +72,7 @@ impl ReadLimit {
         self.refused(name, format!("holds more than {self}, the limit of a file"))
     }
 
-    fn refused(self, name: &str, problem: String) -> InputError {
+    pub(crate) fn refused(self, name: &str, problem: String) -> InputError {
         let more = Self::new(self.file.saturating_mul(2));
         InputError::new(
             name,
@@ -147,12 +134,14 @@ pub(crate) fn open(path: &Path) -> Result<File, InputError> {
 pub fn read_json(path: &Path, limit: ReadLimit) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     open(path)?
-        .take(limit.line().saturating_add(1))
+        .take(limit.json().saturating_add(1))
         .read_to_end(&mut bytes)
         .map_err(|error| InputError::io(path, "read", &error))?;
-    if bytes.len() as u64 > limit.line() {
-        let name = path.display().to_string();
-        return Err(limit.exceeded_by(&name, "holds", "a JSON file"));
+    if bytes.len() as u64 > limit.json() {
+        let (most, option) = (ReadLimit::new(limit.json()), ReadLimit::OPTION);
+        let problem =
+            format!("holds more than {most}, the limit of a JSON file, 1/{PART} of {option}");
+        return Err(limit.refused(&path.display().to_string(), problem));
     }
     Ok(bytes)
 }

@@ -1,6 +1,10 @@
 //! The rows of a recording as in the file.
 
-use mesh_damper_output::error::Place;
+use mesh_damper_output::error::{InputError, Place};
+
+use crate::budget::Budget;
+
+use crate::write::unguarded;
 
 /// End of a cell: a byte that no UTF-8 text contains.
 const END: u8 = 0xff;
@@ -12,12 +16,27 @@ pub struct TextRows {
 }
 
 impl TextRows {
-    /// Adds a row, which must have as many cells as every other.
+    /// Adds a row of a CSV, which must have as many cells as every other, without the apostrophes before what would be formulas.
     pub fn push(&mut self, row: &csv::StringRecord) {
         for cell in row {
-            self.cells.extend_from_slice(cell.as_bytes());
+            self.cells.extend_from_slice(unguarded(cell).as_bytes());
             self.cells.push(END);
         }
+    }
+
+    /// Reserves memory for a row: a quarter more than present, if there is not enough, for whose bytes `hold` asks first.
+    pub(crate) fn reserve<E>(
+        &mut self,
+        row: &csv::StringRecord,
+        hold: impl FnOnce(u64) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let needed = row.as_slice().len() + row.len();
+        if self.cells.capacity() - self.cells.len() < needed {
+            let more = needed.max(self.cells.len() / 4).max(4096);
+            hold(more as u64)?;
+            self.cells.reserve_exact(more);
+        }
+        Ok(())
     }
 
     /// Keeps the rows of `columns` cells that `is_kept`.
@@ -77,6 +96,20 @@ impl RowLines {
             self.jumps.push((self.rows, line));
         }
         self.rows += 1;
+    }
+
+    /// [`RowLines::push`], within a budget.
+    ///
+    /// # Errors
+    /// The budget has no room for it.
+    pub(crate) fn push_within(&mut self, line: u64, budget: &Budget) -> Result<(), InputError> {
+        let held = self.jumps.capacity();
+        self.push(line);
+        let more = (self.jumps.capacity() - held) * size_of::<(usize, u64)>();
+        match more {
+            0 => Ok(()),
+            more => budget.hold(more as u64, "the lines of its rows"),
+        }
     }
 
     /// Keeps the rows that `is_kept`.

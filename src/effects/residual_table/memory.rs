@@ -1,7 +1,7 @@
 //! The variable of a residual table that replaces speed, in integers. Most of these variables are a memory of the motion.
 
 use super::{END, LAST_NODE, NODES, ONE};
-use crate::effects::ClampedMotion;
+use crate::effects::{ClampedMotion, is_of_tick};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -19,8 +19,12 @@ const LAST_GAINED: i32 = ((LAST_NODE + 1) << GAIN) - 1;
 const AVERAGE: u32 = 15;
 /// Resolution of a cycle.
 const CYCLE: i32 = 1 << 16;
+/// Cycles of a reading of 1.
+const PER_CYCLE: f64 = 1.0 / ((CYCLE as i64) << AVERAGE) as f64;
 /// Ticks of the longest average; with these its error is within a thousandth of the table's range.
 const LONGEST: f64 = 1e7;
+/// Parts that an average loses in a tick, as 2³² per 1: 1 − e^(−1/1e7) to 1 − e^(−1/2), the ticks of the longest and of the shortest.
+const AVERAGED: [i32; 2] = [429, 1_689_937_948];
 
 /// The variable that replaces speed. Displacements are clamped to ±reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,7 +277,7 @@ impl<R: Real> Recall<R> {
             Memory::Frequency { time } => {
                 new.kind = MemoryKind::Frequency;
                 new.step = loss(time)?;
-                new.rate = R::from_f64(1.0 / (f64::from(CYCLE) * f64::from(1 << AVERAGE) * tick));
+                new.rate = R::from_f64(PER_CYCLE / tick);
                 per_reading = 1.0 / f64::from(ONE);
             }
         }
@@ -290,7 +294,7 @@ impl<R: Real> Recall<R> {
     /// # Errors
     /// The field that it could not give.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let in_range = |field, value: i32, low: i32, high: i32| {
+        let in_range = |field, value: i32, [low, high]: [i32; 2]| {
             if (low..=high).contains(&value) {
                 return Ok(());
             }
@@ -301,33 +305,47 @@ impl<R: Real> Recall<R> {
                 high: f64::from(high),
             })
         };
-        self::in_range("rate", self.rate, 0.0, limits::COEFFICIENT)?;
-        in_range("step", self.step, 0, i32::MAX)?;
-        let most = LARGEST_READING * LARGEST_GAIN;
-        in_range("origin", self.origin, -most, most)?;
-        let most = match self.kind {
-            MemoryKind::Slip => LARGEST_GAIN_OF_SLIP,
-            _ => LARGEST_GAIN,
+        let unused = [0; 2];
+        // Rate in R, step.
+        let ([slowest, fastest], step) = match self.kind {
+            MemoryKind::Speed | MemoryKind::Place | MemoryKind::Slip | MemoryKind::Largest => {
+                ([0.0; 2], unused)
+            }
+            MemoryKind::Sides => ([0.0; 2], [-END, END - 1]),
+            MemoryKind::Lag => ([0.0; 2], AVERAGED),
+            MemoryKind::Travel => ([0.5, limits::COEFFICIENT], AVERAGED),
+            MemoryKind::Age => ([1e-14, limits::COEFFICIENT], unused),
+            MemoryKind::Temperature => ([1e-5, f64::from(LARGEST_READING)], unused),
+            MemoryKind::Frequency => ([1e-14, limits::COEFFICIENT], AVERAGED),
         };
-        in_range("gain", self.gain, 0, most)
+        self::in_range("rate", self.rate, slowest, fastest)?;
+        in_range("step", self.step, step)?;
+        let (origin, gain) = match self.kind {
+            MemoryKind::Speed => (unused, unused),
+            MemoryKind::Slip => (unused, [0, LARGEST_GAIN_OF_SLIP]),
+            // The side below ends where the side above begins, or earlier.
+            MemoryKind::Sides => ([-END, self.step], unused),
+            _ => {
+                let most = LARGEST_READING * self.gain.clamp(0, LARGEST_GAIN);
+                ([-most, most], [0, LARGEST_GAIN])
+            }
+        };
+        in_range("gain", self.gain, gain)?;
+        in_range("origin", self.origin, origin)?;
+        // It is the gain times the reading of the first node.
+        let rest = self.origin.checked_rem(self.gain).unwrap_or_default();
+        in_range("origin", self.origin, [self.origin - rest; 2])
     }
 
-    /// For ticks that are twice as long: an average loses s·(2 − s) of itself where it lost s, but at most half of it.
-    pub fn halve_rate(&mut self) {
-        match self.kind {
-            MemoryKind::Lag | MemoryKind::Travel | MemoryKind::Frequency => {
-                let loss = i64::from(self.step);
-                let of_two = 2 * loss - ((loss * loss) >> 32);
-                self.step = of_two.clamp(0, i64::from(i32::MAX)) as i32;
-            }
-            _ => {}
+    /// Checks the number that counts cycles per second, for a tick of `tick` s.
+    ///
+    /// # Errors
+    /// It is of another tick.
+    pub fn check_tick(&self, tick: R) -> Result<(), ConfigError> {
+        if self.kind == MemoryKind::Frequency {
+            return is_of_tick("rate", self.rate, R::from_f64(PER_CYCLE) / tick);
         }
-        // In ticks: the age, and cycles per second.
-        match self.kind {
-            MemoryKind::Age => self.rate = self.rate + self.rate,
-            MemoryKind::Frequency => self.rate = R::from_f64(0.5) * self.rate,
-            _ => {}
-        }
+        Ok(())
     }
 
     /// Whether a state of `other`, over places of the same length, is valid here; the positions of the nodes may differ.

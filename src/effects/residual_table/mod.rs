@@ -34,6 +34,12 @@ pub const NODES: usize = 17;
 pub const CELLS: usize = 2 * NODES * DISPLACEMENTS;
 /// Nodes over displacement where T is a line ([`Memory::Place`]).
 pub const FINE: usize = 33;
+/// Groups of cells in [`ResidualTable::drives`], runs of a group, and nodes of a run.
+pub(crate) const GROUPS: usize = DISPLACEMENTS;
+pub(crate) const RUNS: usize = NODES.div_ceil(RUN);
+const RUN: usize = 6;
+/// Largest speed over that of node 2.
+const SPEEDS: f64 = 255.0;
 
 /// The first cell for falling displacement.
 const BACK: usize = NODES * DISPLACEMENTS;
@@ -99,6 +105,29 @@ enum Along {
     Side(i32),
 }
 
+/// Cells between which a closed cycle may lead.
+#[derive(Clone, Copy)]
+struct Group {
+    first: usize,
+    /// Cells from node to node.
+    apart: usize,
+    /// Number of nodes.
+    count: usize,
+    /// Whether a cycle stays at a node.
+    is_each_alone: bool,
+    /// Whether the variable is a stretch that follows the displacement: see [`ResidualTable::group`].
+    is_stretch: bool,
+    is_over_speed: bool,
+}
+
+impl Group {
+    /// The cells at a node, for rising and for falling displacement.
+    fn cells(&self, node: usize) -> [usize; 2] {
+        let cell = self.first + node * self.apart;
+        [cell, BACK + cell]
+    }
+}
+
 impl<R: Real> ResidualTable<R> {
     /// How its force grows outside the operating range.
     pub const OUTSIDE: Growth = Growth::Held;
@@ -119,10 +148,10 @@ impl<R: Real> ResidualTable<R> {
     pub fn new(parts: &ResidualTableParts<'_, R>, tick: R) -> Result<Self, ConfigError> {
         let reach = in_range("reach", parts.reach, 1e-9, limits::DISPLACEMENT)?.to_f64();
         let speed = in_range("speed", parts.speed, 1e-9, limits::VELOCITY)?.to_f64();
-        let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
+        let seconds = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
         let mut new = Self {
             per_displacement: R::from_f64(f64::from(END) / reach),
-            per_speed: R::from_f64(255.0 / speed),
+            per_speed: R::from_f64(SPEEDS / speed),
             unit: in_range("unit", parts.unit, 0.0, limits::COEFFICIENT)?,
             ..Self::NONE
         };
@@ -136,30 +165,190 @@ impl<R: Real> ResidualTable<R> {
                 high: CELLS as f64,
             })?;
         if let Some((memory, range)) = parts.memory {
-            new.recall = Recall::new(memory, range, reach, tick)?;
+            new.recall = Recall::new(memory, range, reach, seconds)?;
         }
+        new.check()?;
+        new.check_tick(tick)?;
         Ok(new)
+    }
+
+    /// Checks the numbers before the cells: whether they are finite and such as [`ResidualTable::new`] can give.
+    ///
+    /// # Errors
+    /// The field that is not.
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let [nearest, furthest] = [f64::from(END) / limits::DISPLACEMENT, f64::from(END) / 1e-9];
+        let [fastest, slowest] = [SPEEDS / limits::VELOCITY, SPEEDS / 1e-9];
+        in_range(
+            "per_displacement",
+            self.per_displacement,
+            0.999 * nearest,
+            1.001 * furthest,
+        )?;
+        in_range(
+            "per_speed",
+            self.per_speed,
+            0.999 * fastest,
+            1.001 * slowest,
+        )?;
+        in_range("unit", self.unit, 0.0, limits::COEFFICIENT)?;
+        self.recall.check()
+    }
+
+    /// Checks the numbers that follow from the tick, for one of `tick` s.
+    ///
+    /// # Errors
+    /// The field that is of another tick.
+    pub(crate) fn check_tick(&self, tick: R) -> Result<(), ConfigError> {
+        self.recall.check_tick(tick)
+    }
+
+    /// A group of cells between which a closed cycle may lead, of [`GROUPS`].
+    ///
+    /// Along a line each place is on its own. So is a cell whose variable is constant in a closed cycle: a largest displacement, an
+    /// age, a temperature or a frequency. Otherwise a cycle may rise at one value of the variable and fall at another.
+    ///
+    /// A slip and a lag are the stretch s of an element that moves as the displacement, less what slides or relaxes, which makes |s|
+    /// smaller. With x = y − s, such a table stores P = ∫ₓ^y F(u, u − x) du + ∫ F(x, 0) dx, and ∂P/∂x = −∫ₓ^y ∂F/∂s du. So where F does
+    /// not fall with s, sliding loses energy. What is above that F for rising displacement, or below it for falling, dissipates. There is
+    /// such an F if no cell for falling displacement is above one for rising displacement at the same or a larger stretch.
+    fn group(&self, group: usize) -> Group {
+        let kind = self.recall.kind;
+        let (first, apart, count) = match kind {
+            MemoryKind::Place => (
+                NODES * group,
+                1,
+                FINE.saturating_sub(NODES * group).min(NODES),
+            ),
+            MemoryKind::Sides if group > 1 => (0, 1, 0),
+            MemoryKind::Sides => (NODES * group, 1, NODES),
+            _ => (group, DISPLACEMENTS, NODES),
+        };
+        Group {
+            first,
+            apart,
+            count,
+            is_each_alone: matches!(
+                kind,
+                MemoryKind::Place
+                    | MemoryKind::Largest
+                    | MemoryKind::Age
+                    | MemoryKind::Temperature
+                    | MemoryKind::Frequency
+            ),
+            is_stretch: matches!(kind, MemoryKind::Slip | MemoryKind::Lag),
+            is_over_speed: matches!(kind, MemoryKind::Speed | MemoryKind::Sides),
+        }
+    }
+
+    /// Speed at a node, mm/s.
+    fn speed_at(&self, node: usize) -> R {
+        let halves = ((2 + node as i32 % 2) << (node / 2)) - 2;
+        R::from_i32(halves) * R::from_f64(0.5) / self.per_speed
+    }
+
+    /// The force in kN by which cells for falling displacement are above cells for rising displacement, which drives the motion; 0
+    /// or below if none are. `damping` is what acts against the motion at a speed in mm/s beside the table. It is concave and the
+    /// table linear between two nodes, so that the nodes suffice.
+    ///
+    /// For run `run` of [`RUNS`] of a group: the least force for rising displacement and the largest for falling displacement are
+    /// kept in `bounds` from run to run.
+    pub(crate) fn drives(
+        &self,
+        group: usize,
+        run: usize,
+        damping: impl Fn(R) -> R,
+        bounds: &mut [R; 2],
+    ) -> R {
+        let group = self.group(group);
+        let mut worst = R::ZERO;
+        for node in (run * RUN..group.count).take(RUN) {
+            let [rises, falls] = group.cells(node).map(|cell| {
+                let count = self.cells.get(cell).copied().unwrap_or_default();
+                R::from_i32(count.into()) * self.unit
+            });
+            let against = if group.is_over_speed {
+                damping(self.speed_at(node))
+            } else {
+                R::ZERO
+            };
+            let (rises, falls) = (rises + against, falls - against);
+            let [rising, falling] = bounds;
+            if group.is_each_alone || group.is_stretch || node == 0 || rises < *rising {
+                *rising = rises;
+            }
+            if group.is_each_alone || node == 0 || falls > *falling {
+                *falling = falls;
+            }
+            let drives = *falling - *rising;
+            if drives > worst {
+                worst = drives;
+            }
+        }
+        worst
+    }
+
+    /// The table with which the check of [`crate::passivity`] finds no fault, with the least change of any cell. `damping` is what
+    /// [`damping_beside_table`](crate::passivity::damping_beside_table) gives for its law, kN at a speed in mm/s.
+    #[must_use]
+    pub fn passive(mut self, damping: impl Fn(R) -> R) -> Self {
+        for index in 0..GROUPS {
+            let group = self.group(index);
+            let against: [f64; NODES] = core::array::from_fn(|node| {
+                let counts = damping(self.speed_at(node)).to_f64() / self.unit.to_f64();
+                // Less by what rounding to f32 may take.
+                let counts = 0.999 * counts - 1.0;
+                if group.is_over_speed && counts > 0.0 {
+                    counts
+                } else {
+                    0.0
+                }
+            });
+            let sides = |cells: &[i16; CELLS], node: usize| {
+                let [rises, falls] = group.cells(node).map(|cell| f64::from(cells[cell]));
+                [rises + against[node], falls - against[node]]
+            };
+            let alone = if group.is_each_alone { 1 } else { NODES };
+            for from in (0..group.count).step_by(alone) {
+                let nodes = from..group.count.min(from + alone);
+                let (mut rising, mut falling, mut drives) = (f64::MAX, f64::MIN, 0.0_f64);
+                for node in nodes.clone() {
+                    let [rises, falls] = sides(&self.cells, node);
+                    rising = if group.is_stretch {
+                        rises
+                    } else {
+                        rising.min(rises)
+                    };
+                    falling = falling.max(falls);
+                    drives = drives.max(falling - rising);
+                }
+                if drives <= 0.0 {
+                    continue;
+                }
+                let mut below = if group.is_stretch { f64::MIN } else { falling };
+                for node in nodes {
+                    let [up, down] = group.cells(node);
+                    below = below.max(sides(&self.cells, node)[1]);
+                    let middle = below - 0.5 * drives;
+                    let least = libm::ceil(middle - against[node]) as i16;
+                    let most = libm::floor(middle + against[node]) as i16;
+                    self.cells[up] = self.cells[up].max(least);
+                    self.cells[down] = self.cells[down].min(most);
+                }
+            }
+        }
+        self
+    }
+
+    /// The cells, as in [`ResidualTableParts::cells`].
+    pub fn cells(&self) -> &[i16] {
+        &self.cells
     }
 
     /// Whether the table has a force.
     #[inline(always)]
     pub(super) fn is_there(&self) -> bool {
         self.unit > R::ZERO
-    }
-
-    /// The same for ticks that are twice as long.
-    pub(super) fn halve_rate(&mut self) {
-        self.recall.halve_rate();
-    }
-
-    /// Whether its variable is the temperature.
-    pub(super) fn is_over_temperature(&self) -> bool {
-        self.recall.kind == MemoryKind::Temperature
-    }
-
-    /// Whether its variable is the frequency, which is computed from the cycles.
-    pub(super) fn is_over_frequency(&self) -> bool {
-        self.recall.kind == MemoryKind::Frequency
     }
 
     /// Whether the state of `other` is valid here.

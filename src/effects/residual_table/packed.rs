@@ -4,8 +4,6 @@ use super::memory::MemoryKind;
 use super::{CELLS, ResidualTable};
 use crate::error::ConfigError;
 use crate::frame::{Reader, Writer};
-use crate::limits;
-use crate::real::in_range;
 
 impl ResidualTable<f32> {
     /// Writes numbers and cells.
@@ -86,18 +84,6 @@ impl ResidualTable<f32> {
             *cell = reader.u16()? as i16;
         }
         Some(to >= cells)
-    }
-
-    /// Checks a table that was read: whether its numbers are finite and within the range that [`ResidualTable::new`] can give.
-    ///
-    /// # Errors
-    /// The field that is not.
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        const MOST: f64 = 1e14;
-        in_range("per_displacement", self.per_displacement, 0.0, MOST)?;
-        in_range("per_speed", self.per_speed, 0.0, MOST)?;
-        in_range("unit", self.unit, 0.0, limits::COEFFICIENT)?;
-        self.recall.check()
     }
 }
 

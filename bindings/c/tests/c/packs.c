@@ -124,14 +124,14 @@ static void check_silent(void)
     CHECK(md_law_force(&silent, &MOTION) != 0.0f);
 }
 
-/* A law with a dashpot below 0 supplies more energy than it absorbs. */
+/* A law with a dashpot below 0 can supply more energy than it absorbs. */
 static void check_active(void)
 {
     md_problem problem;
     const md_expected passive = {.tick_rate = ACTIVE_TICK_RATE};
     is_refused(active_pack, ACTIVE_PACK_LENGTH, &passive, MD_ERROR_PACK_ACTIVE, &problem);
-    CHECK(problem.value > 0.0 && problem.value <= 0.2f);
-    CHECK(problem.field_length == 3 && memcmp(problem.field, "law", 3) == 0);
+    CHECK(problem.value == -0.5);
+    CHECK(problem.field_length == 2 && memcmp(problem.field, "c1", 2) == 0);
     static md_law active;
     const md_expected any = {.tick_rate = ACTIVE_TICK_RATE, .allow_active = true};
     CHECK(md_law_init(&active, active_pack, ACTIVE_PACK_LENGTH, &any, &problem) == MD_ERROR_NONE);

@@ -162,8 +162,12 @@ fn memories() -> [(&'static str, Option<Remembered>); 10] {
 /// # Errors
 /// None: every value is in its range.
 pub fn correction(memory: Option<Remembered>) -> Result<ResidualTable<f32>, ConfigError> {
-    let uneven = |cell: usize| (cell * 7919 % 2003) as i16 - 1001;
-    let cells: [i16; CELLS] = core::array::from_fn(uneven);
+    // Against a falling displacement and with a rising one, so that a law with it is passive.
+    let uneven = |cell: usize| (cell * 7919 % 1001) as i16;
+    let cells: [i16; CELLS] = core::array::from_fn(|cell| match cell < CELLS / 2 {
+        true => uneven(cell),
+        false => -uneven(cell),
+    });
     let parts = ResidualTableParts {
         reach: AMPLITUDE,
         speed: SPEED,

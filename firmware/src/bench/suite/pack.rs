@@ -3,7 +3,6 @@
 use mesh_damper::effects::residual_table::Memory;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{Expectation, LARGEST, PackError, PackInfo, Upload, encode};
-use mesh_damper::passivity::Passivity;
 
 use super::Refused;
 use super::effects::{correction, each, law};
@@ -23,17 +22,15 @@ impl From<PackError> for Refused {
 struct Waiting {
     upload: Upload,
     slot: FastLaw<EFFECTS>,
-    passivity: Passivity<EFFECTS>,
     expected: Expectation,
     /// The result of the last slice, after it ran. It holds no more of an error than that, because a copy would be counted.
     done: Option<bool>,
 }
 
 extern "C" fn slice(waiting: &mut Waiting, _: f32, _: f32) -> f32 {
-    let slice =
-        waiting
-            .upload
-            .finish_slice(&mut waiting.slot, &waiting.expected, &mut waiting.passivity);
+    let slice = waiting
+        .upload
+        .finish_slice(&mut waiting.slot, &waiting.expected);
     waiting.done = match slice {
         Ok(None) => None,
         Ok(Some(_)) => Some(true),
@@ -53,14 +50,15 @@ pub fn run(meter: &mut impl Meter) -> Result<(), Refused> {
     for first in 0..most {
         let effects = each.iter().skip(first * EFFECTS).take(EFFECTS);
         let law = law::<EFFECTS>(effects.map(|(_, effect)| *effect))?;
-        let table = correction(Some((Memory::Lag { time: 0.05 }, [-0.2, 0.2])))?;
+        // The damping counts at each node of a table over speed.
+        let lag = (Memory::Lag { time: 0.05 }, [-0.2, 0.2]);
+        let table = correction((first > 0).then_some(lag))?.passive(|_| 0.0);
         let law = FastLaw::new(law.with_residual_table(table)?);
         let mut buffer = [0; LARGEST];
         let pack = encode(&law, &PackInfo::at(TICK_RATE as f32), &mut buffer)?;
         let mut waiting = Waiting {
             upload: Upload::new(),
             slot: FastLaw::EMPTY,
-            passivity: Passivity::EMPTY,
             expected: Expectation::at(TICK_RATE as f32),
             done: None,
         };

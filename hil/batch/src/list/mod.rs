@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use mesh_damper_output::error::InputError;
 use mesh_damper_tables::read_limit::ReadLimit;
+use mesh_damper_tables::write::unguarded;
 
 /// One trace of a batch: the recordings that it fits, and those that it holds out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -74,7 +75,7 @@ impl List {
             table::parquet(path, bytes)?
         } else {
             let text = text::decode(path, bytes)?;
-            match table::csv(path, &text)? {
+            match table::csv(path, &text, unguarded)? {
                 Some(tasks) => tasks,
                 None => text::paths(path, &text)?,
             }
@@ -106,13 +107,13 @@ impl List {
         })
     }
 
-    /// The table `text`, as CSV; its paths are relative to the working directory. Errors call it `name`.
+    /// The table `text`, as CSV; its cells are what they mean, other than in a file ([`unguarded`]), and its paths are relative to the working directory. Errors call it `name`.
     ///
     /// # Errors
     /// As [`List::read`] of a table.
     pub fn of_table(name: &str, text: &str) -> Result<Self, InputError> {
         let list = Path::new(name);
-        let tasks = table::csv(list, text)?;
+        let tasks = table::csv(list, text, |cell| cell.into())?;
         let tasks = tasks.ok_or_else(|| {
             refused(
                 list,

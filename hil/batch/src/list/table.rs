@@ -1,5 +1,6 @@
 //! A table of paths with their groups, as CSV or Parquet.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -23,8 +24,12 @@ const DELIMITERS: [u8; 3] = [b',', b';', b'\t'];
 /// One row: a cell for each of [`COLUMNS`], empty if the column is missing.
 type Cells = [String; COLUMNS.len()];
 
-/// The traces of a CSV; `None` if its header has no `path`.
-pub(super) fn csv(list: &Path, text: &str) -> Result<Option<Vec<Task>>, InputError> {
+/// The traces of a CSV, whose cells mean what `meant` makes of them; `None` if its header has no `path`.
+pub(super) fn csv(
+    list: &Path,
+    text: &str,
+    meant: fn(&str) -> Cow<'_, str>,
+) -> Result<Option<Vec<Task>>, InputError> {
     let reader = |delimiter| {
         csv::ReaderBuilder::new()
             .delimiter(delimiter)
@@ -50,7 +55,7 @@ pub(super) fn csv(list: &Path, text: &str) -> Result<Option<Vec<Task>>, InputErr
             let cell = |place: Option<usize>| place.and_then(|place| record.get(place));
             rows.push((
                 Place::Line(line),
-                places.map(|place| cell(place).unwrap_or_default().to_owned()),
+                places.map(|place| meant(cell(place).unwrap_or_default()).into_owned()),
             ));
         }
         return tasks(list, rows).map(Some);

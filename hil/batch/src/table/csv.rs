@@ -1,19 +1,23 @@
 //! A table as CSV.
 
+use mesh_damper_tables::write::guarded;
+
 use super::{Table, Values};
 
 /// Separator between the texts of a list.
 const BETWEEN: &str = ";";
 
 impl Table {
-    /// The table as CSV with a header. A missing value is an empty cell; semicolons separate the texts of a list.
+    /// The table as CSV with a header. A missing value is an empty cell; semicolons separate the texts of a list; a text that a
+    /// spreadsheet would take for a formula is [`guarded`].
     pub fn to_csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         // Writing to memory does not fail, and every row has as many cells as the header.
         let _ = writer.write_record(self.0.iter().map(|column| column.name));
         let rows = self.0.first().map_or(0, |column| column.values.len());
         for row in 0..rows {
-            let _ = writer.write_record(self.0.iter().map(|column| column.values.cell(row)));
+            let cells = self.0.iter().map(|column| column.values.cell(row));
+            let _ = writer.write_record(cells.map(|cell| guarded(&cell).into_owned()));
         }
         writer.into_inner().unwrap_or_default()
     }

@@ -1,5 +1,7 @@
 //! `hil inspect`: the contents of a file, their interpretation, and the questions that remain.
 
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,8 +11,8 @@ use mesh_damper_recording::cycles::Cycles;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::faults::ChannelFaultKind;
 use mesh_damper_recording::{Recording, Uniform};
-use mesh_damper_tables::columns::{self, Chosen, Rank};
-use mesh_damper_tables::files::{self, Column, Kept, Needs, Reading, Table, Wanted};
+use mesh_damper_tables::columns::{Chosen, Meanings, Rank};
+use mesh_damper_tables::files::{self, Column, Needs, Reading, Table, Tables, Wanted};
 use serde::Serialize;
 
 use super::inspect_questions::{asked, command, most_like_one};
@@ -98,7 +100,7 @@ pub struct InspectedColumn {
     /// Its use, a channel or a control input; null if it is not used, or if a question is open.
     pub used_as: Option<String>,
     /// Its probable meaning, or the reason why it is not used.
-    pub taken_for: String,
+    pub taken_for: Cow<'static, str>,
     /// Its first values, in the file's unit.
     pub first: Vec<Option<f64>>,
     /// Smallest and largest value, in the file's unit; null if not all were read.
@@ -156,7 +158,9 @@ impl InspectCommand {
             outputs.add_document(json, &report)?;
         }
         if self.json.as_deref() != Some(Path::new("-")) {
-            inspected.iter().for_each(|file| say(&words::of(file)));
+            for file in &inspected {
+                words::of(file, &mut |line| say(line));
+            }
         }
         outputs.write()?;
         // One unreadable file makes the command fail, whatever the others are.
@@ -186,11 +190,11 @@ fn inspect(
             opened
         }
     };
-    let tables = opened.tables().to_vec();
-    drop(opened);
-    let chosen = columns::choose(&name, &tables, &stated, &Needs::default());
+    let tables = opened.tables();
+    let meanings = Meanings::of(tables);
+    let chosen = meanings.choose(&name, &stated, &Needs::default());
     if let Err(question) = &chosen {
-        questions.extend(asked(&name, &tables, &stated, question));
+        questions.extend(asked(&name, tables, &meanings, &stated, question));
     }
     // No option makes the file right.
     let mut problem = (questions
@@ -201,7 +205,7 @@ fn inspect(
     let mut file = Inspected {
         file: path.to_owned(),
         file_format: format.name(),
-        notes: notes(&tables, chosen.as_ref().ok()),
+        notes: notes(tables, chosen.as_ref().ok()),
         tables: Vec::new(),
         comments: Vec::new(),
         recording: None,
@@ -210,11 +214,20 @@ fn inspect(
         questions: questions.iter().map(words::question).collect(),
     };
     for (index, table) in tables.iter().enumerate() {
+        let described = |column| meanings.described(index, column);
         file.tables.push(match &chosen {
-            Ok(chosen) => of(table, Some(chosen).filter(|chosen| chosen.table == index)),
-            Err(_) => open(table, &stated),
+            Ok(chosen) => {
+                let chosen = Some(chosen).filter(|chosen| chosen.table == index);
+                of(table, &described, chosen)
+            }
+            Err(_) => open(table, &described, &stated),
         });
     }
+    let index = chosen.as_ref().map_or_else(
+        |_| *most_like_one(tables, &meanings).1.first().unwrap_or(&0),
+        |chosen| chosen.table,
+    );
+    let counted = count(opened, index, &mut file);
     if questions.is_empty() && problem.is_none() {
         match Recording::read_channels(path, &stated) {
             Ok(recording) => {
@@ -224,12 +237,12 @@ fn inspect(
             Err(error) => problem = Some(error),
         }
     }
-    let index = chosen.as_ref().map_or_else(
-        |_| *most_like_one(&tables).1.first().unwrap_or(&0),
-        |chosen| chosen.table,
-    );
-    // Values that cannot be read are the problem if there is no other.
-    problem = problem.or(count(path, &stated, index, &mut file).err());
+    match counted {
+        Ok(notes) if file.recording.is_none() => file.notes.extend(notes),
+        Ok(_) => {}
+        // Values that cannot be read are the problem if there is no other.
+        Err(error) => problem = problem.or(Some(error)),
+    }
     file.problem = problem.as_ref().map(words::question);
     Ok((file, problem))
 }
@@ -239,36 +252,32 @@ fn notes(tables: &[Table], chosen: Option<&Chosen>) -> Vec<String> {
         Some(chosen) => chosen.guesses.clone(),
         // A note about the whole file is one of each table.
         None => {
-            let mut notes: Vec<String> = Vec::new();
-            for note in tables.iter().flat_map(|table| &table.guesses) {
-                if !notes.contains(note) {
-                    notes.push(note.clone());
-                }
-            }
-            notes
+            let mut seen = HashSet::new();
+            let notes = tables.iter().flat_map(|table| &table.guesses);
+            notes.filter(|note| seen.insert(*note)).cloned().collect()
         }
     }
 }
 
+/// The probable meaning of a column of a table.
+type Described<'d> = dyn Fn(usize) -> Option<String> + 'd;
+
 /// A table, with the columns `chosen` from it.
-fn of(table: &Table, chosen: Option<&Chosen>) -> InspectedTable {
-    table_with(table, |index, column| {
-        let used_as = chosen.and_then(|chosen| used_as(chosen, index));
-        let taken_for = used_as.clone();
-        (
-            used_as,
-            taken_for.unwrap_or_else(|| words::why_not(column, false)),
-        )
+fn of(table: &Table, described: &Described<'_>, chosen: Option<&Chosen>) -> InspectedTable {
+    let mut uses = chosen.map_or_else(HashMap::new, uses);
+    table_with(table, |index, column| match uses.remove(&index) {
+        Some(used_as) => (Some(used_as.clone()), used_as.into()),
+        None => (None, words::why_not(column, described(index), false)),
     })
 }
 
 /// A table while a question is open: nothing is used yet.
-fn open(table: &Table, stated: &Reading) -> InspectedTable {
-    table_with(table, |_, column| {
+fn open(table: &Table, described: &Described<'_>, stated: &Reading) -> InspectedTable {
+    table_with(table, |index, column| {
         let column_of = (stated.channels.iter()).find(|(_, name)| *name == column.name);
         let taken_for = match column_of {
-            Some((quantity, _)) => format!("{quantity}, as you stated"),
-            None => words::why_not(column, true),
+            Some((quantity, _)) => format!("{quantity}, as you stated").into(),
+            None => words::why_not(column, described(index), true),
         };
         (None, taken_for)
     })
@@ -277,7 +286,7 @@ fn open(table: &Table, stated: &Reading) -> InspectedTable {
 /// A table, with the use and the interpretation of each column.
 fn table_with(
     table: &Table,
-    meaning: impl Fn(usize, &Column) -> (Option<String>, String),
+    mut meaning: impl FnMut(usize, &Column) -> (Option<String>, Cow<'static, str>),
 ) -> InspectedTable {
     let column = |(index, column): (usize, &Column)| {
         let (used_as, taken_for) = meaning(index, column);
@@ -304,39 +313,36 @@ fn table_with(
     }
 }
 
-/// The use of a column, and the certainty of the choice.
-fn used_as(chosen: &Chosen, column: usize) -> Option<String> {
-    let used = chosen.used.iter().find(|used| used.column == column);
-    if let Some(used) = used {
+/// The uses of columns, and the certainty of the choices.
+fn uses(chosen: &Chosen) -> HashMap<usize, String> {
+    let used = chosen.used.iter().map(|used| {
         let how = match used.rank {
             Rank::Unit => ", by its unit alone",
             Rank::Weak => ", by a short word with its unit",
             Rank::Stated => ", as you stated",
             Rank::Word | Rank::Own => "",
         };
-        return Some(format!(
-            "{} in {}{how}",
-            used.channel.name(),
-            used.unit.symbol
-        ));
-    }
-    let control = chosen
-        .controls
-        .iter()
-        .find(|control| control.column == column);
-    control.map(|control| format!("control input {}", control.name))
+        let (channel, unit) = (used.channel.name(), used.unit.symbol);
+        (used.column, format!("{channel} in {unit}{how}"))
+    });
+    let controls = chosen.controls.iter();
+    let controls = controls.map(|each| (each.column, format!("control input {}", each.name)));
+    let mut uses: HashMap<usize, String> = controls.collect();
+    // The first use of a column counts.
+    used.rev().for_each(|(column, how)| {
+        uses.insert(column, how);
+    });
+    uses
 }
 
-/// Counts the values of the numeric columns, and finds their ranges.
+/// Counts the values of the numeric columns, finds their ranges, and returns notes on them.
 fn count(
-    path: &Path,
-    stated: &Reading,
+    opened: Box<dyn Tables + '_>,
     index: usize,
     file: &mut Inspected,
-) -> Result<(), InputError> {
-    let (_, opened) = files::open(path, stated)?;
+) -> Result<Vec<String>, InputError> {
     let Some(table) = opened.tables().get(index) else {
-        return Ok(());
+        return Ok(Vec::new());
     };
     let numeric = (0..table.columns.len()).filter(|&column| table.columns[column].is_numeric);
     let wanted: Vec<Wanted> = numeric
@@ -347,20 +353,15 @@ fn count(
         })
         .collect();
     if wanted.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
-    let values = opened.read(index, &wanted, Kept::Channels)?;
     let table = &mut file.tables[index];
-    for (wanted, values) in wanted.iter().zip(&values.columns) {
-        let Some(values) = values else { continue };
+    let values = opened.look(index, &wanted, &mut |column, values| {
         table.rows = table.rows.or(Some(values.len() as u64));
-        table.columns[wanted.column].range = range(values);
-    }
+        table.columns[column].range = range(values);
+    })?;
     file.comments = values.comments;
-    if file.recording.is_none() {
-        file.notes.extend(values.notes);
-    }
-    Ok(())
+    Ok(values.notes)
 }
 
 fn range(values: &[f64]) -> Option<[f64; 2]> {

@@ -3,26 +3,31 @@
 use std::path::Path;
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::shell;
 use mesh_damper_tables::channel::Channel;
-use mesh_damper_tables::columns;
+use mesh_damper_tables::columns::{Meanings, which_table};
 use mesh_damper_tables::files::{Needs, Reading, Table};
 
-use crate::commands::reading::shell;
-
 /// All open questions: the table, and the column and unit of each channel. `first` is the question that a trace would ask first.
-pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -> Vec<InputError> {
+pub fn asked(
+    name: &str,
+    tables: &[Table],
+    meanings: &Meanings<'_>,
+    said: &Reading,
+    first: &InputError,
+) -> Vec<InputError> {
     let mut questions: Vec<InputError> = Vec::new();
     if first.answer().is_none() {
         return vec![first.clone()];
     }
     let mut said = said.clone();
-    let (most, alike) = most_like_one(tables);
+    let (most, alike) = most_like_one(tables, meanings);
     // Displacement and force at least; time may be given.
     if said.table.is_none() && most > 1 {
         let names: Vec<&str> = (alike.iter())
             .map(|&index| tables[index].name.as_str())
             .collect();
-        let which = columns::which_table(name, &names);
+        let which = which_table(name, &names);
         if first.answer() == which.answer() {
             questions.push(first.clone());
         } else if names.len() > 1 {
@@ -34,7 +39,7 @@ pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -
         .into_iter()
         .filter(|channel| channel.is_required())
     {
-        if let Err(question) = columns::choose(name, tables, &said, &Needs::of([channel]))
+        if let Err(question) = meanings.choose(name, &said, &Needs::of([channel]))
             && !questions.contains(&question)
         {
             questions.push(question);
@@ -48,15 +53,12 @@ pub fn asked(name: &str, tables: &[Table], said: &Reading, first: &InputError) -
 }
 
 /// The largest number of columns in a table that could be channels, and the tables with that number.
-pub fn most_like_one(tables: &[Table]) -> (usize, Vec<usize>) {
-    let like = |table: &Table| {
-        let columns = table.columns.iter();
-        columns
-            .filter(|column| columns::described(column).is_some())
-            .count()
-    };
-    let most = tables.iter().map(like).max().unwrap_or(0);
-    let such = (0..tables.len()).filter(|&index| like(&tables[index]) == most);
+pub fn most_like_one(tables: &[Table], meanings: &Meanings<'_>) -> (usize, Vec<usize>) {
+    let like: Vec<usize> = (0..tables.len())
+        .map(|index| meanings.described_of(index))
+        .collect();
+    let most = like.iter().copied().max().unwrap_or(0);
+    let such = (0..tables.len()).filter(|&index| like[index] == most);
     (most, such.collect())
 }
 
@@ -73,7 +75,7 @@ pub fn command(path: &Path, options: &[String], questions: &[InputError]) -> Str
             _ => own.to_owned(),
         }
     };
-    let mut parts = vec!["hil trace".to_owned(), shell(&path.display().to_string())];
+    let mut parts = vec!["hil trace".to_owned(), shell::file(path)];
     parts.extend(options.iter().cloned().chain(answers().map(answer)));
     parts.join(" ")
 }

@@ -1,12 +1,16 @@
 //! The output of `hil inspect`.
 
+use std::borrow::Cow;
+use std::fmt::Display;
+
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::visible;
 use mesh_damper_tables::columns;
 use mesh_damper_tables::files::Column;
 
 use super::inspect::{Inspected, InspectedColumn, InspectedRecording, InspectedTable};
 
-/// Number of columns shown for a table.
+/// Number of columns shown for a table, of parts that are not read, and of notes.
 const SHOWN: usize = 40;
 /// Longest name shown, in characters.
 const NAME: usize = 36;
@@ -14,47 +18,54 @@ const NAME: usize = 36;
 const COMMENTS: usize = 8;
 const COMMENT: usize = 120;
 
-/// All lines about a file.
-pub fn of(file: &Inspected) -> String {
-    let mut lines = vec![format!("{}: {}", file.file.display(), file.file_format)];
+/// Says all lines about a file, one after the other: it may have very many.
+pub fn of(file: &Inspected, say: &mut dyn FnMut(&str)) {
+    say(&format!("{}: {}", file.file.display(), file.file_format));
     for table in &file.tables {
-        lines.extend(of_table(table));
+        of_table(table, say);
     }
-    let comments = file.comments.iter().take(COMMENTS);
-    lines.extend(comments.map(|comment| format!("  comment: {}", cut(comment, COMMENT))));
-    if file.comments.len() > COMMENTS {
-        let more = file.comments.len() - COMMENTS;
-        lines.push(format!("  and {more} more comments; --json has all"));
-    }
+    let comments = file.comments.iter();
+    let comments = comments.map(|comment| cut(comment, COMMENT));
+    some(comments, "  comment: ", COMMENTS, "comments", say);
     if let Some(recording) = &file.recording {
-        lines.push(of_recording(recording));
-        lines.extend(
-            recording
-                .faults
-                .iter()
-                .map(|fault| format!("  warning: {fault}")),
-        );
+        say(&of_recording(recording));
+        let faults = recording.faults.iter();
+        faults.for_each(|fault| say(&format!("  warning: {fault}")));
     }
-    lines.extend(file.notes.iter().map(|note| format!("  note: {note}")));
-    lines.extend(
-        file.questions
-            .iter()
-            .map(|question| format!("  question: {question}")),
-    );
+    some(file.notes.iter(), "  note: ", SHOWN, "notes", say);
+    let questions = file.questions.iter();
+    questions.for_each(|question| say(&format!("  question: {question}")));
     if file.problem.is_some() {
         // The file must be corrected before a trace.
-        return lines.join("\n");
+        return;
     }
     let how = if file.questions.is_empty() {
         "next"
     } else {
         "next; replace the words in capitals by your answers"
     };
-    lines.push(format!("  {how}: {}", file.command));
-    lines.join("\n")
+    say(&format!("  {how}: {}", file.command));
 }
 
-fn of_table(table: &InspectedTable) -> Vec<String> {
+/// Says the first of some texts, and how many more there are.
+fn some(
+    texts: impl ExactSizeIterator<Item = impl Display>,
+    before: &str,
+    most: usize,
+    what: &str,
+    say: &mut dyn FnMut(&str),
+) {
+    let more = texts.len().saturating_sub(most);
+    texts
+        .take(most)
+        .for_each(|text| say(&format!("{before}{text}")));
+    if more > 0 {
+        let margin = " ".repeat(before.len() - before.trim_start().len());
+        say(&format!("{margin}and {more} more {what}; --json has all"));
+    }
+}
+
+fn of_table(table: &InspectedTable, say: &mut dyn FnMut(&str)) {
     let name = if table.name.is_empty() {
         String::new()
     } else {
@@ -64,10 +75,8 @@ fn of_table(table: &InspectedTable) -> Vec<String> {
         .rows
         .map_or_else(String::new, |rows| format!(", {rows} rows"));
     let plural = if table.columns.len() == 1 { "" } else { "s" };
-    let mut lines = vec![format!(
-        "  {name}{} column{plural}{rows}",
-        table.columns.len()
-    )];
+    let count = table.columns.len();
+    say(&format!("  {name}{count} column{plural}{rows}"));
     let rows: Vec<[String; 4]> = table.columns.iter().take(SHOWN).map(cells).collect();
     let width = |index: usize| {
         rows.iter()
@@ -83,26 +92,23 @@ fn of_table(table: &InspectedTable) -> Vec<String> {
                 " ".repeat(width.saturating_sub(text.chars().count()))
             )
         };
-        lines.push(format!(
+        say(&format!(
             "    {}  {}  {}  {taken}",
             padded(name, widths[0]),
             padded(values, widths[1]),
             padded(range, widths[2])
         ));
     }
-    if table.columns.len() > SHOWN {
-        lines.push(format!(
-            "    and {} more; --json has all",
-            table.columns.len() - SHOWN
-        ));
+    if count > SHOWN {
+        say(&format!("    and {} more; --json has all", count - SHOWN));
     }
-    lines.extend(
-        table
-            .skipped
-            .iter()
-            .map(|what| format!("    not read: {what}")),
+    some(
+        table.skipped.iter(),
+        "    not read: ",
+        SHOWN,
+        "that are not read",
+        say,
     );
-    lines
 }
 
 /// Name with unit, first values, range and interpretation of a column.
@@ -125,7 +131,7 @@ fn cells(column: &InspectedColumn) -> [String; 4] {
         cut(&format!("{}{unit}", column.name), NAME),
         format!("{}{more}", first.join(" ")),
         range,
-        column.taken_for.clone(),
+        column.taken_for.to_string(),
     ]
 }
 
@@ -162,19 +168,16 @@ fn of_recording(recording: &InspectedRecording) -> String {
     )
 }
 
-/// The probable meaning of a column, or the reason why it has none, by its name and first values. While a question is open, no column
-/// is used yet.
-pub fn why_not(column: &Column, is_open: bool) -> String {
-    let why = match columns::described(column) {
-        Some(what) if is_open => return format!("could be {what}"),
-        Some(what) => return format!("could be {what}; not used"),
-        None if !column.is_numeric => "it holds text",
-        None => "its name does not match any channel",
-    };
-    if is_open {
-        why.into()
-    } else {
-        format!("not used: {why}")
+/// The probable meaning of a column, as it is `described`, or the reason why it has none. While a question is open, no column is used
+/// yet.
+pub fn why_not(column: &Column, described: Option<String>, is_open: bool) -> Cow<'static, str> {
+    match (described, column.is_numeric, is_open) {
+        (Some(what), _, true) => format!("could be {what}").into(),
+        (Some(what), _, false) => format!("could be {what}; not used").into(),
+        (None, false, true) => "it holds text".into(),
+        (None, false, false) => "not used: it holds text".into(),
+        (None, true, true) => "its name does not match any channel".into(),
+        (None, true, false) => "not used: its name does not match any channel".into(),
     }
 }
 
@@ -190,14 +193,14 @@ fn short(value: f64) -> String {
     mesh_damper_tables::write::decimal((format!("{value:.5e}")).parse().unwrap_or(value))
 }
 
-/// A text in one line, of at most `longest` characters.
+/// A text as it is shown, with blanks for tabs, of at most `longest` characters.
 fn cut(text: &str, longest: usize) -> String {
-    let text: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    // What is longer in the file is longer when it is shown.
+    let text: String = text.chars().take(longest + 1).collect();
+    let text = text.replace('\t', " ");
+    let text = visible(&text);
     if text.chars().count() <= longest {
-        return text;
+        return text.into_owned();
     }
     text.chars().take(longest - 1).chain(['…']).collect()
 }

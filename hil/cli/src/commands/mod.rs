@@ -18,20 +18,20 @@ mod separating;
 mod summary;
 mod trace;
 
-use std::io::Write as _;
 use std::process::ExitCode;
-use std::sync::OnceLock;
 
 use clap::{Parser, Subcommand};
 use mesh_damper_identify::trace::TraceError;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::{check_said, say, tell, visible};
 
 const EXAMPLES: &str = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  hil trace demo-out/recording.csv.gz";
 
 /// Test metal mesh dampers on a rig, find what a force law lacks, and predict forces
 ///
 /// Exit codes: 0: done. 1: the work is done, but a check failed, the rig tripped, some recordings could not be traced, or no density
-/// was found. 2: bad usage or bad input.
+/// was found. 2: bad usage or bad input, or a standard output that cannot be written. 130, 143: interrupted by Ctrl-C, ended by SIGTERM;
+/// no file is half written, and what was finished stays.
 #[derive(Debug, Parser)]
 #[command(
     name = "hil",
@@ -60,6 +60,19 @@ enum Command {
 }
 
 impl Cli {
+    /// The command of this program's arguments.
+    ///
+    /// # Errors
+    /// A help, the version, or an error of usage, which repeats arguments only as a terminal may show them.
+    pub fn of_arguments() -> Result<Self, clap::Error> {
+        Self::try_parse().map_err(|error| {
+            let arguments = std::env::args_os();
+            let shown = arguments.map(|each| visible(&each.to_string_lossy()).into_owned());
+            // The same arguments, escaped, have the same error.
+            Self::try_parse_from(shown).err().unwrap_or(error)
+        })
+    }
+
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         #[cfg(feature = "full")]
@@ -75,13 +88,7 @@ impl Cli {
             #[cfg(feature = "full")]
             Command::Full(command) => command.run(),
         }?;
-        match OUTPUT_ERROR.get() {
-            Some(error) => {
-                let name = std::path::Path::new("standard output");
-                Err(InputError::io(name, "write", error).into())
-            }
-            None => Ok(()),
-        }
+        Ok(check_said()?)
     }
 }
 
@@ -109,21 +116,6 @@ impl Failure {
     }
 }
 
-/// The first error of standard output.
-static OUTPUT_ERROR: OnceLock<std::io::Error> = OnceLock::new();
-
-/// Prints results to standard output. A reader that closed the pipe has seen enough. For any other error [`Cli::run`] fails.
-fn say(text: &str) {
-    let mut output = std::io::stdout();
-    match writeln!(output, "{text}").and_then(|()| output.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            // The first error counts.
-            let _ = OUTPUT_ERROR.set(error);
-        }
-        _ => {}
-    }
-}
-
 /// Whether no file of a command is standard output, so that results in words can go there.
 #[cfg(feature = "full")]
 fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::PathBuf>>) -> bool {
@@ -133,7 +125,7 @@ fn is_free_for_text<'a>(files: impl IntoIterator<Item = &'a Option<std::path::Pa
 
 /// Prints a warning to standard error; the work continues.
 fn warn(text: &str) {
-    eprintln!("warning: {text}");
+    tell(&format!("warning: {text}"));
 }
 
 #[cfg(test)]

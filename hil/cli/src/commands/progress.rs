@@ -4,6 +4,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use mesh_damper_output::terminal::{tell, visible};
 
 /// Plain lines are at least this far apart, so that short work prints none.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
@@ -44,7 +45,7 @@ impl Progress {
 
     /// Shows the current work.
     pub fn step(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
+        self.bar.set_message(visible(what).into_owned());
         self.plain(|| what.to_owned());
     }
 
@@ -71,7 +72,7 @@ impl Progress {
         };
         if last.elapsed() >= BETWEEN_LINES {
             *last = Instant::now();
-            eprintln!("{}", line());
+            tell(&line());
         }
     }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use clap::Args;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::shell;
+use mesh_damper_output::terminal::tell;
 use mesh_damper_recording::Recording;
-pub use mesh_damper_tables::columns::shell;
 use mesh_damper_tables::files;
 use mesh_damper_tables::read_limit::ReadLimit;
 
@@ -14,7 +15,7 @@ use mesh_damper_tables::read_limit::ReadLimit;
 pub struct Reading {
     /// Largest file to read, such as 800MB or 2GiB
     ///
-    /// The size counts after unpacking. One line, all comments together, or a JSON file may take 1/64 of it.
+    /// The size counts after unpacking. A JSON file that is no recording may take 1/64 of it.
     #[arg(long = "max-read", value_name = "SIZE", default_value_t)]
     pub limit: ReadLimit,
 }
@@ -60,7 +61,7 @@ impl RecordingFiles {
     pub fn as_options(&self) -> Vec<String> {
         let pairs = |option: &'static str, pairs: &[(String, String)]| -> Vec<String> {
             let each = pairs.iter();
-            each.map(|(of, what)| format!("--{option} {of}={}", shell(what)))
+            each.map(|(of, what)| format!("--{option} {of}={}", shell::word(what)))
                 .collect()
         };
         let mut options = pairs("channel", &self.channels);
@@ -69,7 +70,8 @@ impl RecordingFiles {
         options.extend(
             self.table
                 .iter()
-                .map(|name| format!("--table {}", shell(name))),
+                // A name may begin as an option does.
+                .map(|name| format!("--table={}", shell::word(name))),
         );
         options.extend(self.decimal.iter().map(|sign| format!("--decimal {sign}")));
         options
@@ -86,7 +88,7 @@ impl RecordingFiles {
 /// Prints the guesses about a file to standard error.
 pub fn say_guesses(guesses: impl IntoIterator<Item = String>) {
     for guess in guesses {
-        eprintln!("note: {guess}");
+        tell(&format!("note: {guess}"));
     }
 }
 

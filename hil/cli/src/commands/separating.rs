@@ -6,7 +6,8 @@ use mesh_damper::error::ConfigError;
 use mesh_damper::sine::{Block, Programme, SineGenerator};
 use mesh_damper_identify::trace::result::TraceResult;
 use mesh_damper_output::error::InputError;
-use mesh_damper_tables::write::decimal;
+use mesh_damper_output::shell;
+use mesh_damper_tables::write::{comment_line, decimal};
 
 /// Name of the file in a trace's folder.
 pub const FILE: &str = "separating-test.csv";
@@ -22,7 +23,7 @@ const RAMP_CYCLES: u32 = 2;
 pub fn command(path: &Path) -> String {
     format!(
         "cargo hil run --drive {} --out separating-out",
-        path.display()
+        shell::file(path)
     )
 }
 
@@ -43,11 +44,13 @@ pub fn motion(path: &Path, result: &TraceResult) -> Result<String, InputError> {
             .map_err(refused)?;
     }
     let mut generator = SineGenerator::new(programme).map_err(refused)?;
-    let mut text = format!(
-        "# excitation: the test that tells apart the effects that explain {} equally well\n# run: {}\ntime_s,displacement_mm\n",
-        result.recordings.join(", ").replace(['\n', '\r'], " "),
-        command(path).replace(['\n', '\r'], " ")
+    let excitation = format!(
+        "excitation: the test that tells apart the effects that explain {} equally well",
+        result.recordings.join(", ")
     );
+    let run = format!("run: {}", command(path));
+    let comments = [excitation, run].map(|comment| comment_line(&comment));
+    let mut text = comments.concat() + "time_s,displacement_mm\n";
     for tick in 0u32.. {
         let at = generator.tick();
         text += &format!(

@@ -9,4 +9,8 @@ mod inspect_command;
 mod predict;
 mod refusal;
 mod respond_command;
+#[cfg(target_os = "linux")]
+mod signals;
+#[cfg(target_os = "linux")]
+mod terminal;
 mod trace_command;

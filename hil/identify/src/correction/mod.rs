@@ -16,8 +16,10 @@ pub(crate) mod settle;
 pub(crate) mod system;
 pub(crate) mod trend;
 
-use mesh_damper_model::correction::{CorrectionTable, MemoryAxis};
-use mesh_damper_model::{Model, ModelError};
+use mesh_damper::effects::AugmentedLaw;
+use mesh_damper::passivity::damping_beside_table;
+use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
+use mesh_damper_model::{MAX_EFFECTS, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::beyond_noise::beyond_noise;
@@ -115,13 +117,15 @@ pub fn fit(
     } else {
         Vec::new()
     };
+    let tick = tick_of(trajectories);
     let best_of = |kinds: &[Memorable]| {
         let remembered = remembering(&design, &plain, kinds);
         let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
         let is_worthwhile = solved.error <= CorrectionPolicy::in_use().worthwhile * alone.error;
-        is_worthwhile.then(|| (corrected(model, &solved, &choice), choice))
+        let corrected = is_worthwhile.then(|| corrected(model, &solved, &choice, tick));
+        corrected.map(|model| Ok((model?, choice))).transpose()
     };
-    let found = best_of(&kinds);
+    let found = best_of(&kinds)?;
     let Some((with, choice)) = &found else {
         return Ok(None);
     };
@@ -129,7 +133,7 @@ pub fn fit(
         return Ok(found);
     }
     kinds.retain(|kind| !memory::goes_on_with_time(kind.recalled.of));
-    let of_motion = best_of(&kinds);
+    let of_motion = best_of(&kinds)?;
     let without = of_motion.as_ref().map_or(model, |(without, _)| without);
     Ok(if is_seen(with, without)? {
         found
@@ -155,7 +159,10 @@ pub fn refit(
         let start = Coefficients::of(model);
         settled(&design, &start, choice.form(), recalled.as_ref())
     });
-    Ok(solved.map_or_else(|| model.clone(), |solved| corrected(model, &solved, choice)))
+    match solved {
+        Some(solved) => corrected(model, &solved, choice, tick_of(trajectories)),
+        None => Ok(model.clone()),
+    }
 }
 
 /// The variables that the correction of a choice depends on, by their names in `trace.json`: each variable without which the
@@ -207,24 +214,64 @@ pub fn depends_on(
     Ok(names)
 }
 
-/// The model with the table rounded to what the crate stores.
-fn corrected(model: &Model, solved: &Solved, choice: &Choice) -> Model {
+/// A tick at which the model's effects were fitted, s.
+fn tick_of(trajectories: &[Trajectory]) -> f64 {
+    trajectories.first().map_or(1e-3, |first| first.tick)
+}
+
+/// The model with the table rounded to what the crate stores, and changed where it would drive a motion at any amplitude of the law:
+/// the crate refuses a law that does. A table over a lag, the mean speed or the largest displacement stays as it was fitted: without the friction
+/// that it shares with the law it predicts far worse.
+fn corrected(
+    model: &Model,
+    solved: &Solved,
+    choice: &Choice,
+    tick: f64,
+) -> Result<Model, ModelError> {
     let largest = solved
         .cells
         .iter()
         .fold(0.0_f64, |most, cell| most.max(cell.abs()));
     let unit = (largest / FULL).max(f64::MIN_POSITIVE.sqrt());
     let counts = solved.cells.iter().map(|cell| (cell / unit).round() as i16);
-    Model {
+    let mut table = CorrectionTable {
+        reach: choice.reach.displacement,
+        speed: choice.reach.speed,
+        unit,
+        cells: counts.collect(),
+        memory: choice.memory,
+    };
+    let mut model = Model {
         law: solved.coefficients.nodes(model),
         effects: model.effects.clone(),
         controls: model.controls.clone(),
-        correction: Some(CorrectionTable {
-            reach: choice.reach.displacement,
-            speed: choice.reach.speed,
-            unit,
-            cells: counts.collect(),
-            memory: choice.memory,
-        }),
+        correction: None,
+    };
+    let built = table
+        .build::<f64>(tick)
+        .map_err(|error| ModelError::Refused {
+            place: "correction".into(),
+            error,
+        })?;
+    let laws = model
+        .law
+        .iter()
+        .map(|node| model.augmented(node.amplitude, tick));
+    let laws: Vec<AugmentedLaw<f64, MAX_EFFECTS>> = laws.collect::<Result<_, _>>()?;
+    // Between two nodes the logarithm of c*v^alpha is concave, so that it is least at a node.
+    let damping = |speed| {
+        let each = laws.iter().map(|law| damping_beside_table(law, speed));
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let stays = |axis: MemoryAxis| {
+        matches!(
+            axis.of,
+            Remembered::Lag { .. } | Remembered::Travel { .. } | Remembered::Largest
+        )
+    };
+    if !table.memory.is_some_and(stays) {
+        table.cells = built.passive(damping).cells().to_vec();
     }
+    model.correction = Some(table);
+    Ok(model)
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
 use mesh_damper_output::{Label, LabelField};
 use mesh_damper_reference::protocol::TestBlock;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::rule::Rule;
 
@@ -229,15 +229,21 @@ pub struct Estimate {
     /// Best value, in the unit.
     pub value: f64,
     /// Lower end, in the unit. If the data set no bound: −∞, and null in the file.
-    #[serde(deserialize_with = "low")]
+    #[serde(serialize_with = "bound", deserialize_with = "low")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub low: f64,
     /// Upper end, in the unit. If the data set no bound: ∞, and null in the file.
-    #[serde(deserialize_with = "high")]
+    #[serde(serialize_with = "bound", deserialize_with = "high")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub high: f64,
     /// Unit of the value and of both ends.
     pub unit: String,
+}
+
+fn bound<S: Serializer>(bound: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Some(bound)
+        .filter(|bound| !bound.is_infinite())
+        .serialize(serializer)
 }
 
 fn low<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {

@@ -1,5 +1,6 @@
 //! The residual table, on specimens with effects of no family: fitted on one programme, compared on another.
 
+use mesh_damper::passivity;
 use mesh_damper_identify::correction::{depends_on, fit};
 use mesh_damper_model::Model;
 use mesh_damper_model::correction::Remembered;
@@ -83,6 +84,30 @@ fn friction_that_fades_with_speed_is_followed() {
         let (memory, error) = held_out(momentary(force));
         assert_eq!(memory, None, "case {case}");
         assert!(error < most, "case {case}: {error} times the noise");
+    }
+}
+
+/// Where it takes friction away it takes no more than the law has, at any speed, so that the law is exported as it is.
+#[test]
+fn a_table_drives_no_motion() {
+    let forces: [fn(&Sample) -> f64; 3] = [
+        |s| 0.15 * (s.velocity / 0.03).tanh() / (1.0 + s.velocity.abs() / 0.35),
+        |s| -0.03 * (s.velocity / 0.03).tanh() * (s.displacement / 0.1).powi(2),
+        |s| {
+            if s.displacement > 0.1 {
+                -0.05 * s.velocity
+            } else {
+                0.0
+            }
+        },
+    ];
+    for (case, force) in forces.into_iter().enumerate() {
+        let model = corrected(momentary(force)).expect("there is something to correct");
+        for node in &model.law {
+            let law = model.augmented::<f32>(node.amplitude, 1.0 / RATE).unwrap();
+            assert!(law.residual_table().is_some());
+            assert_eq!(passivity::check(&law, None), Ok(()), "case {case}");
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! Builds an image by cargo, from the repository or from the sources that an installed command contains.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process;
 use mesh_damper_sources::Sources;
 use serde_json::Value;
 
@@ -53,7 +54,8 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         .cfg
         .map_or_else(String::new, |cfg| format!("--cfg {cfg}"));
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
+    let mut build = Command::new(cargo);
+    build
         .current_dir(root.join("firmware").join(board.folder()))
         .args(["build", "--quiet", "--profile", "firmware"])
         // Unpacked sources contain only a part of the repository's packages, while the lock file names all; cargo removes the
@@ -77,9 +79,7 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         )
         // A target-cpu in these variables would change the images' rounding, and link arguments their layout.
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
-        .env("RUSTFLAGS", flags)
-        .stdin(Stdio::null())
-        .output();
+        .env("RUSTFLAGS", flags);
     let failed = |problem: String| {
         let remedy = if sources.is_repository() {
             "build it by hand, as docs/firmware.md says, to see more".to_owned()
@@ -91,7 +91,8 @@ pub fn build(image: &Image, board: Board) -> Result<PathBuf, InputError> {
         };
         InputError::new(format!("the image {}", image.binary), problem, remedy)
     };
-    let output = output.map_err(|error| failed(format!("cargo does not start: {error}")))?;
+    let output = process::output(&mut build)
+        .map_err(|error| failed(format!("cargo does not start: {error}")))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
         return Err(failed(format!("cargo cannot build it: {}", text.trim())));
@@ -113,10 +114,9 @@ fn target_directory(root: &Path) -> PathBuf {
 /// Checks that the core library for `target` is installed.
 pub(super) fn check_target(target: &str) -> Result<(), InputError> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let libraries = Command::new(rustc)
-        .args(["--target", target, "--print", "target-libdir"])
-        .output();
-    match libraries {
+    let mut asked = Command::new(rustc);
+    asked.args(["--target", target, "--print", "target-libdir"]);
+    match process::output(&mut asked) {
         Ok(output) if Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir() => Ok(()),
         _ => Err(InputError::new(
             "the compiler",

@@ -7,9 +7,10 @@
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+use std::process::{ChildStdin, ChildStdout, Stdio};
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process::Process;
 
 use super::LinkError;
 use super::log::{LogDecoder, LogThread};
@@ -48,7 +49,7 @@ pub trait Wire {
 /// An emulator that runs an image. It ends when this is dropped.
 #[derive(Debug)]
 pub struct Emulator {
-    process: Child,
+    process: Process,
     requests: ChildStdin,
     answers: ChildStdout,
     way: Way,
@@ -79,15 +80,14 @@ impl Emulator {
             true => Some(SharedMemory::new().map_err(failed)?),
             false => None,
         };
-        let mut process = board
-            .emulator(elf)?
+        let mut command = board.emulator(elf)?;
+        command
             .args(memory.iter().flat_map(SharedMemory::arguments))
             .args(["-semihosting-config", "enable=on,target=native"])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(failed)?;
+            .stderr(Stdio::piped());
+        let mut process = Process::start(&mut command).map_err(failed)?;
         pin.of_harness(true);
         let (Some(requests), Some(answers), Some(errors)) = (
             process.stdin.take(),
@@ -166,9 +166,8 @@ impl Wire for Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // A process that has ended already cannot be ended again.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+        // The log ends with the process.
+        self.process.end();
         self.log.end();
     }
 }

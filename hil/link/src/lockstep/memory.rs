@@ -1,6 +1,7 @@
 //! Memory that the harness shares with an emulated board: [`mesh_damper_firmware::shared_memory`] documents its layout.
 
 use std::fmt::{self, Debug, Formatter};
+use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::ops::Deref;
 use std::os::fd::AsFd;
@@ -14,10 +15,10 @@ use mesh_damper_firmware::shared_memory::{
     ANSWERS, ANSWERS_TAKEN, BYTES, FRAME, HARNESS_SLEEPS, IMAGE_SLEEPS, PATIENCE, REQUESTS,
     REQUESTS_TAKEN, SLOT, WORDS, has_room, slot,
 };
+use mesh_damper_output::scratch::Scratch;
 use mmap_io::MemoryMappedFile;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use tempfile::TempPath;
 
 /// Number of times that either end looks for the other's next frame before it sleeps: some 100 µs, twice as long as it takes to
 /// wake a processor. A look takes the harness 20 ns, and the image 5 ns.
@@ -35,8 +36,8 @@ const SLEEP: Duration = Duration::from_millis(2);
 /// The memory, and the counts of frames sent and taken, which are the harness's own.
 pub(super) struct SharedMemory {
     map: MemoryMappedFile,
-    /// Its file, until the emulator has it too.
-    file: Option<TempPath>,
+    /// The folder with its file, until the emulator has it too.
+    folder: Option<Scratch>,
     sent: u32,
     taken: u32,
     /// Whether each end has a processor of its own, for how many frames, and how long this end has slept meanwhile.
@@ -48,12 +49,14 @@ pub(super) struct SharedMemory {
 impl Debug for SharedMemory {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let mut shown = f.debug_struct("SharedMemory");
-        shown.field("file", &self.file).finish_non_exhaustive()
+        shown.field("folder", &self.folder).finish_non_exhaustive()
     }
 }
 
 /// Folder of files in memory, on Linux; elsewhere the folder for temporary files is used.
 const IN_MEMORY: &str = "/dev/shm";
+/// Name of the file.
+const FILE: &str = "memory";
 
 impl SharedMemory {
     /// Memory for an emulator to be started.
@@ -63,14 +66,12 @@ impl SharedMemory {
     pub(super) fn new() -> io::Result<Self> {
         let folder = Some(PathBuf::from(IN_MEMORY)).filter(|folder| folder.is_dir());
         let folder = folder.unwrap_or_else(std::env::temp_dir);
-        let file = tempfile::Builder::new()
-            .prefix("mesh-damper-")
-            .tempfile_in(folder)?;
-        file.as_file().set_len(BYTES as u64)?;
-        let file = file.into_temp_path();
+        let folder = Scratch::within(&folder)?;
+        let file = folder.path().join(FILE);
+        File::create(&file)?.set_len(BYTES as u64)?;
         let memory = Self {
             map: MemoryMappedFile::open_rw(&file).map_err(io::Error::other)?,
-            file: Some(file),
+            folder: Some(folder),
             sent: 0,
             taken: 0,
             apart: true,
@@ -83,9 +84,9 @@ impl SharedMemory {
 
     /// Arguments for the emulator that make it the board's memory.
     pub(super) fn arguments(&self) -> [String; 4] {
-        let path: &Path = self.file.as_deref().unwrap_or(Path::new(""));
+        let folder = self.folder.as_ref().map_or(Path::new(""), Scratch::path);
         // A comma in the path would end it.
-        let path = path.display().to_string().replace(',', ",,");
+        let path = folder.join(FILE).display().to_string().replace(',', ",,");
         [
             "-object".into(),
             format!("memory-backend-file,id=shared,share=on,size={BYTES},mem-path={path}"),
@@ -169,7 +170,7 @@ impl SharedMemory {
         drop(words);
         self.taken = taken;
         // An image that answers has opened the file.
-        self.file.take();
+        self.folder.take();
         // The first frames wait for the emulator, which starts and then translates the image; their times say nothing about the
         // processors.
         if taken > FRAMES {
@@ -339,7 +340,9 @@ mod tests {
         std::thread::scope(|scope| {
             let mut bell = link.to_image.0.try_clone().unwrap();
             let mut own_bell = link.to_harness.1.take().unwrap();
-            let map = MemoryMappedFile::open_rw(link.memory.file.as_ref().unwrap()).unwrap();
+            let map =
+                MemoryMappedFile::open_rw(link.memory.folder.as_ref().unwrap().path().join(FILE))
+                    .unwrap();
             scope.spawn(move || {
                 let rung = bell.read(&mut [0; 4096]).unwrap();
                 // On a busy machine this thread begins late, and the harness has slept and rung again meanwhile.
@@ -362,7 +365,7 @@ mod tests {
         });
         // The time of the first frames does not count.
         assert_eq!(link.memory.slept, Duration::ZERO);
-        assert!(link.memory.file.is_none());
+        assert!(link.memory.folder.is_none());
         assert_eq!(link.memory.words()[HARNESS_SLEEPS].load(Relaxed), 0);
     }
 

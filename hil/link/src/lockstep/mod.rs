@@ -113,6 +113,14 @@ impl LinkError {
                     remedy: "set it within the range that its documentation gives",
                 };
             }
+            Refusal::PackActive(field) => {
+                return Self::Refused {
+                    reason: format!(
+                        "{field}: with it the law of the coefficient pack can give more energy than it takes"
+                    ),
+                    remedy: "send a law whose damping and friction are not below 0",
+                };
+            }
             Refusal::Removed(what) => {
                 return Self::Refused {
                     reason: format!("there is no {what} any more"),
@@ -147,10 +155,6 @@ impl LinkError {
             Refusal::PackRevision => (
                 "revision: the coefficient pack is no newer than the one before",
                 "export the model with a higher --revision",
-            ),
-            Refusal::PackActive => (
-                "law: the law of the coefficient pack delivers energy over a cycle, but the rig requires a passive law",
-                "send a law without negative damping or negative friction stiffness",
             ),
         };
         Self::Refused {

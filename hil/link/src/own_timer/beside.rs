@@ -6,13 +6,14 @@
 
 use std::io::{BufRead as _, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process::Process;
 use mesh_damper_rig::Plant;
 use mesh_damper_rig::actuator::{adc_code, dac_volts};
 use mesh_damper_rig::specimen::DamperForce;
@@ -29,7 +30,7 @@ const AHEAD: f64 = 2e-3;
 /// The board, which runs until this is dropped.
 #[derive(Debug)]
 pub struct EmulatedBoard {
-    process: Child,
+    process: Process,
     port: PathBuf,
     specimen: Option<JoinHandle<()>>,
     seen: Arc<Seen>,
@@ -69,15 +70,15 @@ impl EmulatedBoard {
             let remedy = "check that qemu-system-arm runs by itself";
             InputError::new("the emulator", problem, remedy)
         };
-        let mut process = Board::Mps2An386
-            .emulator_with("pty", elf)?
+        let mut command = Board::Mps2An386.emulator_with("pty", elf)?;
+        command
             .args(["-icount", TIME])
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
+            .stderr(Stdio::null());
+        let mut process = Process::start(&mut command)
             .map_err(|error| failed(format!("does not start: {error}")))?;
         let (Some(delivered), Some(driven)) = (process.stdin.take(), process.stdout.take()) else {
             unreachable!("both are piped");
@@ -88,8 +89,6 @@ impl EmulatedBoard {
         let named = driven.read_line(&mut said);
         let port = said.split_whitespace().find(|word| word.starts_with('/'));
         let (Ok(_), Some(port)) = (named, port) else {
-            let _ = process.kill();
-            let _ = process.wait();
             return Err(failed(format!("names no pseudo-terminal: {}", said.trim())));
         };
         let port = PathBuf::from(port);
@@ -135,9 +134,7 @@ impl EmulatedBoard {
 
 impl Drop for EmulatedBoard {
     fn drop(&mut self) {
-        // A process that has ended already cannot be ended again.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+        self.process.end();
         if let Some(specimen) = self.specimen.take() {
             // It ends when the emulator closes the pipes.
             let _ = specimen.join();

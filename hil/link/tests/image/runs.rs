@@ -66,9 +66,9 @@ fn a_run_on_every_board_is_the_hosts_to_the_last_bit_of_each_sample_and_cycle() 
         let statistics = image.statistics().unwrap();
         assert!(
             // The limit was 1 KiB before there was a monitor. The adaptation passes through it as well, and so do a rig's clock, correction
-            // and temperature. The check of a pack takes 96 bytes more since there are requests of a board on its own timer, because the
-            // compiler inlines other functions there.
-            statistics.stack > 0 && statistics.stack <= 1376,
+            // and temperature. A rig's set-up takes 372 bytes more since the check of a pack has no law of its own, which took 2.4 KiB of
+            // RAM: the compiler keeps the exciter and the controller apart there.
+            statistics.stack > 0 && statistics.stack <= 1760,
             "{statistics:?}"
         );
         assert_eq!(statistics.log_lost, 0);

@@ -20,7 +20,7 @@ pub use identifier::{c_identifier, rust_module};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{self, LARGEST, PackInfo, Stamp};
-use mesh_damper::passivity::{Active, Passivity};
+use mesh_damper::passivity::{self, Active};
 use mesh_damper::real::Real as _;
 
 use crate::file::ModelFile;
@@ -42,7 +42,7 @@ pub struct ExportSettings {
     pub revision: u32,
     /// A name for people, at most [`pack::NAME`] bytes.
     pub name: String,
-    /// Also exports a law that gives out more energy than it takes.
+    /// Also exports a law that can give out more energy than it takes.
     pub allow_active: bool,
 }
 
@@ -75,7 +75,7 @@ pub enum ExportError {
     /// A law of a static type, with its effects in the type, cannot carry a residual table.
     #[error("correction: a law that is composed statically carries no residual table")]
     ResidualTable,
-    /// The law gives out more energy than it takes, and [`ExportSettings::allow_active`] is not set.
+    /// The law can give out more energy than it takes, and [`ExportSettings::allow_active`] is not set.
     #[error("law: {0}")]
     Active(Active),
 }
@@ -123,8 +123,7 @@ impl Export {
                 .named(&settings.name)
                 .map_err(ExportError::Setting)?
         };
-        let passivity =
-            Passivity::new(info.operating_range.as_ref(), info.stamp.tick_rate).check(&law);
+        let passivity = passivity::check(law.augmented(), info.operating_range.as_ref());
         if let (Err(active), false) = (passivity, settings.allow_active) {
             return Err(ExportError::Active(active));
         }
@@ -138,7 +137,7 @@ impl Export {
         })
     }
 
-    /// The motion within the fitted range in which the law gives out more energy than it takes; `None` for a passive law.
+    /// The part of the law with which it can give out more energy than it takes; `None` for a passive law.
     pub fn active(&self) -> Option<Active> {
         self.passivity.err()
     }

@@ -239,14 +239,13 @@ fn composed(effects: &[Parametrized], text: &mut String) {
          pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {{\n\
          \x20   let [k1, k3, c, alpha] = LAW;\n\
          \x20   let seed = const {{\n\
-         \x20       match PowerSeed::from_parts(OCTAVE, SCALE) {{\n\
+         \x20       match PowerSeed::from_parts(LAW[2], LAW[3], OCTAVE, SCALE) {{\n\
          \x20           Ok(seed) => seed,\n\
-         \x20           Err(_) => panic!(\"OCTAVE or SCALE was changed: export the model again\"),\n\
+         \x20           Err(_) => panic!(\"LAW, OCTAVE or SCALE was changed: export the model again\"),\n\
          \x20       }}\n\
          \x20   }};\n\
          {built}\
-         \x20   law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, {effects});\n\
-         \x20   Ok(())\n\
+         \x20   law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, {effects})\n\
          }}\n\n\
          /// The motion that the law was fitted on, without a margin for overshoot and noise.\n\
          ///\n\

@@ -13,6 +13,7 @@
 
 mod check;
 mod fitted_range;
+mod unique;
 
 use std::path::Path;
 
@@ -28,6 +29,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::correction::CorrectionTable;
 use crate::{AddedEffect, Control, LawNode, Model};
+use unique::Unique;
 
 /// The word that marks a model file.
 const FORMAT: &str = "mesh-damper-model";
@@ -140,8 +142,8 @@ impl ModelFile {
     /// Reads a model. The crate checks every coefficient in f64 and in f32.
     ///
     /// # Errors
-    /// The error names the file and the field: not a model file, another version, a missing or unknown field, a field of another
-    /// type, an unknown family, a coefficient or parameter out of range, or a file beyond the default [`ReadLimit`].
+    /// The error names the file and the field: not a model file, another version, a missing or unknown field, one that is given
+    /// twice, a field of another type, an unknown family, a coefficient or parameter out of range, or a file beyond the default [`ReadLimit`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         Self::read_within(path, ReadLimit::default())
     }
@@ -161,17 +163,19 @@ impl ModelFile {
     /// # Errors
     /// As [`ModelFile::read`], without the errors of the file system.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
-        let value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| {
-            InputError::new(
-                name,
-                format!("not JSON: {error}"),
-                "give the model.json that `hil trace` wrote",
-            )
-            .at(Place::Line(error.line() as u64))
-        })?;
         let refused = |field: &str, problem: String, remedy: &str| {
             InputError::new(name, problem, remedy).at(Place::Field(field.into()))
         };
+        let value: serde_json::Value =
+            serde_json::from_slice(bytes).map_err(|error| not_json(name, &error))?;
+        let mut json = serde_json::Deserializer::from_slice(bytes);
+        serde_path_to_error::deserialize::<_, Unique>(&mut json).map_err(|error| {
+            refused(
+                &error.path().to_string(),
+                error.inner().to_string(),
+                "keep the right one of the two",
+            )
+        })?;
         match value.get("format").and_then(serde_json::Value::as_str) {
             Some(FORMAT) => {}
             Some(other) => {
@@ -268,6 +272,15 @@ impl ModelFile {
     pub fn displacement_zero(&self) -> [f64; 2] {
         self.displacement_zero
     }
+}
+
+fn not_json(name: &str, error: &serde_json::Error) -> InputError {
+    InputError::new(
+        name,
+        format!("not JSON: {error}"),
+        "give the model.json that `hil trace` wrote",
+    )
+    .at(Place::Line(error.line() as u64))
 }
 
 /// The axis of a residual table that only model files of an earlier version have.

@@ -213,3 +213,76 @@ fn says_how_far_a_motion_goes_beyond() {
     assert_eq!(velocity, 0.0);
     assert_eq!(motion.exceeded_in(&motion), [0.0; 2]);
 }
+
+/// The last one of two would count in silence.
+#[test]
+fn a_key_that_is_given_twice_is_refused_at_every_depth() {
+    let text = serde_json::to_string(&example()).unwrap();
+    for (once, twice, field, key) in [
+        (
+            r#""version":1"#,
+            r#""version":1,"version":1"#,
+            ".",
+            "version",
+        ),
+        (
+            r#""force":"kN""#,
+            r#""force":"kN","force":"kN""#,
+            "units",
+            "force",
+        ),
+        (r#""k3":30.0"#, r#""k3":30.0,"k3":31.0"#, "law[0]", "k3"),
+        (
+            r#""k2":3.0"#,
+            r#""k2":3.0,"k2":-3.0"#,
+            "effects[1].parameters",
+            "k2",
+        ),
+        (
+            r#""lag":{"time":0.05}"#,
+            r#""lag":{"time":0.05,"time":0.05}"#,
+            "correction.memory.of.lag",
+            "time",
+        ),
+        (
+            r#""reach":0.2"#,
+            r#""reach":0.2,"\u0072each":0.2"#,
+            "correction",
+            "reach",
+        ),
+    ] {
+        assert!(text.contains(once), "{text}");
+        let said = ModelFile::from_bytes("m.json", text.replacen(once, twice, 1).as_bytes())
+            .unwrap_err()
+            .to_string();
+        let expected = format!("m.json: field {field}: {key:?} is given twice");
+        assert!(said.starts_with(&expected), "{said}");
+    }
+    // Two objects may have the same keys.
+    assert!(ModelFile::from_bytes("m.json", text.as_bytes()).is_ok());
+    let said = ModelFile::from_bytes("m.json", format!("{text} 1").as_bytes());
+    assert!(
+        said.unwrap_err()
+            .to_string()
+            .contains("not JSON: trailing characters")
+    );
+}
+
+/// No lag is 0, of the one sign: 1/−0 is the other infinity.
+#[test]
+fn a_negative_zero_that_would_be_divided_by_is_refused_by_the_name_of_its_field() {
+    let with = |lag: f64| {
+        serde_json::json!({
+            "family": "control_input",
+            "parameters": { "stiffness": 1.0, "yield_stretch": 0.05, "rate": 1.0, "lag": lag },
+        })
+    };
+    let said = read_changed(|v| v["effects"][0] = with(-0.0));
+    assert!(
+        said.starts_with("m.json: field effects[0] (control_input): lag = -0 is outside 0…1000000"),
+        "{said}"
+    );
+    let mut value = serde_json::to_value(example()).unwrap();
+    value["effects"][0] = with(0.0);
+    assert!(ModelFile::from_bytes("m.json", value.to_string().as_bytes()).is_ok());
+}

@@ -60,13 +60,12 @@ pub type DamperLaw = StaticLaw<()>;
 pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let [k1, k3, c, alpha] = LAW;
     let seed = const {
-        match PowerSeed::from_parts(OCTAVE, SCALE) {
+        match PowerSeed::from_parts(LAW[2], LAW[3], OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
+            Err(_) => panic!("LAW, OCTAVE or SCALE was changed: export the model again"),
         }
     };
-    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, ());
-    Ok(())
+    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, ())
 }
 
 /// The motion that the law was fitted on, without a margin for overshoot and noise.

@@ -81,9 +81,9 @@ pub type DamperLaw = StaticLaw<(Drift<f32>, StickSlip<f32>, Relaxation<f32>, Sto
 pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
     let [k1, k3, c, alpha] = LAW;
     let seed = const {
-        match PowerSeed::from_parts(OCTAVE, SCALE) {
+        match PowerSeed::from_parts(LAW[2], LAW[3], OCTAVE, SCALE) {
             Ok(seed) => seed,
-            Err(_) => panic!("OCTAVE or SCALE was changed: export the model again"),
+            Err(_) => panic!("LAW, OCTAVE or SCALE was changed: export the model again"),
         }
     };
     let effects = (
@@ -96,8 +96,7 @@ pub fn fill(law: &mut DamperLaw) -> Result<(), ConfigError> {
         Yielding::<f32>::from_parameters(&YIELDING, TICK)?,
         ControlInput::<f32>::from_parameters(&CONTROL_INPUT, TICK)?,
     );
-    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects);
-    Ok(())
+    law.set_with_seed(Law::new(k1, k3, c, alpha)?, &seed, effects)
 }
 
 /// The motion that the law was fitted on, without a margin for overshoot and noise.

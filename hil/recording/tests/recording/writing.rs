@@ -72,6 +72,35 @@ fn a_text_is_written_with_all_its_columns_of_numbers() {
     }
 }
 
+/// A header, cells and a comment that a spreadsheet would compute are written with an apostrophe, and read without it.
+#[test]
+fn what_a_spreadsheet_would_compute_is_guarded_in_a_text() {
+    let header = "time_s,displacement_mm,force_kN,\"=HYPERLINK(\"\"http://a\"\")\",@load,'+x";
+    let row = |n: u32| format!("{n},-0.{n},-{n}.5,=1+{n},-{n},a;-b\n");
+    let rows: String = (0..20).map(row).collect();
+    // For a spreadsheet that reads commas, the comment has a second cell.
+    let text = format!("# specimen: D1,=2+3\n{header}\n{rows}");
+    let read = Recording::from_bytes(Path::new("a.csv"), text.into_bytes()).unwrap();
+    let written = read.to_file(Path::new("b.csv")).unwrap();
+    let text = String::from_utf8(written.clone()).unwrap();
+    let lines: Vec<&str> = text.lines().take(4).collect();
+    let [comment, header, _, second] = lines[..] else {
+        panic!("{text}")
+    };
+    assert_eq!(comment, "# specimen: D1,'=2+3");
+    // The last name was guarded in the file.
+    let guarded = "time_s,displacement_mm,force_kN,\"'=HYPERLINK(\"\"http://a\"\")\",'@load,'+x";
+    assert_eq!(header, guarded);
+    assert_eq!(second, "1,-0.1,-1.5,'=1+1,-1,a;'-b");
+    let again = Recording::from_bytes(Path::new("b.csv"), written.clone()).unwrap();
+    assert_eq!(again.comments, ["specimen: D1,=2+3"]);
+    assert_eq!(again.force, read.force);
+    assert_eq!(again.to_file(Path::new("b.csv")).unwrap(), written);
+    let names = |bytes| columns("c.csv", bytes).into_iter().map(|(name, _)| name);
+    let names: Vec<String> = names(written).skip(3).collect();
+    assert_eq!(names, ["=HYPERLINK(\"http://a\")", "@load", "+x"]);
+}
+
 /// The names of the columns of a file, each with its unit.
 fn columns(name: &str, bytes: Vec<u8>) -> Vec<(String, Option<String>)> {
     let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();

@@ -2,26 +2,32 @@
 
 use mesh_damper_output::error::{InputError, quoted};
 
+use super::meaning::Meanings;
 use super::{taken, unit_found};
 use crate::channel::Channel;
-use crate::files::{Column, Needs, Reading, Table};
+use crate::files::{Needs, Reading, Table};
 
 /// Message that the required channels are all in the file, but not together in one table; `None` if this is not the problem.
 pub(super) fn apart(
     file: &str,
-    tables: &[(usize, &Table)],
+    meanings: &Meanings<'_>,
+    meant: &[usize],
     reading: &Reading,
     needs: &Needs,
 ) -> Option<InputError> {
     let channels = Channel::ALL.into_iter();
     let mut places = Vec::new();
     for channel in channels.filter(|&channel| channel != Channel::Time && needs.has(channel)) {
-        let has_it = |(_, table): &&(usize, &Table)| {
-            let mut columns = table.columns.iter();
-            columns.any(|column| is_channel(column, channel, reading))
+        let said = reading.channels.iter().find(|(of, _)| of == channel.name());
+        let has_it = |&&index: &&usize| match said {
+            Some((_, name)) => {
+                let mut columns = meanings.tables[index].columns.iter();
+                columns.any(|column| *name == column.name)
+            }
+            None => meanings.of[index].iter().any(|each| each.may_be(channel)),
         };
-        let (index, table) = tables.iter().find(has_it)?;
-        places.push((channel, *index, *table));
+        let index = *meant.iter().find(has_it)?;
+        places.push((channel, index, &meanings.tables[index]));
     }
     let (_, first, _) = *places.first()?;
     if places.iter().all(|(_, index, _)| *index == first) {
@@ -59,21 +65,13 @@ pub(super) fn apart(
     ))
 }
 
-fn is_channel(column: &Column, channel: Channel, reading: &Reading) -> bool {
-    let said = reading.channels.iter().find(|(of, _)| of == channel.name());
-    match said {
-        Some((_, name)) => *name == column.name,
-        None => {
-            let mut candidates = taken::candidates(column).into_iter();
-            candidates.any(|candidate| candidate.channel == channel)
-        }
-    }
-}
-
 /// Samples per second, to four digits, if the table states it or its first times show it.
 fn rate(table: &Table) -> Option<f64> {
     let of_times = || {
-        let time = table.columns.iter().find(|column| taken::is_time(column))?;
+        let time = table
+            .columns
+            .iter()
+            .find(|column| taken::of_times(column).is_time)?;
         let unit = match unit_found::unit_for(time, Channel::Time) {
             unit_found::UnitFound::Known(unit) => unit,
             _ => return None,

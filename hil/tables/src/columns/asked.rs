@@ -1,12 +1,12 @@
 //! Questions about the columns of a recording, with the options to type.
 
 use mesh_damper_output::error::{InputError, Place, quoted};
+use mesh_damper_output::shell;
 
 use super::choose::Choice;
+use super::meaning::Meaning;
 use super::taken::{self, Candidate, Rank};
-use super::unit_found::{self, UnitFound};
 use crate::channel::Channel;
-use crate::files::Column;
 
 /// Largest number of names in a message.
 pub(super) const MOST: usize = 12;
@@ -73,33 +73,31 @@ impl Choice<'_> {
     }
 
     /// No column matches a channel.
-    pub(super) fn missing(&self, channel: Channel, candidates: &[Vec<Candidate>]) -> InputError {
+    pub(super) fn missing(&self, channel: Channel) -> InputError {
         let columns = &self.table.columns;
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let name = channel.name();
         // Columns that could be it: those with a unit of it, else those without a unit, unless they are another channel.
-        let is_measured = |column: &Column| !taken::is_surely_other(column);
-        let could_be = |is_it: &dyn Fn(&UnitFound) -> bool| -> Vec<String> {
-            let each = columns.iter().enumerate().zip(candidates).filter(
-                |((index, column), candidates)| {
-                    let is_other = |candidate: &Candidate| {
-                        candidate.channel != channel && candidate.rank >= Rank::Word
-                    };
-                    column.is_numeric
-                        && !column.is_stamp
-                        && (channel != Channel::Time || rises(&column.first))
-                        && is_measured(column)
-                        && !self.is_spoken_for(*index)
-                        && !candidates.iter().any(is_other)
-                        && is_it(&unit_found::unit_for(column, channel))
-                },
-            );
-            each.map(|((_, column), _)| option("channel", name, &column.name))
+        let could_be = |is_it: &dyn Fn(&Meaning) -> bool| -> Vec<String> {
+            let each = columns.iter().enumerate().zip(self.meanings);
+            let each = each.filter(|((index, column), meaning)| {
+                let is_other = |candidate: &Candidate| {
+                    candidate.channel != channel && candidate.rank >= Rank::Word
+                };
+                is_it(meaning)
+                    && column.is_numeric
+                    && !column.is_stamp
+                    && (channel != Channel::Time || rises(&column.first))
+                    && !meaning.is_surely_other
+                    && !self.is_spoken_for(*index)
+                    && !meaning.candidates.iter().any(is_other)
+            });
+            each.take(OPTIONS)
+                .map(|((_, column), _)| option("channel", name, &column.name))
                 .collect()
         };
         let is_time = channel == Channel::Time;
-        let mut options =
-            could_be(&|unit| matches!(unit, UnitFound::Known(_) | UnitFound::Unclear(..)));
+        let mut options = could_be(&|meaning| meaning.has_unit(channel));
         let only = |options: &[String]| match options {
             [only] => only.clone(),
             _ => format!("--channel {name}=NAME"),
@@ -107,7 +105,7 @@ impl Choice<'_> {
         let mut answer = only(&options);
         let mut unit = String::new();
         if options.is_empty() {
-            options = could_be(&|unit| matches!(unit, UnitFound::None));
+            options = could_be(&|meaning| meaning.has_no_unit(channel));
             if is_time && options.is_empty() {
                 answer = "--rate HZ".into();
             } else if self.reading.units.iter().all(|(of, _)| of != name) {
@@ -118,7 +116,6 @@ impl Choice<'_> {
                 answer = format!("{} {}", only(&options), unit_option(channel));
             }
         }
-        options.truncate(OPTIONS);
         if options.is_empty() {
             options.push(format!("--channel {name}=NAME"));
         }
@@ -136,9 +133,7 @@ impl Choice<'_> {
             let words = columns.iter().find_map(|column| {
                 let cell = column.words.as_ref()?;
                 let is_it = |each: &Candidate| each.channel == channel;
-                let is_named = taken::candidates(&taken::of_numbers(column))
-                    .iter()
-                    .any(is_it);
+                let is_named = taken::candidates(column, true).iter().any(is_it);
                 is_named.then(|| {
                     let name = quoted(&column.name);
                     format!("; column {name} holds words, such as {}", quoted(cell))
@@ -181,16 +176,7 @@ fn rises(first: &[f64]) -> bool {
 }
 
 pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {
-    format!("--{option} {quantity}={}", shell(name))
-}
-
-/// A name for a shell: in quotes where it needs them.
-pub fn shell(name: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:+".contains(c);
-    if !name.is_empty() && name.chars().all(plain) {
-        return name.to_owned();
-    }
-    format!("'{}'", name.replace('\'', "'\\''"))
+    format!("--{option} {quantity}={}", shell::word(name))
 }
 
 pub(super) fn listed(names: &[&str]) -> String {

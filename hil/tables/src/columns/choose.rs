@@ -3,6 +3,7 @@
 use mesh_damper_output::error::{InputError, Place, quoted};
 
 use super::asked::listed;
+use super::meaning::{Meaning, Meanings};
 use super::taken::{self, Candidate, Rank};
 use super::unit_found::UnitFound;
 use crate::channel::Channel;
@@ -60,84 +61,117 @@ pub fn choose(
     reading: &Reading,
     needs: &Needs,
 ) -> Result<Chosen, InputError> {
-    check_said(reading)?;
-    let of_name = |(_, table): &(usize, &Table)| match &reading.table {
-        Some(name) => table.name.eq_ignore_ascii_case(name),
-        None => true,
-    };
-    let meant: Vec<(usize, &Table)> = tables.iter().enumerate().filter(of_name).collect();
-    let names = |tables: &mut dyn Iterator<Item = &Table>| -> String {
-        let names: Vec<String> = tables.map(|table| quoted(&table.name)).collect();
-        names.join(", ")
-    };
-    if meant.is_empty() {
-        let wanted = reading.table.as_deref().unwrap_or_default();
+    Meanings::of(tables).choose(file, reading, needs)
+}
+
+impl Meanings<'_> {
+    /// [`choose`] among the columns whose meanings these are.
+    ///
+    /// # Errors
+    /// As [`choose`].
+    pub fn choose(
+        &self,
+        file: &str,
+        reading: &Reading,
+        needs: &Needs,
+    ) -> Result<Chosen, InputError> {
+        check_said(reading)?;
+        let tables = self.tables;
+        let meant = self.meant(file, reading)?;
+        let mut found = None;
+        let mut candidates = Vec::new();
+        // A table without a column for each channel is refused, and its error is of use only if all are.
+        for &index in meant
+            .iter()
+            .filter(|&&index| self.has_channels(index, reading, needs))
+        {
+            match self.of_table(file, index, reading, needs) {
+                Ok(chosen) => {
+                    found.get_or_insert(chosen);
+                }
+                // A table of which only an option's answer is missing is as likely the one.
+                Err(error) if error.answer().is_some() => {}
+                Err(_) => continue,
+            }
+            candidates.push(tables[index].name.as_str());
+        }
+        if let Some(found) = found {
+            return match candidates.len() {
+                1 => Ok(found),
+                _ => Err(which_table(file, &candidates)),
+            };
+        }
+        if let Some(error) = super::apart::apart(file, self, &meant, reading, needs) {
+            return Err(error);
+        }
+        // The table that looks most like a recording gives the message about missing columns.
+        let like = |&&index: &&usize| {
+            let columns = self.of[index].iter();
+            columns.filter(|each| !each.candidates.is_empty()).count()
+        };
+        let Some(&index) = meant.iter().rev().max_by_key(like) else {
+            let problem = "holds no table";
+            return Err(InputError::new(
+                file,
+                problem,
+                "check that it is the right file",
+            ));
+        };
+        let several = tables.len() > 1;
+        let chosen = self.of_table(file, index, reading, needs);
+        chosen.map_err(|error| error.in_table(several.then_some(&*tables[index].name)))
+    }
+
+    /// The tables that the user means.
+    fn meant(&self, file: &str, reading: &Reading) -> Result<Vec<usize>, InputError> {
+        let tables = self.tables;
+        let of_name = |index: &usize| match &reading.table {
+            Some(name) => tables[*index].name.eq_ignore_ascii_case(name),
+            None => true,
+        };
+        let meant: Vec<usize> = (0..tables.len()).filter(of_name).collect();
+        let Some(wanted) = reading.table.as_deref().filter(|_| meant.is_empty()) else {
+            return Ok(meant);
+        };
         let remedy = match tables {
             [only] if only.name.is_empty() => {
                 "leave out --table: the file is one table without a name".into()
             }
-            _ => format!("give --table one of {}", names(&mut tables.iter())),
+            _ => {
+                let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
+                format!("give --table one of {}", listed(&names))
+            }
         };
         let problem = format!("there is no table {}", quoted(wanted));
-        return Err(InputError::new(file, problem, remedy));
+        Err(InputError::new(file, problem, remedy))
     }
-    let tried: Vec<(usize, Result<Chosen, InputError>)> = meant
-        .iter()
-        .map(|&(index, table)| (index, of_table(file, index, table, reading, needs)))
-        .collect();
-    // A table with all channels of which only an option's answer is missing is as likely the one.
-    let is_candidate = |(index, chosen): &&(usize, Result<Chosen, InputError>)| match chosen {
-        Ok(_) => true,
-        Err(error) => error.answer().is_some() && has_channels(&tables[*index], reading, needs),
-    };
-    let candidates: Vec<&str> = (tried.iter().filter(is_candidate))
-        .map(|&(index, _)| tables[index].name.as_str())
-        .collect();
-    if candidates.len() > 1 && tried.iter().any(|(_, chosen)| chosen.is_ok()) {
-        return Err(which_table(file, &candidates));
-    }
-    let several = tables.len() > 1;
-    let mut failed = Vec::new();
-    for (index, chosen) in tried {
-        match chosen {
-            Ok(chosen) => return Ok(chosen),
-            Err(error) => failed.push((index, error)),
-        }
-    }
-    if let Some(error) = super::apart::apart(file, &meant, reading, needs) {
-        return Err(error);
-    }
-    // The table that looks most like a recording gives the message about missing columns.
-    let like = |&&(index, _): &&(usize, InputError)| {
-        let columns = tables[index].columns.iter();
-        columns
-            .filter(|column| !taken::candidates(column).is_empty())
-            .count()
-    };
-    let best = failed.iter().rev().max_by_key(like);
-    let (index, mut error) = match best {
-        Some((index, error)) => (*index, error.clone()),
-        None => (
-            0,
-            InputError::new(file, "holds no table", "check that it is the right file"),
-        ),
-    };
-    if several {
-        error = error.in_table(Some(&tables[index].name));
-    }
-    Err(error)
-}
 
-/// Whether some column could be each measured channel that is needed.
-fn has_channels(table: &Table, reading: &Reading, needs: &Needs) -> bool {
-    let measured = (Channel::ALL.into_iter())
-        .filter(|&channel| channel != Channel::Time && needs.has(channel));
-    let could_be = |channel: Channel| {
-        said(&reading.channels, channel.name()).is_some()
-            || (table.columns.iter().flat_map(taken::candidates))
-                .any(|candidate| candidate.channel == channel)
-    };
-    measured.into_iter().all(could_be)
+    /// Whether some column could be each measured channel that is needed.
+    fn has_channels(&self, index: usize, reading: &Reading, needs: &Needs) -> bool {
+        let mut measured = (Channel::ALL.into_iter())
+            .filter(|&channel| channel != Channel::Time && needs.has(channel));
+        measured.all(|channel| {
+            said(&reading.channels, channel.name()).is_some()
+                || self.of[index].iter().any(|each| each.may_be(channel))
+        })
+    }
+
+    fn of_table(
+        &self,
+        file: &str,
+        index: usize,
+        reading: &Reading,
+        needs: &Needs,
+    ) -> Result<Chosen, InputError> {
+        let choice = Choice {
+            file,
+            table: &self.tables[index],
+            meanings: &self.of[index],
+            reading,
+            needs,
+        };
+        choice.of_table(index)
+    }
 }
 
 /// Question for the table, of those with these names.
@@ -190,131 +224,119 @@ fn check_said(reading: &Reading) -> Result<(), InputError> {
     }
 }
 
-fn of_table(
-    file: &str,
-    index: usize,
-    table: &Table,
-    reading: &Reading,
-    needs: &Needs,
-) -> Result<Chosen, InputError> {
-    let choice = Choice {
-        file,
-        table,
-        reading,
-        needs,
-    };
-    let mut chosen = Chosen {
-        table: index,
-        used: Vec::new(),
-        controls: Vec::new(),
-        clock: None,
-        guesses: table.guesses.clone(),
-        assumed: None,
-    };
-    let mut assumed = Vec::new();
-    let candidates: Vec<Vec<Candidate>> = table.columns.iter().map(taken::candidates).collect();
-    for channel in Channel::ALL {
-        if channel == Channel::Time && reading.rate.is_some() {
-            let times = table.columns.iter().find(|column| taken::is_time(column));
-            chosen.guesses.extend(times.map(|column| {
-                format!(
-                    "the times in column {} are not used, because --rate replaces them",
-                    quoted(&column.name)
-                )
-            }));
-            continue;
-        }
-        let Some((column, rank)) = choice.column(
-            channel,
-            &candidates,
-            needs.has(channel),
-            &mut chosen.guesses,
-        )?
-        else {
-            continue;
-        };
-        // Columns that are not part of the recording need not be understood.
-        let is_optional = rank < Rank::Own && !needs.has(channel);
-        let unit = match choice.unit(channel, column, &mut chosen.guesses) {
-            Err(_) | Ok(None) if is_optional => continue,
-            Ok(None) => choice.unmarked(channel, column, &mut assumed)?,
-            Ok(Some(unit)) => unit,
-            Err(error) => return Err(error),
-        };
-        let source = &table.columns[column];
-        // Dates that the table marks as its times are no guess.
-        if rank < Rank::Own && !(source.is_time && source.is_stamp) {
-            let name = quoted(&source.name);
-            let how = if rank == Rank::Unit {
-                ", by its unit alone"
-            } else {
-                ""
-            };
-            let (channel, unit) = (channel.name(), unit.symbol);
-            chosen.guesses.push(format!(
-                "{channel} is read from column {name} in {unit}{how}"
-            ));
-        }
-        chosen.used.push(Used {
-            channel,
-            column,
-            unit,
-            rank,
-        });
-    }
-    if !chosen.used.iter().any(|used| used.channel == Channel::Time) {
-        let step = reading.rate.map(|rate| Clock {
-            start: 0.0,
-            step: 1.0 / rate,
-        });
-        chosen.clock = step.or(table.clock);
-    }
-    for channel in Channel::ALL
-        .into_iter()
-        .filter(|&channel| needs.has(channel))
-    {
-        let is_there = chosen.used.iter().any(|used| used.channel == channel)
-            || (channel == Channel::Time && chosen.clock.is_some());
-        if !is_there {
-            return Err(choice.missing(channel, &candidates));
-        }
-    }
-    chosen.controls = choice.controls(&chosen.used, &mut chosen.guesses)?;
-    if !assumed.is_empty() {
-        chosen.assumed = Some(format!(
-            "no unit is given, so {} is assumed; give the unit, or put it into the name, such as force_kN",
-            assumed.join(", ")
-        ));
-    }
-    Ok(chosen)
-}
-
 /// Basis of a choice.
 pub(super) struct Choice<'a> {
     pub file: &'a str,
     pub table: &'a Table,
+    /// What its columns may be.
+    pub meanings: &'a [Meaning],
     pub reading: &'a Reading,
     pub needs: &'a Needs,
 }
 
 impl Choice<'_> {
+    /// The columns of the table, whose place is `index`.
+    fn of_table(&self, index: usize) -> Result<Chosen, InputError> {
+        let table = self.table;
+        let mut chosen = Chosen {
+            table: index,
+            used: Vec::new(),
+            controls: Vec::new(),
+            clock: None,
+            guesses: table.guesses.clone(),
+            assumed: None,
+        };
+        let mut assumed = Vec::new();
+        for channel in Channel::ALL {
+            if channel == Channel::Time && self.reading.rate.is_some() {
+                let mut columns = table.columns.iter();
+                let times = columns.find(|column| taken::of_times(column).is_time);
+                chosen.guesses.extend(times.map(|column| {
+                    format!(
+                        "the times in column {} are not used, because --rate replaces them",
+                        quoted(&column.name)
+                    )
+                }));
+                continue;
+            }
+            let Some((column, rank)) =
+                self.column(channel, self.needs.has(channel), &mut chosen.guesses)?
+            else {
+                continue;
+            };
+            // Columns that are not part of the recording need not be understood.
+            let is_optional = rank < Rank::Own && !self.needs.has(channel);
+            let unit = match self.unit(channel, column, &mut chosen.guesses) {
+                Err(_) | Ok(None) if is_optional => continue,
+                Ok(None) => self.unmarked(channel, column, &mut assumed)?,
+                Ok(Some(unit)) => unit,
+                Err(error) => return Err(error),
+            };
+            let source = &table.columns[column];
+            // Dates that the table marks as its times are no guess.
+            if rank < Rank::Own && !(source.is_time && source.is_stamp) {
+                let name = quoted(&source.name);
+                let how = if rank == Rank::Unit {
+                    ", by its unit alone"
+                } else {
+                    ""
+                };
+                let (channel, unit) = (channel.name(), unit.symbol);
+                chosen.guesses.push(format!(
+                    "{channel} is read from column {name} in {unit}{how}"
+                ));
+            }
+            chosen.used.push(Used {
+                channel,
+                column,
+                unit,
+                rank,
+            });
+        }
+        if !chosen.used.iter().any(|used| used.channel == Channel::Time) {
+            let step = self.reading.rate.map(|rate| Clock {
+                start: 0.0,
+                step: 1.0 / rate,
+            });
+            chosen.clock = step.or(table.clock);
+        }
+        for channel in Channel::ALL
+            .into_iter()
+            .filter(|&channel| self.needs.has(channel))
+        {
+            let is_there = chosen.used.iter().any(|used| used.channel == channel)
+                || (channel == Channel::Time && chosen.clock.is_some());
+            if !is_there {
+                return Err(self.missing(channel));
+            }
+        }
+        chosen.controls = self.controls(&chosen.used, &mut chosen.guesses)?;
+        if !assumed.is_empty() {
+            chosen.assumed = Some(format!(
+                "no unit is given, so {} is assumed; give the unit, or put it into the name, such as force_kN",
+                assumed.join(", ")
+            ));
+        }
+        Ok(chosen)
+    }
+
     /// The column of a channel, and the certainty of the choice.
     fn column(
         &self,
         channel: Channel,
-        candidates: &[Vec<Candidate>],
         is_needed: bool,
         guesses: &mut Vec<String>,
     ) -> Result<Option<(usize, Rank)>, InputError> {
         if let Some(name) = said(&self.reading.channels, channel.name()) {
             return Ok(Some((self.named(name, channel.name())?, Rank::Stated)));
         }
-        let all = candidates
-            .iter()
-            .enumerate()
-            .filter(|(column, _)| !self.is_spoken_for(*column));
-        let of_channel = all.flat_map(|(column, list)| {
-            let mine = list.iter().filter(|candidate| candidate.channel == channel);
+        let all = self.meanings.iter().enumerate();
+        let all = all.filter(|(column, meaning)| {
+            !meaning.candidates.is_empty() && !self.is_spoken_for(*column)
+        });
+        let of_channel = all.flat_map(|(column, meaning)| {
+            let candidates = meaning.candidates.iter();
+            let mine = candidates.filter(|candidate| candidate.channel == channel);
             mine.map(move |candidate| (column, candidate.rank, &candidate.unit))
         });
         let mut found: Vec<(usize, Rank, &UnitFound)> = of_channel.collect();
@@ -336,7 +358,7 @@ impl Choice<'_> {
         }
         let name = |column: usize| self.table.columns[column].name.as_str();
         let rivals = match found[..] {
-            [(column, ..)] if best < Rank::Own => self.rivals(channel, column, best, candidates),
+            [(column, ..)] if best < Rank::Own => self.rivals(channel, column, best),
             _ => Vec::new(),
         };
         match found[..] {
@@ -375,13 +397,7 @@ impl Choice<'_> {
     }
 
     /// Columns that match a channel as well as the chosen one, though with less certainty.
-    fn rivals(
-        &self,
-        channel: Channel,
-        taken: usize,
-        rank: Rank,
-        candidates: &[Vec<Candidate>],
-    ) -> Vec<usize> {
+    fn rivals(&self, channel: Channel, taken: usize, rank: Rank) -> Vec<usize> {
         let columns = &self.table.columns;
         if columns[taken].is_time || columns[taken].is_stamp {
             return Vec::new();
@@ -390,10 +406,12 @@ impl Choice<'_> {
         let is_another =
             |candidate: &Candidate| candidate.channel != channel && candidate.rank >= Rank::Word;
         let is_rival = |&column: &usize| {
+            let meaning = &self.meanings[column];
             column != taken
+                && meaning.has_unit(channel)
+                && !meaning.candidates.iter().any(is_another)
+                && !meaning.is_clear_control
                 && !self.is_spoken_for(column)
-                && !candidates[column].iter().any(is_another)
-                && !taken::is_control(&columns[column])
                 && taken::could_be(&columns[column], channel, is_sure)
         };
         (0..columns.len()).filter(is_rival).collect()

@@ -1,36 +1,40 @@
 //! The control inputs among the columns.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
 use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
-use super::name::{Name, words as words_of};
+use super::name::Name;
 use super::spelling::control_unit;
-use super::taken::{self, Control};
+use super::taken::Control;
 use super::unit_found::{ControlUnit, control_unit_and_words};
-use super::words;
+use super::words::Words;
 use crate::channel::Channel;
 use crate::control::{UNITS, is_control};
 
 /// A column whose unit for a control input is not clear.
 struct Unclear {
     quantity: String,
-    /// Its units.
+    /// The stated units, in words, and those among them that are read.
+    units: String,
     either: Vec<&'static str>,
     column: usize,
-    error: InputError,
 }
 
-impl Unclear {
-    /// Whether it may be the control input `name`: `current_A`.
-    fn may_be(&self, name: &str) -> bool {
-        let parts = name.rsplit_once('_');
-        parts.is_some_and(|(quantity, unit)| {
-            quantity == self.quantity && self.either.contains(&unit)
-        })
-    }
+/// Those that may be the control input `name`, `current_A`, among such columns by their quantities.
+fn may_be<'u>(
+    unclear: &HashMap<&str, Vec<&'u Unclear>>,
+    name: &str,
+) -> impl Iterator<Item = &'u Unclear> {
+    let parts = name.rsplit_once('_');
+    let of_it = parts.and_then(|(quantity, unit)| Some((unclear.get(quantity)?, unit)));
+    let all = of_it.into_iter().flat_map(|(list, unit)| {
+        let list = list.iter().copied();
+        list.filter(move |each| each.either.contains(&unit))
+    });
+    all.collect::<Vec<_>>().into_iter()
 }
 
 impl Choice<'_> {
@@ -60,42 +64,48 @@ impl Choice<'_> {
         let mut found: BTreeMap<String, Vec<(bool, usize)>> = BTreeMap::new();
         let mut unclear: Vec<Unclear> = Vec::new();
         let mut in_other_units: Vec<ChosenControl> = controls.clone();
+        let of_channels = used.iter().map(|used| used.column);
+        let is_used: HashSet<usize> = of_channels
+            .chain(controls.iter().map(|control| control.column))
+            .collect();
+        let inputs = self.needs.inputs.as_ref();
+        let inputs: Option<HashSet<&str>> =
+            inputs.map(|inputs| inputs.iter().map(String::as_str).collect());
+        let is_wanted = |name: &str| inputs.as_ref().is_none_or(|inputs| inputs.contains(name));
         for (column, each) in self.table.columns.iter().enumerate() {
-            let is_used = used.iter().any(|used| used.column == column)
-                || controls.iter().any(|control| control.column == column);
-            let wanted = |name: &str| match &self.needs.inputs {
-                Some(inputs) => inputs.iter().any(|input| input == name),
-                None => true,
-            };
-            let control = taken::control(each).filter(|_| !is_used);
+            let meaning = &self.meanings[column];
+            if !meaning.is_control || is_used.contains(&column) {
+                continue;
+            }
             let Some(Control {
                 quantity,
                 unit,
                 is_own,
-            }) = control
+            }) = meaning.control(each)
             else {
                 continue;
             };
             match unit {
                 ControlUnit::Known(unit) => {
                     let name = format!("{quantity}_{unit}");
-                    if !wanted(&name) {
+                    if !is_wanted(&name) {
                         in_other_units.push(ChosenControl { column, name });
                     } else if !is_said(&name) {
                         found.entry(name).or_default().push((is_own, column));
                     }
                 }
                 ControlUnit::Unclear(..) if said(&self.reading.channels, &quantity).is_some() => {}
-                ControlUnit::Unclear(units, either) => {
-                    let error = self.unclear_input(&quantity, column, &units, &either);
-                    unclear.push(Unclear {
-                        quantity,
-                        either,
-                        column,
-                        error,
-                    });
-                }
+                ControlUnit::Unclear(units, either) => unclear.push(Unclear {
+                    quantity,
+                    units,
+                    either,
+                    column,
+                }),
             }
+        }
+        let mut by_quantity: HashMap<&str, Vec<&Unclear>> = HashMap::new();
+        for each in &unclear {
+            by_quantity.entry(&each.quantity).or_default().push(each);
         }
         for (name, mut of_it) in found {
             // A name in the form of our own files is more certain than words.
@@ -103,7 +113,7 @@ impl Choice<'_> {
                 of_it.retain(|(is_own, _)| *is_own);
             } else {
                 // `Current A` and `Current B` in mA: the letter of the first may be a unit, so both may be the current.
-                let rivals = unclear.iter().filter(|each| each.may_be(&name));
+                let rivals = may_be(&by_quantity, &name);
                 of_it.extend(rivals.map(|each| (false, each.column)));
                 of_it.sort_by_key(|&(_, column)| column);
             }
@@ -126,9 +136,15 @@ impl Choice<'_> {
             controls.push(ChosenControl { column, name });
         }
         if self.needs.inputs.is_none() {
-            guesses.extend(unclear.iter().map(|Unclear { error, .. }| {
+            guesses.extend(unclear.iter().take(MOST).map(|each| {
+                let error = self.unclear_input(each);
                 format!("{}, so it is not read; {}", error.problem, error.remedy)
             }));
+            if let Some(more @ 1..) = unclear.len().checked_sub(MOST) {
+                guesses.push(format!(
+                    "{more} more columns could be control inputs, but their units are not clear"
+                ));
+            }
         }
         controls.sort_by_key(|control| control.column);
         match &self.needs.inputs {
@@ -137,11 +153,9 @@ impl Choice<'_> {
                 .map(|name| {
                     let found = controls.iter().find(|control| control.name == *name);
                     found.cloned().ok_or_else(|| {
-                        let mut unclear = unclear.iter();
-                        let unclear = unclear.find(|each| each.may_be(name));
-                        unclear.map_or_else(
+                        may_be(&by_quantity, name).next().map_or_else(
                             || self.no_input(name, &in_other_units),
-                            |each| each.error.clone(),
+                            |each| self.unclear_input(each),
                         )
                     })
                 })
@@ -160,15 +174,15 @@ impl Choice<'_> {
         let source = &self.table.columns[column];
         let name = Name::of(&source.name);
         // The user's word for it says more than the column's name.
-        let means = words_of(quantity);
-        let means = if words::is_control(&means) {
-            &means
+        let means = Words::of(quantity);
+        let means = if means.is_control() {
+            means
         } else {
-            &name.words
+            name.words
         };
         let found = control_unit_and_words(source, &name, means).map(|(unit, _)| unit);
         let given = said(&self.reading.units, quantity);
-        let (problem, either) = match (given.map(|given| control_unit(given, UNITS)), found) {
+        let (problem, either) = match (given.map(control_unit), found) {
             (Some(Some(unit)), found) => {
                 let other = match found {
                     Some(ControlUnit::Known(other)) if other != unit => Some(other.to_owned()),
@@ -200,15 +214,15 @@ impl Choice<'_> {
         .answered_by(format!("--unit {quantity}=UNIT")))
     }
 
-    /// The unit of a column that may be a control input is not clear: `units`, which may be `either`.
-    fn unclear_input(
-        &self,
-        quantity: &str,
-        column: usize,
-        units: &str,
-        either: &[&str],
-    ) -> InputError {
-        let column = &self.table.columns[column].name;
+    /// The unit of a column that may be a control input is not clear.
+    fn unclear_input(&self, unclear: &Unclear) -> InputError {
+        let Unclear {
+            quantity,
+            units,
+            either,
+            column,
+        } = unclear;
+        let column = &self.table.columns[*column].name;
         let channel = option("channel", quantity, column);
         InputError::new(
             self.file,

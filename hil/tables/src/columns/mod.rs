@@ -8,6 +8,7 @@ mod asked;
 mod choose;
 mod controls;
 mod lexicon;
+mod meaning;
 mod name;
 mod scale;
 pub(crate) mod spelling;
@@ -16,12 +17,13 @@ mod unit_chosen;
 mod unit_found;
 mod words;
 
-pub use asked::shell;
 pub use choose::{Chosen, ChosenControl, Used, choose, which_table};
+pub use meaning::Meanings;
 pub use spelling::bare;
+pub(crate) use taken::OfTimes;
 pub use taken::Rank;
+pub(crate) use words::each_word;
 
-use crate::channel::Channel;
 use crate::files::Column;
 
 /// Whether a name has the form of our own files, with a unit: `force_kN`.
@@ -34,47 +36,27 @@ pub(crate) fn is_named(name: &str) -> bool {
     taken::is_named(name)
 }
 
+/// Steps of finding what the names of columns mean, which is charged before it is done.
+pub(crate) fn steps<'c>(columns: impl Iterator<Item = &'c Column>) -> u64 {
+    columns.map(|column| name::steps(&column.name)).sum()
+}
+
+/// What a column may be in respect of times.
+pub(crate) fn of_times(column: &Column) -> OfTimes {
+    taken::of_times(column)
+}
+
 /// Whether a column may contain the times.
 pub(crate) fn may_be_time(column: &Column) -> bool {
-    let candidates = taken::candidates(column);
-    (candidates.iter()).any(|candidate| candidate.channel == Channel::Time)
-}
-
-/// Number of words of a text for quantities that recordings contain.
-pub(crate) fn known_words(text: &str) -> usize {
-    let words = name::words(text);
-    words.iter().filter(|word| words::is_known(word)).count()
-}
-
-/// Probable meaning of a column, in words: `force in kN`; `None` without one.
-pub fn described(column: &Column) -> Option<String> {
-    let candidates = taken::candidates(column);
-    let each = candidates.iter().map(|candidate| {
-        let channel = candidate.channel.name();
-        match &candidate.unit {
-            unit_found::UnitFound::Known(unit) => format!("{channel} in {}", unit.symbol),
-            unit_found::UnitFound::Unknown(unit) => format!("{channel} in an unknown unit {unit}"),
-            unit_found::UnitFound::Unclear(unit, _) => {
-                format!("{channel} in {unit}, which is not clear")
-            }
-            unit_found::UnitFound::None => format!("{channel} without a unit"),
-        }
-    });
-    let channels: Vec<String> = each.collect();
-    if channels.is_empty() {
-        let control = taken::control(column)?;
-        let described = match &control.unit {
-            unit_found::ControlUnit::Known(unit) => format!("{}_{unit}", control.quantity),
-            unit_found::ControlUnit::Unclear(units, _) => {
-                format!("{} in {units}, which is not clear", control.quantity)
-            }
-        };
-        return Some(format!("control input {described}"));
-    }
-    Some(channels.join(" or "))
+    of_times(column).may_be_time
 }
 
 /// Whether a column contains times, according to its file or its name.
 pub(crate) fn is_time(column: &Column) -> bool {
-    taken::is_time(column)
+    of_times(column).is_time
+}
+
+/// Number of words of a text for quantities that recordings contain.
+pub(crate) fn known_words(text: &str) -> usize {
+    words::Words::of(text).known()
 }

@@ -1,13 +1,14 @@
 //! A column's name: its words, its unit, and a scale.
 
 use super::scale::scale;
-use super::spelling;
+use super::spelling::{self, Spelt};
+use super::words::Words;
 
 /// Parts of a column's name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Name {
-    /// Its words in lower case, with `AxialForce` split in two and digits left out; without a marked unit and the words after it.
-    pub words: Vec<String>,
+    /// What its words say, without a marked unit and the words after it.
+    pub words: Words,
     /// A marked unit: `[kN]`, `(kN)`, `/ kN`, `, kN`.
     pub marked: Option<String>,
     /// Other possible units next to the marked one: `Time (s) / ms`, `Force [kN] -> N`.
@@ -25,11 +26,14 @@ pub(super) struct Name {
 pub(super) struct Tail {
     /// As written.
     pub text: String,
-    /// The words before them.
-    pub before: Vec<String>,
+    /// The units that are written so.
+    pub spelt: Option<&'static Spelt>,
+    /// What the words before them say.
+    pub before: Words,
 }
 
 /// A marked unit, and the text before and after it.
+#[derive(Clone, Copy)]
 struct Marked<'t> {
     before: &'t str,
     unit: &'t str,
@@ -37,9 +41,18 @@ struct Marked<'t> {
     is_square: bool,
 }
 
-/// Length of a name in bytes within which a unit is searched for, which takes time in proportion to its square. Convention: no name
-/// of a column is longer.
+/// Length of a name in bytes within which a unit is searched for, which takes time in proportion to its square. Of a longer one, the
+/// words in as many bytes at its end count: it is a path, whose last names say what it is. Convention: no name of a column is longer.
 const LONGEST: usize = 256;
+
+/// Steps of finding what a name means: those that any takes, and those for each byte in which a unit is searched for. Derived from
+/// time: a microsecond, and 50 ns at worst, for a name of signs that could each stand before a unit.
+const STEPS: [u64; 2] = [100, 20];
+
+/// Steps of finding what a name means.
+pub(super) fn steps(text: &str) -> u64 {
+    STEPS[0] + STEPS[1] * text.len().min(LONGEST) as u64
+}
 
 const BRACKETS: [[char; 2]; 4] = [['[', ']'], ['(', ')'], ['{', '}'], ['<', '>']];
 
@@ -48,16 +61,18 @@ impl Name {
     pub fn of(text: &str) -> Self {
         let text = text.trim().trim_matches('"').trim();
         if text.len() > LONGEST {
+            let begin = (text.len() - LONGEST..).find(|&at| text.is_char_boundary(at));
             return Self {
-                words: words(text),
+                words: Words::of(&text[begin.unwrap_or(text.len())..]),
                 ..Self::default()
             };
         }
         let scale = scale(text).map(str::to_owned);
-        if let Some(found) = marked(text) {
+        let in_brackets = bracketed(text);
+        if let Some(found) = marked(text, &in_brackets) {
             let rest = format!("{} {}", found.before, found.behind);
             return Self {
-                words: words(&rest),
+                words: Words::of(&rest),
                 others: others(&rest, found.behind),
                 marked: Some(found.unit.to_owned()),
                 scale,
@@ -65,29 +80,36 @@ impl Name {
             };
         }
         // `Weg in mm (absolut)`: text in brackets at the end of a name belongs to it.
-        let (head, remark) = match bracketed(text).first() {
-            Some(last) if last.behind.is_empty() => (last.before, words(last.unit)),
-            _ => (text, Vec::new()),
+        let (head, remark) = match in_brackets.first() {
+            Some(last) if last.behind.is_empty() => (last.before, last.unit),
+            _ => (text, ""),
         };
-        let mut tails = Vec::new();
-        for separators in [&['_', ' ', '-'][..], &['.']] {
-            // `velocity_mm_s`: two words may be one unit.
-            let mut cuts: Vec<usize> = head.match_indices(separators).map(|(at, _)| at).collect();
-            cuts.reverse();
-            let last = cuts.iter().take(2).rev();
-            tails.extend(last.map(|&at| {
-                Tail {
-                    text: head[at + 1..].trim().to_owned(),
-                    before: before(&head[..at])
-                        .into_iter()
-                        .chain(remark.clone())
-                        .collect(),
-                }
-            }));
-        }
-        let bracketed = bracketed(text).first().map(|found| found.unit.to_owned());
+        // `velocity_mm_s`: two words may be one unit.
+        let last_two = |separators: &[char]| {
+            let mut cuts = head.rmatch_indices(separators).map(|(at, _)| at);
+            [cuts.next(), cuts.next()]
+        };
+        let of_words = last_two(&['_', ' ', '-']);
+        let of_points = last_two(&['.']);
+        let cuts = [of_words[1], of_words[0], of_points[1], of_points[0]];
+        let mut rising = cuts.map(|cut| cut.unwrap_or(0));
+        rising.sort_unstable();
+        let (words, before) = Words::before(text, rising);
+        let tails = cuts.into_iter().flatten().map(|at| {
+            let place = rising.iter().position(|cut| *cut == at);
+            let mut before = before[place.unwrap_or(0)];
+            before.read(remark);
+            let text = head[at + 1..].trim();
+            Tail {
+                text: text.to_owned(),
+                spelt: spelling::spelt(text),
+                before,
+            }
+        });
+        let tails = tails.collect();
+        let bracketed = in_brackets.first().map(|found| found.unit.to_owned());
         Self {
-            words: words(text),
+            words,
             scale,
             bracketed,
             tails,
@@ -96,38 +118,40 @@ impl Name {
     }
 }
 
-/// The words before a unit, without an `in` before it.
-fn before(text: &str) -> Vec<String> {
-    let mut words = words(text);
-    if words.len() > 1 && words.last().is_some_and(|last| last == "in") {
-        words.pop();
-    }
-    words
-}
-
 /// Texts in brackets, one kind of brackets after the other, each from the last on.
 fn bracketed(text: &str) -> Vec<Marked<'_>> {
-    let kinds = BRACKETS.into_iter().flat_map(|[open, close]| {
-        text.rmatch_indices(open).filter_map(move |(begin, _)| {
-            let length = text[begin..].find(close)?;
-            Some(Marked {
-                before: text[..begin].trim(),
-                unit: text[begin + 1..begin + length].trim(),
-                behind: text[begin + length + close.len_utf8()..].trim(),
-                is_square: open == '[',
-            })
-        })
-    });
-    kinds.filter(|found| !found.unit.is_empty()).collect()
+    let mut found = Vec::new();
+    if !text.contains(BRACKETS.map(|[open, _]| open)) {
+        return found;
+    }
+    for [open, close] in BRACKETS {
+        let mut end = None;
+        for (at, sign) in text.rmatch_indices([open, close]) {
+            if sign.starts_with(close) {
+                end = Some(at);
+                continue;
+            }
+            let Some(end) = end else { continue };
+            let unit = text[at + 1..end].trim();
+            if !unit.is_empty() {
+                found.push(Marked {
+                    before: text[..at].trim(),
+                    unit,
+                    behind: text[end + close.len_utf8()..].trim(),
+                    is_square: open == '[',
+                });
+            }
+        }
+    }
+    found
 }
 
 /// The unit of a text that marks it: in brackets, after a sign, or else any text in square brackets, which contain a unit by
 /// custom. Round ones may contain anything: `Force (filtered)`.
-fn marked(text: &str) -> Option<Marked<'_>> {
-    let mut in_brackets = bracketed(text);
+fn marked<'t>(text: &'t str, in_brackets: &[Marked<'t>]) -> Option<Marked<'t>> {
     for is_it in [spelling::is_quantity, spelling::is_unit] {
-        if let Some(index) = in_brackets.iter().position(|found| is_it(found.unit)) {
-            return Some(in_brackets.swap_remove(index));
+        if let Some(found) = in_brackets.iter().find(|found| is_it(found.unit)) {
+            return Some(*found);
         }
     }
     let is_open = |name: &str| {
@@ -137,13 +161,20 @@ fn marked(text: &str) -> Option<Marked<'_>> {
             .any(|&[open, close]| count(open) > count(close))
     };
     for (separator, _) in text.match_indices(['/', ',', ';']) {
-        let (name, unit) = (text[..separator].trim(), text[separator + 1..].trim());
+        let unit = text[separator + 1..].trim();
+        if unit.len() > spelling::longest() || !spelling::is_unit(unit) {
+            continue;
+        }
+        let name = text[..separator].trim();
+        if name.is_empty() {
+            continue;
+        }
         // `velocity_mm/s` is not a `velocity_mm` in seconds.
         let whole = name
             .rsplit(['_', ' '])
             .next()
             .is_some_and(|last| spelling::is_unit(&format!("{last}/{unit}")));
-        if !name.is_empty() && !whole && !is_open(name) && spelling::is_unit(unit) {
+        if !whole && !is_open(name) {
             return Some(Marked {
                 before: name,
                 unit,
@@ -153,36 +184,15 @@ fn marked(text: &str) -> Option<Marked<'_>> {
         }
     }
     // Square brackets come first.
-    in_brackets.truncate(1);
-    in_brackets.pop().filter(|found| found.is_square)
+    in_brackets.first().copied().filter(|found| found.is_square)
 }
 
 /// Possible second units: another marked one, and the words after the first.
 fn others(rest: &str, behind: &str) -> Vec<String> {
-    let second = marked(rest).map(|found| found.unit.to_owned());
+    let second = marked(rest, &bracketed(rest)).map(|found| found.unit.to_owned());
     let is_end = |c: char| c.is_whitespace() || "()[]{}<>,;".contains(c);
     let words = behind.split(is_end).filter(|word| !word.is_empty());
     second.into_iter().chain(words.map(str::to_owned)).collect()
-}
-
-/// The words of a text, in lower case.
-pub(super) fn words(text: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut before = ' ';
-    for c in text.chars() {
-        let is_inner = c.is_alphabetic();
-        // `AxialForce`, and not `FORCE`.
-        let begins = c.is_uppercase() && before.is_lowercase();
-        if (!is_inner || begins) && words.last().is_some_and(|word| !word.is_empty()) {
-            words.push(String::new());
-        }
-        if is_inner && let Some(word) = words.last_mut() {
-            word.extend(c.to_lowercase());
-        }
-        before = c;
-    }
-    words.retain(|word| !word.is_empty());
-    words
 }
 
 #[cfg(test)]
@@ -215,16 +225,15 @@ mod tests {
             ),
         ] {
             let name = Name::of(text);
-            assert_eq!(name.words, words, "{text}");
+            assert_eq!(name.words, Words::of(&words.join(" ")), "{text}");
             assert_eq!(name.marked.as_deref(), marked, "{text}");
         }
-        let tails = |text: &str| -> Vec<(String, String)> {
-            let tails = Name::of(text).tails.into_iter();
-            tails
-                .map(|tail| (tail.before.join(" "), tail.text))
-                .collect()
+        let tails = |text: &str| Name::of(text).tails;
+        let pair = |before: &str, tail: &str| Tail {
+            text: tail.to_owned(),
+            spelt: spelling::spelt(tail),
+            before: Words::of(before),
         };
-        let pair = |before: &str, tail: &str| (before.to_owned(), tail.to_owned());
         assert_eq!(tails("Load_N"), [pair("load", "N")]);
         assert_eq!(
             tails("velocity_mm_s"),

@@ -16,7 +16,7 @@ const WORDS: [&str; 9] = [
 /// A scale as written: `x1000`, `×10`, `*1e3`, `10^3`, `10³`, `1e-3`, `/1000`, `in thousands`.
 pub(super) fn scale(text: &str) -> Option<&str> {
     let mut words = text.split(|c: char| !c.is_alphabetic());
-    let is_scale = |word: &&str| WORDS.contains(&word.to_lowercase().as_str());
+    let is_scale = |word: &&str| WORDS.iter().any(|each| word.eq_ignore_ascii_case(each));
     words.find(is_scale).or_else(|| in_figures(text))
 }
 

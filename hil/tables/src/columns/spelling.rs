@@ -1,5 +1,8 @@
 //! Units as people and programs write them.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use crate::channel::Channel;
 use crate::units::Unit;
 
@@ -125,38 +128,102 @@ const OTHERS: &[(&str, &str)] = &[
     ("kgf", "N"),
 ];
 
+/// The units of channels and of control inputs that have one spelling, apart from its case.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Spelt {
+    /// Those of channels, in this case; the first of a channel counts.
+    exact: Vec<(Channel, &'static str, Unit)>,
+    /// Those of channels in some case.
+    folded: Vec<(Channel, Unit)>,
+    /// Those of control inputs: by their own symbols, and by others.
+    controls: Vec<&'static str>,
+    spelt: Option<&'static str>,
+}
+
+/// All spellings, in lower case.
+static SPELT: LazyLock<HashMap<String, Spelt>> = LazyLock::new(|| {
+    let mut all: HashMap<String, Spelt> = HashMap::new();
+    let of_channels = Channel::ALL.into_iter().flat_map(|channel| {
+        let own = channel.units().iter();
+        let own = own.map(|unit| (*unit, std::slice::from_ref(&unit.symbol)));
+        let other = SPELLINGS.iter().filter(move |(of, ..)| *of == channel);
+        let other = other.filter_map(move |(_, symbol, list)| {
+            let mut units = channel.units().iter();
+            Some((*units.find(|unit| unit.symbol == *symbol)?, *list))
+        });
+        own.chain(other)
+            .map(move |(unit, list)| (channel, unit, list))
+    });
+    for (channel, unit, list) in of_channels {
+        for &spelling in list {
+            let spelt = all.entry(spelling.to_lowercase()).or_default();
+            spelt.exact.push((channel, spelling, unit));
+            if !spelt.folded.contains(&(channel, unit)) {
+                spelt.folded.push((channel, unit));
+            }
+        }
+    }
+    for &unit in crate::control::UNITS {
+        let spelt = all.entry(unit.to_lowercase()).or_default();
+        spelt.controls.push(unit);
+    }
+    for &(unit, list) in CONTROLS {
+        for each in list {
+            all.entry(each.to_lowercase()).or_default().spelt = Some(unit);
+        }
+    }
+    all
+});
+
+/// The longest spelling in bytes; one in other case may have some more.
+static LONGEST: LazyLock<usize> =
+    LazyLock::new(|| 2 * SPELT.keys().map(String::len).max().unwrap_or(0));
+
+/// The length in bytes that a unit has at most, in brackets too.
+pub(super) fn longest() -> usize {
+    *LONGEST
+}
+
+/// The units that are written so; `None` if the text is none.
+pub(super) fn spelt(written: &str) -> Option<&'static Spelt> {
+    let written = written.trim();
+    if written.is_empty() || written.len() > *LONGEST {
+        return None;
+    }
+    SPELT.get(written.to_lowercase().as_str())
+}
+
+impl Spelt {
+    /// The unit of a channel that is written so.
+    pub fn of(&self, channel: Channel, written: &str) -> Option<Unit> {
+        let written = written.trim();
+        let mut exact = self.exact.iter();
+        let exact = exact.find(|(of, spelling, _)| *of == channel && *spelling == written);
+        if let Some((.., unit)) = exact {
+            return Some(*unit);
+        }
+        // `MM` and `KN` of a header in capitals; `mn` could be two units, and is rejected.
+        let mut folded = self.folded.iter().filter(|(of, _)| *of == channel);
+        let (_, unit) = folded.next()?;
+        folded.next().is_none().then_some(*unit)
+    }
+
+    /// The unit of a control input that is written so.
+    pub fn of_control(&self, written: &str) -> Option<&'static str> {
+        let written = written.trim();
+        let mut own = self.controls.iter().copied();
+        own.find(|unit| *unit == written)
+            .or(match self.controls[..] {
+                // `BAR` and `MPA` of a header in capitals; a single letter in the wrong case may be a word.
+                [unit] if written.len() > 1 => Some(unit),
+                _ => self.spelt,
+            })
+    }
+}
+
 /// The unit of a channel with this spelling. Case counts where it distinguishes units, as in mN and MN.
 pub(crate) fn unit_of(channel: Channel, written: &str) -> Option<Unit> {
-    let written = written.trim();
-    let named = |symbol: &str| {
-        channel
-            .units()
-            .iter()
-            .find(|unit| unit.symbol == symbol)
-            .copied()
-    };
-    let spelt = |is_it: &dyn Fn(&str) -> bool| {
-        let own = channel
-            .units()
-            .iter()
-            .filter(|unit| is_it(unit.symbol))
-            .map(|unit| unit.symbol);
-        let other = SPELLINGS
-            .iter()
-            .filter(|(of, _, list)| *of == channel && list.iter().any(|each| is_it(each)));
-        let mut found: Vec<&str> = own.chain(other.map(|&(_, symbol, _)| symbol)).collect();
-        found.dedup();
-        found
-    };
-    if let [symbol, ..] = spelt(&|each| each == written)[..] {
-        return named(symbol);
-    }
-    // `MM` and `KN` of a header in capitals; `mn` could be two units, and is rejected.
-    let folded = written.to_lowercase();
-    match spelt(&|each| each.to_lowercase() == folded)[..] {
-        [symbol] => named(symbol),
-        _ => None,
-    }
+    spelt(written)?.of(channel, written)
 }
 
 /// Whether a unit of a channel is written in one of its spellings, letter by letter.
@@ -168,25 +235,9 @@ pub(super) fn is_as_spelt(channel: Channel, unit: Unit, written: &str) -> bool {
     unit.symbol == written || SPELLINGS.iter().any(is_spelling)
 }
 
-/// The unit of a control input with this spelling, among the `known` ones.
-pub(super) fn control_unit(written: &str, known: &'static [&'static str]) -> Option<&'static str> {
-    let written = written.trim();
-    let own = known.iter().find(|unit| **unit == written).copied();
-    own.or_else(|| {
-        let folded = written.to_lowercase();
-        // `BAR` and `MPA` of a header in capitals; a single letter in the wrong case may be a word.
-        let mut alike = known.iter().filter(|unit| unit.to_lowercase() == folded);
-        if written.len() > 1
-            && let (Some(unit), None) = (alike.next(), alike.next())
-        {
-            return Some(*unit);
-        }
-        let spelt = |list: &[&str]| list.iter().any(|each| each.to_lowercase() == folded);
-        CONTROLS
-            .iter()
-            .find(|(_, list)| spelt(list))
-            .map(|&(unit, _)| unit)
-    })
+/// The unit of a control input with this spelling.
+pub(super) fn control_unit(written: &str) -> Option<&'static str> {
+    spelt(written)?.of_control(written)
 }
 
 /// The unit of control inputs that measures the same as one with this symbol, which may be one that is not read: T for `G`, A for
@@ -209,9 +260,12 @@ pub fn bare(unit: &str) -> &str {
 /// Whether a text is a unit of a channel or of a control input.
 pub(crate) fn is_quantity(written: &str) -> bool {
     let bare = bare(written);
-    let mut channels = Channel::ALL.into_iter();
-    channels.any(|channel| unit_of(channel, bare).is_some())
-        || control_unit(bare, crate::control::UNITS).is_some()
+    let is_one = |spelt: &Spelt| {
+        let mut channels = Channel::ALL.into_iter();
+        channels.any(|channel| spelt.of(channel, bare).is_some())
+            || spelt.of_control(bare).is_some()
+    };
+    spelt(bare).is_some_and(is_one)
 }
 
 /// Whether a text is a unit of any quantity that a recording may contain, or the sign for none.

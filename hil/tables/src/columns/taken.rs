@@ -5,7 +5,7 @@ use super::spelling::control_unit;
 use super::unit_found::{
     ControlUnit, UnitFound, control_unit_and_words, own_unit, row_units, unit_and_words,
 };
-use super::words::{self, Certainty};
+use super::words::{Certainty, Words};
 use crate::channel::Channel;
 use crate::control::{self, UNITS};
 use crate::files::Column;
@@ -35,7 +35,20 @@ pub(super) struct Candidate {
 }
 
 /// The channels that a column may be, by its own name and unit.
-pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
+pub(super) fn candidates(column: &Column, is_numeric: bool) -> Vec<Candidate> {
+    candidates_by(column, &units(column, &Name::of(&column.name)), is_numeric)
+}
+
+/// For each channel what is stated about the unit, and the words without it.
+pub(super) type Units = [(UnitFound, Words); Channel::ALL.len()];
+
+/// For each channel what a column with this name states.
+pub(super) fn units(column: &Column, name: &Name) -> Units {
+    Channel::ALL.map(|channel| unit_and_words(column, name, channel))
+}
+
+/// The channels that a column may be, if its values are taken for numbers or for words.
+pub(super) fn candidates_by(column: &Column, units: &Units, is_numeric: bool) -> Vec<Candidate> {
     if let Some((channel, symbol)) = own_name(&column.name) {
         let unit = own_unit(column, channel, symbol);
         return vec![Candidate {
@@ -44,20 +57,18 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
             unit,
         }];
     }
-    if !column.is_numeric {
+    if !is_numeric {
         return Vec::new();
     }
-    let name = Name::of(&column.name);
-    let of = |channel: Channel| {
-        let (unit, words) = unit_and_words(column, &name, channel);
-        let rank = rank(column, words, channel, &unit)?;
+    let of = |(channel, (unit, words)): (Channel, &(UnitFound, Words))| {
         Some(Candidate {
             channel,
-            rank,
-            unit,
+            rank: rank(column, *words, channel, unit)?,
+            unit: unit.clone(),
         })
     };
-    let mut found: Vec<Candidate> = Channel::ALL.into_iter().filter_map(of).collect();
+    let each = Channel::ALL.into_iter().zip(units);
+    let mut found: Vec<Candidate> = each.filter_map(of).collect();
     // `Force displacement` is not decisive, `displacement of load cell [mm]` is by its unit.
     let known = |each: &Candidate| matches!(each.unit, UnitFound::Known(_));
     if found.len() > 1 && found.iter().any(known) {
@@ -70,12 +81,12 @@ pub(super) fn candidates(column: &Column) -> Vec<Candidate> {
 }
 
 /// How certain a column with these words next to its unit is a channel; `None` if it is not.
-fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -> Option<Rank> {
+fn rank(column: &Column, words: Words, channel: Channel, unit: &UnitFound) -> Option<Rank> {
     // Dates that the table marks as its times are times whatever their name: `index`.
-    if words::is_other(words) && !(column.is_time && column.is_stamp) {
+    if words.is_other() && !(column.is_time && column.is_stamp) {
         return None;
     }
-    let certainty = words::of_channel(words, channel);
+    let certainty = words.of_channel(channel);
     if column.is_stamp {
         return match certainty {
             _ if channel != Channel::Time => None,
@@ -90,7 +101,7 @@ fn rank(column: &Column, words: &[String], channel: Channel, unit: &UnitFound) -
     match certainty {
         Some(Certainty::Strong) => Some(Rank::Word),
         Some(Certainty::Weak) => is_known.then_some(Rank::Weak),
-        None => (is_known && words::is_generic(words)).then_some(Rank::Unit),
+        None => (is_known && words.are_generic()).then_some(Rank::Unit),
     }
 }
 
@@ -105,56 +116,55 @@ pub(super) fn could_be(column: &Column, channel: Channel, is_sure: bool) -> bool
     }
     let name = Name::of(&column.name);
     let (unit, words) = unit_and_words(column, &name, channel);
-    if !matches!(unit, UnitFound::Known(_)) || words::is_surely_other(words) {
+    if !matches!(unit, UnitFound::Known(_)) || words.is_surely_other() {
         return false;
     }
-    match words::of_channel(words, channel) {
-        Some(Certainty::Strong) => words::is_other(words),
-        _ => !is_sure && !words::is_other(words) && !words.is_empty(),
+    match words.of_channel(channel) {
+        Some(Certainty::Strong) => words.is_other(),
+        _ => !is_sure && !words.is_other() && words.count() > 0,
     }
 }
 
 /// Whether all of a column's name is understood: its words are for quantities, for the measured object, or neutral.
 pub(super) fn is_understood(column: &Column, channel: Channel) -> bool {
     let name = Name::of(&column.name);
-    words::are_understood(unit_and_words(column, &name, channel).1)
+    unit_and_words(column, &name, channel).1.are_understood()
 }
 
-/// Whether a column's name says that it is not a measurement.
-pub(super) fn is_surely_other(column: &Column) -> bool {
-    words::is_surely_other(&Name::of(&column.name).words)
+/// What a column may be in respect of times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct OfTimes {
+    /// Whether it contains them, according to its file or a word of its name, with or without a unit.
+    pub is_time: bool,
+    /// Whether it may contain them.
+    pub may_be_time: bool,
 }
 
-/// A column as if its values were numbers.
-pub(super) fn of_numbers(column: &Column) -> Column {
-    Column {
-        is_numeric: true,
-        ..column.clone()
-    }
-}
-
-/// Whether a column contains times, according to its file or a word of its name, with or without a unit.
-pub(super) fn is_time(column: &Column) -> bool {
-    let is_candidate = |each: &Candidate| each.channel == Channel::Time && each.rank > Rank::Unit;
-    let is_named = || {
-        let words = Name::of(&column.name).words;
-        words::of_channel(&words, Channel::Time).is_some() && !words::is_other(&words)
-    };
+/// What a column may be in respect of times.
+pub(super) fn of_times(column: &Column) -> OfTimes {
+    let name = Name::of(&column.name);
+    let candidates = candidates_by(column, &units(column, &name), column.is_numeric);
+    let of_time = candidates.iter().find(|each| each.channel == Channel::Time);
+    let is_named = || name.words.of_channel(Channel::Time).is_some() && !name.words.is_other();
     let is_said = column.is_time || column.is_stamp;
-    column.is_numeric && (is_said || candidates(column).iter().any(is_candidate) || is_named())
+    let is_candidate = of_time.is_some_and(|each| each.rank > Rank::Unit);
+    OfTimes {
+        is_time: column.is_numeric && (is_said || is_candidate || is_named()),
+        may_be_time: of_time.is_some(),
+    }
 }
 
 /// The channel that a quantity's name is another word for: displacement for `weg`.
 pub(super) fn other_name_of(quantity: &str) -> Option<Channel> {
     let words = Name::of(quantity).words;
     let is_of = |channel: &Channel| {
-        quantity != channel.name() && words::of_channel(&words, *channel) == Some(Certainty::Strong)
+        quantity != channel.name() && words.of_channel(*channel) == Some(Certainty::Strong)
     };
     // A second word makes it another quantity, such as the position of a valve.
     Channel::ALL
         .into_iter()
         .find(is_of)
-        .filter(|_| words.len() == 1)
+        .filter(|_| words.count() == 1)
 }
 
 /// Whether a name contains a word for some quantity, and none for another column.
@@ -163,8 +173,7 @@ pub(super) fn is_named(text: &str) -> bool {
         return true;
     }
     let name = Name::of(text);
-    let is_of = |words: &[String]| words.iter().any(|word| words::is_known(word));
-    is_of(&name.words) || name.tails.iter().any(|tail| is_of(&tail.before))
+    name.words.known() > 0 || name.tails.iter().any(|tail| tail.before.known() > 0)
 }
 
 /// A control input that a column may be.
@@ -176,12 +185,11 @@ pub(super) struct Control {
     pub is_own: bool,
 }
 
-/// The control input that a column may be, by its own name and unit.
-pub(super) fn control(column: &Column) -> Option<Control> {
-    let name = Name::of(&column.name);
-    let found = control_unit_and_words(column, &name, &name.words);
+/// The control input that a column may be, by its own name and unit, if it is not a candidate for a channel.
+pub(super) fn control_by(column: &Column, name: &Name, is_candidate: bool) -> Option<Control> {
+    let found = control_unit_and_words(column, name, name.words);
     if let Some((quantity, symbol)) = own_control(&column.name) {
-        let is_same = |said| control_unit(said, UNITS) == Some(symbol);
+        let is_same = |said| control_unit(said) == Some(symbol);
         let own = |unit| Control {
             quantity: quantity.to_owned(),
             unit,
@@ -198,12 +206,12 @@ pub(super) fn control(column: &Column) -> Option<Control> {
             return Some(own(unit.clone()));
         }
     }
-    if !column.is_numeric || column.is_stamp || !candidates(column).is_empty() {
+    if !column.is_numeric || column.is_stamp || is_candidate {
         return None;
     }
     let (unit, words) = found?;
     // The direction of the scaling is not stated here.
-    if words::is_other(words) || name.scale.is_some() {
+    if words.is_other() || name.scale.is_some() {
         return None;
     }
     // A word is needed: a rig may write many quantities with the same unit.
@@ -211,17 +219,12 @@ pub(super) fn control(column: &Column) -> Option<Control> {
         ControlUnit::Known(unit) => unit,
         ControlUnit::Unclear(_, either) => either.first()?,
     };
-    let quantity = words::of_control(words, stated)?.to_owned();
+    let quantity = words.of_control(stated)?.to_owned();
     Some(Control {
         quantity,
         unit,
         is_own: false,
     })
-}
-
-/// Whether a column is a control input with a clear unit.
-pub(super) fn is_control(column: &Column) -> bool {
-    control(column).is_some_and(|control| matches!(control.unit, ControlUnit::Known(_)))
 }
 
 /// The quantity and the unit in the name of a control input in the form of our own files.
@@ -271,14 +274,16 @@ mod tests {
 
     /// The channel of a column, and the certainty.
     fn taken(name: &str, unit: Option<&str>) -> String {
-        let each = candidates(&column(name, unit)).into_iter().map(|each| {
-            let unit = match each.unit {
-                UnitFound::Known(unit) => unit.symbol.to_owned(),
-                UnitFound::Unknown(unit) | UnitFound::Unclear(unit, _) => format!("?{unit}"),
-                UnitFound::None => "?".into(),
-            };
-            format!("{:?} {} {unit}", each.rank, each.channel.name())
-        });
+        let each = candidates(&column(name, unit), true)
+            .into_iter()
+            .map(|each| {
+                let unit = match each.unit {
+                    UnitFound::Known(unit) => unit.symbol.to_owned(),
+                    UnitFound::Unknown(unit) | UnitFound::Unclear(unit, _) => format!("?{unit}"),
+                    UnitFound::None => "?".into(),
+                };
+                format!("{:?} {} {unit}", each.rank, each.channel.name())
+            });
         each.collect::<Vec<_>>().join(", ")
     }
 
@@ -349,7 +354,9 @@ mod tests {
     #[test]
     fn control_inputs_need_a_word_and_a_unit() {
         let is = |name: &str, unit: Option<&str>| {
-            let Some(control) = control(&column(name, unit)) else {
+            let column = column(name, unit);
+            let is_candidate = !candidates(&column, true).is_empty();
+            let Some(control) = control_by(&column, &Name::of(name), is_candidate) else {
                 return String::new();
             };
             match control.unit {

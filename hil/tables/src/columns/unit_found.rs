@@ -2,12 +2,11 @@
 
 use mesh_damper_output::error::quoted;
 
-use super::name::{Name, words as words_of};
-use super::spelling::{bare, control_unit, control_unit_like, unit_of};
+use super::name::Name;
+use super::spelling::{Spelt, bare, control_unit, control_unit_like, unit_of};
 use super::taken::own_name;
-use super::words;
+use super::words::Words;
 use crate::channel::Channel;
-use crate::control::UNITS;
 use crate::files::Column;
 use crate::units::Unit;
 
@@ -36,10 +35,9 @@ pub(super) fn unit_for(column: &Column, channel: Channel) -> UnitFound {
 pub(super) fn unknown_unit(column: &Column) -> Option<String> {
     let name = Name::of(&column.name);
     let written = name.bracketed?;
-    let words = words_of(&written);
-    let is_letter = |word: &String| word.chars().count() == 1;
-    let is_word = words::is_other(&words) || words::are_understood(&words);
-    (!is_word || words.iter().any(is_letter)).then_some(written)
+    let words = Words::of(&written);
+    let is_word = words.is_other() || words.are_understood();
+    (!is_word || words.has_letter()).then_some(written)
 }
 
 /// Information about the unit of a control input.
@@ -54,27 +52,29 @@ pub(super) enum ControlUnit {
 /// a unit that is read. `means` are words for the quantity.
 ///
 /// Every other statement in the name must be the same. One that the quantity cannot have is none: the port of `Pressure A`.
-pub(super) fn control_unit_and_words<'n>(
+pub(super) fn control_unit_and_words(
     column: &Column,
-    name: &'n Name,
-    means: &[String],
-) -> Option<(ControlUnit, &'n [String])> {
-    let read = |written: &str| control_unit(written, UNITS);
+    name: &Name,
+    means: Words,
+) -> Option<(ControlUnit, Words)> {
+    let read = control_unit;
     let rows = || row_units(column);
     let marked = name.marked.as_deref();
     let (written, unit, words) = match rows().next().or(marked) {
-        Some(written) => (written, read(written)?, &name.words),
-        None => (name.tails.iter())
-            .find_map(|tail| Some((&*tail.text, read(&tail.text)?, &tail.before)))?,
+        Some(written) => (written, read(written)?, name.words),
+        None => (name.tails.iter()).find_map(|tail| {
+            let unit = tail.spelt?.of_control(&tail.text)?;
+            Some((&*tail.text, unit, tail.before))
+        })?,
     };
-    let is_possible = |unit: Option<&str>| unit.is_some_and(|unit| words::may_have(means, unit));
+    let is_possible = |unit: Option<&str>| unit.is_some_and(|unit| means.may_have(unit));
     let in_brackets = marked.or(name.bracketed.as_deref());
     let in_brackets =
         in_brackets.filter(|text| is_possible(read(text).or(control_unit_like(text))));
     // `Current_ma` in A. `Volt` may be the word for the quantity, and the A of `Druck pA` is a port.
     let tails = name.tails.iter().map(|tail| &*tail.text);
     let tails = tails.filter(|tail| {
-        let folded = read(tail).filter(|_| !words::is_control(&words_of(tail)) && !is_port(tail));
+        let folded = read(tail).filter(|_| !Words::of(tail).is_control() && !is_port(tail));
         is_possible(control_unit_like(tail).or(folded))
     });
     // `Current [A] mA`, `Current_mA_1`; a single letter may number the column: `Current [A] B`.
@@ -144,15 +144,12 @@ pub(super) fn row_units(column: &Column) -> impl Iterator<Item = &str> + Clone {
 }
 
 /// The statement about the unit for a channel, and the words of the name without it.
-pub(super) fn unit_and_words<'n>(
-    column: &Column,
-    name: &'n Name,
-    channel: Channel,
-) -> (UnitFound, &'n [String]) {
+pub(super) fn unit_and_words(column: &Column, name: &Name, channel: Channel) -> (UnitFound, Words) {
     // `Load_N`, and not `Load_Cell`.
     let mut tails = name.tails.iter();
-    let tail = tails.find(|tail| unit_of(channel, &tail.text).is_some());
-    let words = tail.map_or(&name.words, |tail| &tail.before);
+    let is_unit = |spelt: &Spelt, text| spelt.of(channel, text).is_some();
+    let tail = tails.find(|tail| tail.spelt.is_some_and(|spelt| is_unit(spelt, &tail.text)));
+    let words = tail.map_or(name.words, |tail| tail.before);
     if column.is_stamp && channel == Channel::Time {
         return (of_stamps(), words);
     }
@@ -194,15 +191,15 @@ fn is_another(channel: Channel, unit: Unit, written: &str) -> bool {
 /// Whether a unit that is ambiguous in capitals, as MN for mN, stands in a name that is all in capitals.
 fn is_lost_in_capitals(channel: Channel, name: &str, written: &str) -> bool {
     let letters = || name.chars().filter(|c| c.is_alphabetic());
-    let is_capital = letters().count() > 3 && letters().all(char::is_uppercase);
-    is_capital && alike(channel, written).count() > 1
+    alike(channel, written).count() > 1
+        && letters().all(char::is_uppercase)
+        && letters().count() > 3
 }
 
 /// The units that differ from the written one in capitals only.
 fn alike(channel: Channel, written: &str) -> impl Iterator<Item = &'static str> {
-    let folded = written.to_lowercase();
     let units = channel.units().iter().map(|unit| unit.symbol);
-    units.filter(move |symbol| symbol.to_lowercase() == folded)
+    units.filter(move |symbol| symbol.eq_ignore_ascii_case(written))
 }
 
 /// Both units of a name with two.

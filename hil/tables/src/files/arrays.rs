@@ -4,28 +4,30 @@
 //! channel with the same times repeated, a variable `t` next to `y` and `F`. There is one rule: arrays of one length with the same
 //! times are a table.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
+use super::about::{About, Named};
 use super::beside::Beside;
+use super::groups::{Group, Groups};
 pub(super) use super::names::name_of;
 use super::names::tell_apart;
+use super::number::shown;
 use super::runs;
 use super::table::{Clock, StatedStep};
 use super::{Column, Table};
-use crate::columns::{is_time, may_be_time};
+use crate::budget::{Budget, of_list};
+use crate::columns::{self, of_times};
 use mesh_damper_output::error::{InputError, quoted};
 
-/// The most columns that a file may have. Convention: more than any bus logger writes, and little enough to hold their names.
-pub(super) const MOST_COLUMNS: usize = 1 << 17;
-/// The most columns into which one array is split. Convention: the number of channels of all of a rig's loggers.
+/// The most columns into which one array is split. Convention: an array with more is an image or a spectrum, not channels.
 pub(super) const MOST_OF_ARRAY: u64 = 1024;
 
 /// An array of a file, or a column of one.
 #[derive(Clone, Debug)]
 pub(super) struct Array<S> {
-    /// The groups that contain it, the outermost first.
-    pub group: Vec<String>,
+    /// The group that contains it.
+    pub group: Group,
     /// Its column in a table; its name is the one within the group.
     pub column: Column,
     /// Number of values.
@@ -37,10 +39,18 @@ pub(super) struct Array<S> {
 }
 
 impl<S> Array<S> {
-    /// Its groups and its name.
-    fn path(&self) -> Vec<String> {
-        let name = std::iter::once(&self.column.name);
-        self.group.iter().chain(name).cloned().collect()
+    /// Adds it to others of a file, and charges it, its values not counted.
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn add_to(self, arrays: &mut Vec<Self>, budget: &Budget) -> Result<(), InputError> {
+        let part = "its arrays";
+        budget.hold(self.column.bytes() - size_of::<Column>() as u64, part)?;
+        budget.push(arrays, self, part)
+    }
+
+    fn named(&self) -> Named<'_> {
+        (self.group, &self.column.name)
     }
 }
 
@@ -48,128 +58,431 @@ impl<S> Array<S> {
 pub(super) type Arranged<S> = (Vec<Table>, Vec<Vec<S>>);
 
 /// Combines arrays into tables, in the order of the file, with the file's other statements in `beside`. `values` returns an array's
-/// values.
+/// values, charged as held.
 ///
 /// # Errors
-/// The errors of `values`.
+/// The errors of `values`; a budget that is used up.
 pub(super) fn arranged<S: Clone>(
+    groups: &Groups,
     arrays: Vec<Array<S>>,
-    beside: &Beside,
+    beside: Beside,
     values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
 ) -> Result<Arranged<S>, InputError> {
-    let paths: Vec<Vec<String>> = arrays.iter().map(Array::path).collect();
-    let beside = &beside.spread(&paths);
-    let mut lengths: Vec<(u64, Vec<Array<S>>)> = Vec::new();
+    let columns = arrays.iter().map(|array| &array.column);
+    groups
+        .budget()
+        .work(columns::steps(columns), super::NAMES)?;
+    let about = About::of(beside, groups, arrays.iter().map(Array::named));
+    let mut lengths: Vec<Vec<usize>> = Vec::new();
     let mut place = HashMap::new();
-    for array in arrays {
+    for (index, array) in arrays.iter().enumerate() {
         let at = *place.entry(array.rows).or_insert(lengths.len());
         match lengths.get_mut(at) {
-            Some((_, of_length)) => of_length.push(array),
-            None => lengths.push((array.rows, vec![array])),
+            Some(of_length) => of_length.push(index),
+            None => lengths.push(vec![index]),
         }
     }
-    let mut tables = Vec::new();
-    let mut sources = Vec::new();
-    for (rows, arrays) in lengths {
-        for members in divided(arrays, values)? {
-            for (name, members) in of_runs(members) {
-                let (table, of_table) = table(rows, name, members, beside);
-                tables.push(table);
-                sources.push(of_table);
-            }
+    let count = arrays.len();
+    let room = size_of::<Array<S>>() * arrays.capacity();
+    let mut arranging = Arranging {
+        groups,
+        about,
+        found: Found {
+            arrays: arrays.into_iter().map(Some).collect(),
+            members: vec![Member::default(); count],
+        },
+        tables: Vec::new(),
+        sources: Vec::new(),
+    };
+    for of_length in lengths {
+        for members in arranging.divided(&of_length, values)? {
+            arranging.tables_of(members)?;
         }
     }
+    let Arranging {
+        mut tables,
+        sources,
+        ..
+    } = arranging;
     tell_apart(&mut tables);
+    groups.budget().release(room as u64);
+    for (table, sources) in tables.iter_mut().zip(&sources) {
+        first_times(table, sources, groups.budget(), values)?;
+    }
     Ok((tables, sources))
 }
 
+/// The first times of a table, from which its rate follows.
+fn first_times<S>(
+    table: &mut Table,
+    sources: &[S],
+    budget: &Budget,
+    values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
+) -> Result<(), InputError> {
+    budget.work(columns::steps(table.columns.iter()), super::NAMES)?;
+    let mut columns = table.columns.iter_mut().zip(sources);
+    if let Some((column, source)) = columns.find(|(column, _)| columns::is_time(column))
+        && column.first.is_empty()
+    {
+        keep_first(column, &values(source)?, budget)?;
+    }
+    Ok(())
+}
+
+/// Keeps the first of some times, which were charged as held.
+fn keep_first(column: &mut Column, times: &[f64], budget: &Budget) -> Result<(), InputError> {
+    budget.release(of_list::<f64>(times.len()));
+    if column.first.is_empty() {
+        let first = &times[..times.len().min(Column::FIRST)];
+        budget.hold(of_list::<f64>(first.len()), "the first of its times")?;
+        column.first = first.to_vec();
+    }
+    Ok(())
+}
+
 /// The common property of the arrays of one table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Times {
     /// The values of an array of times, as a number that other values do not have.
     Array(u64),
-    Clock(Clock),
+    /// Start and step of a clock.
+    Clock([u64; 2]),
     None,
 }
 
-#[derive(Clone)]
-struct Member<S> {
-    array: Array<S>,
+impl Times {
+    fn of(clock: Option<Clock>) -> Self {
+        clock.map_or(Self::None, |Clock { start, step }| {
+            // Zero has two signs.
+            Self::Clock([start, step].map(|value| (value + 0.0).to_bits()))
+        })
+    }
+}
+
+/// The place of an array in its table.
+#[derive(Clone, Copy, Debug, Default)]
+struct Member {
+    /// Whether it may have times.
+    may_be_time: bool,
     /// Whether it is the table's column of times.
     is_time: bool,
     /// Whether its times lie in another group, so that only their number connects them.
     is_guessed: bool,
+    /// Number of tables that it is still to be a column of.
+    tables: usize,
 }
 
-/// Arrays of one length, divided by their times.
-fn divided<S>(
-    arrays: Vec<Array<S>>,
-    values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
-) -> Result<Vec<Vec<Member<S>>>, InputError> {
-    let times = axes_of_groups(&arrays);
-    let several = times.iter().filter(|&&is_time| is_time).count() > 1;
-    // Each array of times: its group and its values.
-    let mut axes: Vec<(Vec<String>, u64)> = Vec::new();
-    let mut of_array = Vec::new();
-    for (array, is_time) in arrays.iter().zip(&times) {
-        let mark = match is_time {
-            true if several => Some(mark(&values(&array.source)?)),
-            true => Some(0),
-            false => None,
-        };
-        if let Some(mark) = mark {
-            axes.push((array.group.clone(), mark));
-        }
-        of_array.push(mark);
-    }
-    let mut found: Vec<(Times, Vec<Member<S>>)> = Vec::new();
-    for (array, mark) in arrays.into_iter().zip(of_array) {
-        let is_time = mark.is_some();
-        let (times, is_guessed) = match (mark, array.clock) {
-            (Some(mark), _) => (Times::Array(mark), false),
-            (None, clock) => match nearest(&array.group, &axes) {
-                // Times in its own group have precedence over a clock, and a clock over times elsewhere.
-                Some((mark, true)) => (Times::Array(mark), false),
-                Some((mark, false)) if clock.is_none() => (Times::Array(mark), true),
-                _ => (clock.map_or(Times::None, Times::Clock), false),
-            },
-        };
-        let member = Member {
-            array,
-            is_time,
-            is_guessed,
-        };
-        match found.iter_mut().find(|(known, _)| *known == times) {
-            Some((_, members)) => members.push(member),
-            None => found.push((times, vec![member])),
-        }
-    }
-    Ok(found.into_iter().map(|(_, members)| members).collect())
+/// The times in a group and below it.
+#[derive(Clone, Copy, Debug)]
+struct Axes {
+    /// The group of the first of them.
+    group: Group,
+    mark: u64,
+    /// Whether all are the same.
+    are_one: bool,
 }
 
-/// The arrays that are the times of their groups: at most one in each, that which the file marks as such if there is one.
-fn axes_of_groups<S>(arrays: &[Array<S>]) -> Vec<bool> {
-    let mut axes: HashMap<&[String], usize> = HashMap::new();
-    for (index, array) in arrays.iter().enumerate() {
-        if array.column.is_time || is_time(&array.column) {
-            let known = axes.entry(&array.group).or_insert(index);
-            if array.column.is_time && !arrays[*known].column.is_time {
-                *known = index;
+/// Arrays while they are arranged.
+struct Arranging<'g, S> {
+    groups: &'g Groups,
+    about: About<'g>,
+    found: Found<S>,
+    tables: Vec<Table>,
+    sources: Vec<Vec<S>>,
+}
+
+/// Arrays by their places in the file.
+struct Found<S> {
+    /// Those that the tables have not taken yet.
+    arrays: Vec<Option<Array<S>>>,
+    members: Vec<Member>,
+}
+
+impl<S> Found<S> {
+    /// An array that is not taken yet.
+    fn array(&self, index: usize) -> Option<&Array<S>> {
+        self.arrays[index].as_ref()
+    }
+
+    /// Some arrays, by their places.
+    fn each<'s>(
+        &'s self,
+        places: &'s [usize],
+    ) -> impl Iterator<Item = (Member, &'s Array<S>)> + Clone {
+        let array = |&index: &usize| Some((self.members[index], self.array(index)?));
+        places.iter().filter_map(array)
+    }
+
+    /// The arrays that are the times of their groups: at most one in each, that which the file marks as such if there is one.
+    fn axes_of_groups(&mut self, arrays: &[usize]) -> BTreeSet<usize> {
+        let mut axes: HashMap<Group, (usize, bool)> = HashMap::new();
+        for &index in arrays {
+            let Some(Array { group, column, .. }) = &self.arrays[index] else {
+                continue;
+            };
+            let of_times = of_times(column);
+            self.members[index].may_be_time = of_times.may_be_time;
+            if column.is_time || of_times.is_time {
+                let known = axes.entry(*group).or_insert((index, column.is_time));
+                if column.is_time && !known.1 {
+                    *known = (index, true);
+                }
             }
         }
+        axes.into_values().map(|(index, _)| index).collect()
     }
-    let is_axis = |(index, array): (usize, &Array<S>)| axes.get(&array.group[..]) == Some(&index);
-    arrays.iter().enumerate().map(is_axis).collect()
+
+    /// Arrays without a repetition of the same times.
+    fn once(&self, mut members: Vec<usize>) -> Vec<usize> {
+        let mut has_time = false;
+        members.retain(|&index| {
+            !self.members[index].is_time || !std::mem::replace(&mut has_time, true)
+        });
+        members
+    }
 }
 
 /// The times nearest to a group, and whether they lie in it or around it; `None` if two are equally near.
-fn nearest(group: &[String], axes: &[(Vec<String>, u64)]) -> Option<(u64, bool)> {
-    let shared = |axis: &[String]| axis.iter().zip(group).take_while(|(a, b)| a == b).count();
-    let most = axes.iter().map(|(axis, _)| shared(axis)).max()?;
-    let mut near = axes.iter().filter(|(axis, _)| shared(axis) == most);
-    let (axis, mark) = near.next()?;
-    let around = near.all(|(_, other)| other == mark);
-    around.then_some((*mark, group.starts_with(axis)))
+fn nearest(groups: &Groups, group: Group, axes: &HashMap<Group, Axes>) -> Option<(u64, bool)> {
+    let mut upward = groups.upward(group);
+    let (around, near) = upward.find_map(|each| Some((each, axes.get(&each)?)))?;
+    near.are_one.then_some((near.mark, near.group == around))
+}
+
+impl<S: Clone> Arranging<'_, S> {
+    /// Arrays of one length, divided by their times.
+    fn divided(
+        &mut self,
+        arrays: &[usize],
+        values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
+    ) -> Result<Vec<Vec<usize>>, InputError> {
+        let times = self.found.axes_of_groups(arrays);
+        let several = times.len() > 1;
+        // In each group, the times in it and below it.
+        let mut axes: HashMap<Group, Axes> = HashMap::new();
+        let mut marks = HashMap::new();
+        for index in times {
+            let Some(array) = &mut self.found.arrays[index] else {
+                continue;
+            };
+            let mark = match several {
+                true => {
+                    let budget = self.groups.budget();
+                    let times = values(&array.source)?;
+                    budget.work(times.len() as u64, "comparing its times")?;
+                    keep_first(&mut array.column, &times, budget)?;
+                    mark(&times)
+                }
+                false => 0,
+            };
+            marks.insert(index, mark);
+            let own = Axes {
+                group: array.group,
+                mark,
+                are_one: true,
+            };
+            for group in self.groups.upward(array.group) {
+                let known = axes.entry(group).or_insert(own);
+                known.are_one &= known.mark == mark;
+            }
+        }
+        let mut divided: Vec<Vec<usize>> = Vec::new();
+        let mut place = HashMap::new();
+        let mut nearest_to = HashMap::new();
+        for &index in arrays {
+            let Some(Array { group, clock, .. }) = self.found.array(index) else {
+                continue;
+            };
+            let mark = marks.get(&index).copied();
+            let mut near = || {
+                let known = nearest_to.entry(*group);
+                *known.or_insert_with(|| nearest(self.groups, *group, &axes))
+            };
+            let (times, is_guessed) = match mark {
+                Some(mark) => (Times::Array(mark), false),
+                None => match near() {
+                    // Times in its own group have precedence over a clock, and a clock over times elsewhere.
+                    Some((mark, true)) => (Times::Array(mark), false),
+                    Some((mark, false)) if clock.is_none() => (Times::Array(mark), true),
+                    _ => (Times::of(*clock), false),
+                },
+            };
+            let member = &mut self.found.members[index];
+            member.is_time = mark.is_some();
+            member.is_guessed = is_guessed;
+            let at = *place.entry(times).or_insert(divided.len());
+            match divided.get_mut(at) {
+                Some(members) => members.push(index),
+                None => divided.push(vec![index]),
+            }
+        }
+        Ok(divided)
+    }
+
+    /// Makes the tables of arrays with the same times: one for each run.
+    fn tables_of(&mut self, members: Vec<usize>) -> Result<(), InputError> {
+        let described = self
+            .found
+            .each(&members)
+            .map(|(member, array)| runs::Member {
+                group: array.group,
+                name: &array.column.name,
+                is_time: member.is_time,
+            });
+        let described: Vec<runs::Member<'_>> = described.collect();
+        let Some(runs) = runs::runs(self.groups, &described)? else {
+            return self.tables_with(vec![(None, self.found.once(members))]);
+        };
+        let time = (members.iter().copied()).find(|&index| self.found.members[index].is_time);
+        let mut named = Vec::new();
+        for run in runs {
+            let places = run.members.into_iter().map(|place| members[place]);
+            let mut places = self.found.once(places.collect());
+            let has_time = |&index: &usize| self.found.members[index].is_time;
+            if let (Some(time), false) = (time, places.iter().any(has_time)) {
+                places.insert(0, time);
+            }
+            named.push((Some(run.name), places));
+        }
+        self.tables_with(named)
+    }
+
+    fn tables_with(&mut self, runs: Vec<(Option<String>, Vec<usize>)>) -> Result<(), InputError> {
+        for &index in runs.iter().flat_map(|(_, members)| members) {
+            self.found.members[index].tables += 1;
+        }
+        for (name, members) in runs {
+            let name = match name {
+                Some(name) if name.is_empty() => Some("/".to_owned()),
+                name => name,
+            };
+            let (table, longer) = self.described(name, &members)?;
+            self.add(table, &members, longer)?;
+        }
+        Ok(())
+    }
+
+    /// A table without its columns, and the names of those that need longer ones.
+    fn described(
+        &mut self,
+        name: Option<String>,
+        members: &[usize],
+    ) -> Result<(Table, Vec<Option<String>>), InputError> {
+        let Self {
+            groups,
+            about,
+            found,
+            ..
+        } = self;
+        let each = || found.each(members);
+        let mut within = each().map(|(_, array)| array.group);
+        let group = within.next().unwrap_or(Group::FILE);
+        let group = within.fold(group, |one, other| groups.shared(one, other));
+        let mut table = Table {
+            name: match name {
+                Some(name) => name,
+                None => groups.label([Group::FILE, group], None, "/", "the names of its tables")?,
+            },
+            rows: each().next().map(|(_, array)| array.rows),
+            ..Table::default()
+        };
+        let place = |array: &Array<S>| {
+            let name = Some(array.column.name.as_str());
+            let part = "what is said of its times";
+            groups.label([Group::FILE, array.group], name, "/", part)
+        };
+        let time = each().find(|(member, _)| member.is_time);
+        let is_guessed = each().any(|(member, _)| member.is_guessed);
+        if let (Some((_, time)), true) = (time, is_guessed) {
+            table.guesses.push(format!(
+                "the times of {} are used for other groups without times, which have as many samples",
+                place(time)?
+            ));
+        }
+        let mut clocks = each().filter_map(|(_, array)| array.clock);
+        if let (Some((_, time)), Some(first)) = (time, clocks.next())
+            && clocks.any(|other| other != first)
+        {
+            table.guesses.push(format!(
+                "the times of column {} are used for all columns of its group, although their own clocks differ",
+                quoted(&time.column.name)
+            ));
+        }
+        let named: Vec<Named<'_>> = each().map(|(_, array)| array.named()).collect();
+        table.guesses.extend(about.notes(&named)?);
+        let has_times = each().any(|(member, array)| array.clock.is_some() || member.may_be_time);
+        let (clock, said) = match time.is_some() || has_times {
+            true => (None, None),
+            false => about.clock(&named)?,
+        };
+        if clock.is_none() && said.is_none() {
+            table.skipped.extend(about.rates(&named)?);
+        }
+        table.guesses.extend(said);
+        table.stated_steps = about.steps(&named)?;
+        for (_, array) in each() {
+            if let Some(Clock { step, .. }) = array.clock {
+                let (of, shown) = (place(array)?, shown(step));
+                let taken = ["the clock of ", &of, ", with a step of ", &shown, " s,"].concat();
+                let more = (taken.len() - of.len() + 2 * size_of::<StatedStep>()) as u64;
+                groups.budget().hold(more, "the steps of its clocks")?;
+                table.stated_steps.push(StatedStep { step, taken });
+            }
+        }
+        table.clock = clock.or(each().find_map(|(_, array)| array.clock));
+        let mut seen = HashMap::new();
+        for (_, name) in &named {
+            *seen.entry(*name).or_insert(0_usize) += 1;
+        }
+        let longer = named.iter().map(|&(below, name)| match seen.get(name) {
+            Some(2..) => {
+                let part = "the names of its columns";
+                groups
+                    .label([group, below], Some(name), "/", part)
+                    .map(Some)
+            }
+            _ => Ok(None),
+        });
+        Ok((table, longer.collect::<Result<_, InputError>>()?))
+    }
+
+    /// Adds a table with its columns, of which some have a longer name.
+    fn add(
+        &mut self,
+        mut table: Table,
+        members: &[usize],
+        longer: Vec<Option<String>>,
+    ) -> Result<(), InputError> {
+        let budget = self.groups.budget();
+        let count = members.len();
+        let lists = of_list::<Column>(count) + of_list::<S>(count);
+        budget.hold(size_of::<Table>() as u64 + lists, "its tables")?;
+        table.columns.reserve_exact(count);
+        let mut sources = Vec::with_capacity(count);
+        for (&index, longer) in members.iter().zip(longer) {
+            let left = &mut self.found.members[index].tables;
+            *left -= 1;
+            let array = &mut self.found.arrays[index];
+            let array = if *left == 0 {
+                array.take()
+            } else {
+                let copied = array.as_ref().map_or(0, |array| array.column.bytes());
+                budget.hold(copied, "the columns that its runs share")?;
+                array.clone()
+            };
+            if let Some(Array {
+                mut column, source, ..
+            }) = array
+            {
+                column.name = longer.unwrap_or(column.name);
+                table.columns.push(column);
+                sources.push(source);
+            }
+        }
+        self.tables.push(table);
+        self.sources.push(sources);
+        Ok(())
+    }
 }
 
 /// A hash of values, which other values share only with a probability of 2⁻⁶⁴, so that many columns of times need not be held at
@@ -182,144 +495,71 @@ fn mark(values: &[f64]) -> u64 {
     hasher.finish()
 }
 
-/// The members of each run in its order, with one column of times, and the run's name if there are several.
-fn of_runs<S: Clone>(members: Vec<Member<S>>) -> Vec<(Option<String>, Vec<Member<S>>)> {
-    let described: Vec<runs::Member<'_>> = (members.iter())
-        .map(|member| runs::Member {
-            group: &member.array.group,
-            name: &member.array.column.name,
-            is_time: member.is_time,
-        })
-        .collect();
-    let found = runs::runs(&described);
-    let is_one = found.len() == 1;
-    let time = (0..members.len()).find(|&index| members[index].is_time);
-    let each = found.into_iter().map(|(path, mut run)| {
-        let mut has_time = false;
-        // A repetition of the same times is dropped.
-        run.retain(|&index| !members[index].is_time || !std::mem::replace(&mut has_time, true));
-        if let (Some(time), false) = (time, has_time) {
-            run.insert(0, time);
-        }
-        let name = match path.join("/") {
-            _ if is_one => None,
-            name if name.is_empty() => Some("/".to_owned()),
-            name => Some(name),
-        };
-        (
-            name,
-            run.into_iter()
-                .map(|index| members[index].clone())
-                .collect(),
-        )
-    });
-    each.collect()
-}
-
-fn table<S>(
-    rows: u64,
-    name: Option<String>,
-    members: Vec<Member<S>>,
-    beside: &Beside,
-) -> (Table, Vec<S>) {
-    let mut group: Option<Vec<String>> = None;
-    for member in &members {
-        let of_member = &member.array.group;
-        let shared = match &group {
-            Some(group) => (group.iter().zip(of_member).take_while(|(a, b)| a == b)).count(),
-            None => of_member.len(),
-        };
-        group = Some(of_member[..shared].to_vec());
-    }
-    let group = group.unwrap_or_default();
-    let mut table = Table {
-        name: name.unwrap_or_else(|| group.join("/")),
-        rows: Some(rows),
-        ..Table::default()
-    };
-    let time = members.iter().find(|member| member.is_time);
-    let is_guessed = members.iter().any(|member| member.is_guessed);
-    if let (Some(time), true) = (time, is_guessed) {
-        let path = time.array.path();
-        table.guesses.push(format!(
-            "the times of {} are used for other groups without times, which have as many samples",
-            path.join("/")
-        ));
-    }
-    let clock = |member: &Member<S>| member.array.clock;
-    let mut clocks = members.iter().filter_map(clock);
-    if let (Some(time), Some(first)) = (time, clocks.next())
-        && clocks.any(|other| other != first)
-    {
-        table.guesses.push(format!(
-            "the times of column {} are used for all columns of its group, although their own clocks differ",
-            quoted(&time.array.column.name)
-        ));
-    }
-    let paths: Vec<Vec<String>> = members.iter().map(|each| each.array.path()).collect();
-    table.guesses.extend(beside.notes(&paths));
-    let has_times = members
-        .iter()
-        .any(|member| member.array.clock.is_some() || may_be_time(&member.array.column));
-    let (clock, said) = match time.is_some() || has_times {
-        true => (None, None),
-        false => beside.clock(&paths),
-    };
-    if clock.is_none() && said.is_none() {
-        table.skipped.extend(beside.rates(&paths));
-    }
-    table.clock = clock;
-    table.guesses.extend(said);
-    table.stated_steps = beside.steps(&paths);
-    for (member, path) in members.iter().zip(&paths) {
-        if let Some(Clock { step, .. }) = member.array.clock {
-            let taken = format!("the clock of {}, with a step of {step} s,", path.join("/"));
-            table.stated_steps.push(StatedStep { step, taken });
-        }
-    }
-    let mut seen = HashMap::new();
-    for member in &members {
-        *seen.entry(member.array.column.name.clone()).or_insert(0) += 1;
-    }
-    let mut sources = Vec::new();
-    for Member { array, .. } in members {
-        let mut column = array.column;
-        if seen.get(&column.name).is_some_and(|&times| times > 1) {
-            let mut path = array.group[group.len()..].to_vec();
-            path.push(column.name);
-            column.name = path.join("/");
-        }
-        table.clock = table.clock.or(array.clock);
-        table.columns.push(column);
-        sources.push(array.source);
-    }
-    (table, sources)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::rc::Rc;
 
-    fn array(path: &str, values: &[f64]) -> Array<Vec<f64>> {
-        let mut group: Vec<String> = path.split('/').map(str::to_owned).collect();
-        let name = group.pop().unwrap();
-        Array {
-            group,
-            column: Column {
-                name,
-                is_numeric: true,
-                ..Column::default()
-            },
-            rows: values.len() as u64,
+    use super::*;
+    use crate::read_limit::ReadLimit;
+
+    /// An array by its path.
+    #[derive(Clone)]
+    struct Known {
+        path: &'static str,
+        values: Vec<f64>,
+        clock: Option<Clock>,
+    }
+
+    fn array(path: &'static str, values: &[f64]) -> Known {
+        Known {
+            path,
+            values: values.to_vec(),
             clock: None,
-            source: values.to_vec(),
         }
+    }
+
+    fn arranged_within(
+        limit: u64,
+        arrays: Vec<Known>,
+    ) -> Result<(Arranged<Vec<f64>>, u64), InputError> {
+        let budget = Rc::new(Budget::new("a.h5", ReadLimit::new(limit)));
+        let mut groups = Groups::new(Rc::clone(&budget));
+        let mut all = Vec::new();
+        for Known {
+            path,
+            values,
+            clock,
+        } in arrays
+        {
+            let (above, name) = path.rsplit_once('/').unwrap_or(("", path));
+            let parts = above.split('/').filter(|part| !part.is_empty());
+            let group = parts.fold(Group::FILE, |above, name| {
+                groups.inside(above, name).unwrap()
+            });
+            let array = Array {
+                group,
+                column: Column {
+                    name: name.to_owned(),
+                    is_numeric: true,
+                    ..Column::default()
+                },
+                rows: values.len() as u64,
+                clock,
+                source: values,
+            };
+            array.add_to(&mut all, &budget)?;
+        }
+        let mut values = |values: &Vec<f64>| {
+            budget.hold(of_list::<f64>(values.len()), "its values")?;
+            Ok(values.clone())
+        };
+        let arranged = arranged(&groups, all, Beside::default(), &mut values)?;
+        Ok((arranged, budget.used().0))
     }
 
     /// `name: column, column`, each table.
-    fn said(arrays: Vec<Array<Vec<f64>>>) -> Vec<String> {
-        let (tables, sources) =
-            arranged(arrays, &Beside::default(), &mut |values| Ok(values.clone())).unwrap();
+    fn said(arrays: Vec<Known>) -> Vec<String> {
+        let ((tables, sources), _) = arranged_within(1 << 20, arrays).unwrap();
         assert_eq!(tables.len(), sources.len());
         let each = tables.iter().zip(sources).map(|(table, sources)| {
             assert_eq!(table.columns.len(), sources.len());
@@ -365,7 +605,7 @@ mod tests {
             array("2/F", &y),
         ];
         assert_eq!(said(runs.clone()), ["1: t, y, F", "2: t, y, F"]);
-        let shared: Vec<Array<Vec<f64>>> = (runs.into_iter().enumerate())
+        let shared: Vec<Known> = (runs.into_iter().enumerate())
             .filter(|(index, _)| *index != 3)
             .map(|(_, array)| array)
             .collect();
@@ -399,7 +639,7 @@ mod tests {
         let y = [0.1, 0.2];
         let clocked = |path, step| {
             let clock = Some(Clock { start: 0.0, step });
-            Array {
+            Known {
                 clock,
                 ..array(path, &y)
             }

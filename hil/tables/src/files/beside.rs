@@ -1,45 +1,44 @@
 //! Numbers stored next to arrays in a file: rates, which give arrays without times a clock, and factors that might have to be
 //! applied.
 
-use std::collections::HashSet;
-
 use super::Reading;
-use super::table::{Clock, StatedStep};
+use super::groups::{Group, Groups};
+use super::number::shown;
+use super::table::StatedStep;
+use crate::budget::{Budget, of_text};
+use crate::columns::each_word;
+use mesh_damper_output::error::InputError;
 
-/// A statement next to arrays about those below a path.
+/// A statement next to arrays about those below a group, or about one of them.
 #[derive(Clone, Debug)]
-struct Stated<T> {
-    path: Vec<String>,
-    what: T,
+pub(super) struct Stated<T> {
+    pub at: Group,
+    pub what: T,
     /// Whether it lies in a group without arrays, whose name does not say that it describes those around it.
-    is_apart: bool,
+    pub is_apart: bool,
 }
 
 impl<T> Stated<T> {
-    fn of(path: &[String], what: T) -> Self {
-        Self {
-            path: path.to_vec(),
-            what,
-            is_apart: false,
-        }
-    }
-
     /// Makes it a statement about the nearest of the groups `around` it.
-    fn spread(&mut self, around: &HashSet<&[String]>) {
-        while !around.contains(&self.path[..]) {
-            let Some(group) = self.path.pop() else { return };
-            self.is_apart |= !ABOUT.contains(&group.to_lowercase().as_str());
+    pub fn spread(&mut self, groups: &Groups, around: &[bool]) {
+        for group in groups.upward(self.at) {
+            self.at = group;
+            if group == Group::FILE || around[group.index()] {
+                return;
+            }
+            let name = groups.name(group);
+            self.is_apart |= !ABOUT.iter().any(|about| name.eq_ignore_ascii_case(about));
         }
     }
 }
 
-/// The statements next to the arrays of a file.
+/// The statements next to the arrays of a file, as they are read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
-    rates: Vec<Stated<StatedStep>>,
-    notes: Vec<Stated<String>>,
+    pub rates: Vec<Stated<StatedStep>>,
+    pub notes: Vec<Stated<String>>,
     /// Whether the user states the source of the times.
-    is_said: bool,
+    pub is_said: bool,
 }
 
 /// Words of a name for samples per second, and for the time between two, without signs and in lower case; a unit may follow.
@@ -91,6 +90,8 @@ const OF_STEPS: &[(&str, &str, f64)] = &[
     ("ms", "ms", 1e-3),
     ("us", "us", 1e-6),
 ];
+/// Letters of a name that are compared with these: more than the longest of them has with its unit.
+const LONGEST: usize = 64;
 /// Words of a name for a factor or an addend of measured values.
 const FACTORS: &[&str] = &[
     "scale",
@@ -104,6 +105,8 @@ const FACTORS: &[&str] = &[
 ];
 const ADDENDS: &[&str] = &["offset", "bias", "intercept", "zero", "tare"];
 
+const PART: &str = "what is stated beside its arrays";
+
 impl Beside {
     /// Applies the user's settings for the file: a rate or the column of times has precedence over stored statements.
     pub fn heed(&mut self, reading: &Reading) {
@@ -111,11 +114,22 @@ impl Beside {
         self.is_said = reading.rate.is_some() || has_times();
     }
 
-    /// Takes a number called `name`, which is a statement about all below `path`; returns whether it is relevant for a recording.
-    /// `of` is its name in messages: `attribute fs of force`.
-    pub fn number(&mut self, path: &[String], name: &str, of: &str, value: f64) -> bool {
+    /// Takes a number called `name`, which is a statement about all below `at`; returns whether it is relevant for a recording. `of`
+    /// is its name in messages: `attribute fs of force`.
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn number(
+        &mut self,
+        at: Group,
+        name: &str,
+        of: &str,
+        value: f64,
+        budget: &Budget,
+    ) -> Result<bool, InputError> {
         let plain: String = (name.chars().filter(|c| c.is_alphanumeric()))
             .flat_map(char::to_lowercase)
+            .take(LONGEST)
             .collect();
         let unit = |words: &[&str], units: &[(&str, &'static str, f64)]| {
             let rest = words.iter().find_map(|word| {
@@ -134,156 +148,56 @@ impl Beside {
         };
         let found = rate.or_else(step).or_else(short);
         if let Some((unit, step)) = found.filter(|_| is_usable) {
-            let what = StatedStep {
-                step,
-                taken: format!("{of} = {value} {unit}"),
+            let taken = [of, " = ", &shown(value), " ", unit].concat();
+            budget.hold(of_text(taken.len()), PART)?;
+            let stated = Stated {
+                at,
+                what: StatedStep { step, taken },
+                is_apart: false,
             };
-            self.rates.push(Stated::of(path, what));
-            return true;
+            budget.push(&mut self.rates, stated, PART)?;
+            return Ok(true);
         }
-        let words = words(name);
-        let says = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-        let is_neutral = value.is_nan() || (says(FACTORS) && value == 1.0) || value == 0.0;
-        let is_one = says(FACTORS) || says(ADDENDS);
+        let (mut is_factor, mut is_addend) = (false, false);
+        each_word(name, |word| {
+            is_factor |= FACTORS.contains(&word);
+            is_addend |= ADDENDS.contains(&word);
+        });
+        let is_neutral = value.is_nan() || (is_factor && value == 1.0) || value == 0.0;
+        let is_one = is_factor || is_addend;
         if is_one && !is_neutral {
-            self.note(path, format!("{of} = {value} is not applied"));
+            let said = [of, " = ", &shown(value), " is not applied"];
+            self.note(at, said.concat(), budget)?;
         }
-        is_one
+        Ok(is_one)
     }
 
-    /// Stores a sentence about all below `path`.
-    pub fn note(&mut self, path: &[String], what: String) {
-        self.notes.push(Stated::of(path, what));
-    }
-
-    /// The same statements, where those in a group without arrays are about the arrays around it.
-    pub fn spread(&self, arrays: &[Vec<String>]) -> Self {
-        if self.rates.is_empty() && self.notes.is_empty() {
-            return self.clone();
-        }
-        let mut around: HashSet<&[String]> = HashSet::new();
-        for array in arrays {
-            around.extend((0..=array.len()).map(|length| &array[..length]));
-        }
-        let mut all = self.clone();
-        all.rates
-            .iter_mut()
-            .for_each(|stated| stated.spread(&around));
-        all.notes
-            .iter_mut()
-            .for_each(|stated| stated.spread(&around));
-        all
-    }
-
-    /// The rates nearest to an array.
-    fn nearest(&self, array: &[String]) -> impl Iterator<Item = &StatedStep> {
-        let about = (self.rates.iter())
-            .filter(|stated| !stated.is_apart && array.starts_with(&stated.path));
-        let most = about.clone().map(|stated| stated.path.len()).max();
-        about
-            .filter(move |stated| Some(stated.path.len()) == most)
-            .map(|stated| &stated.what)
-    }
-
-    /// The steps stated for some arrays, by the rates nearest to each of them.
-    pub fn steps(&self, arrays: &[Vec<String>]) -> Vec<StatedStep> {
-        let mut steps: Vec<StatedStep> = Vec::new();
-        for step in arrays.iter().flat_map(|array| self.nearest(array)) {
-            if !steps.contains(step) {
-                steps.push(step.clone());
-            }
-        }
-        steps
-    }
-
-    fn of(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = &Stated<StatedStep>> {
-        let is_of = |stated: &&Stated<StatedStep>| {
-            arrays.iter().any(|array| array.starts_with(&stated.path))
+    /// Stores a sentence about all below `at`.
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn note(&mut self, at: Group, what: String, budget: &Budget) -> Result<(), InputError> {
+        budget.hold(of_text(what.len()), PART)?;
+        let stated = Stated {
+            at,
+            what,
+            is_apart: false,
         };
-        self.rates.iter().filter(is_of)
+        budget.push(&mut self.notes, stated, PART)
     }
-
-    /// The sentences about some arrays, each given by its path.
-    pub fn notes(&self, arrays: &[Vec<String>]) -> Vec<String> {
-        let is_of =
-            |stated: &&Stated<String>| arrays.iter().any(|array| array.starts_with(&stated.path));
-        let mut notes: Vec<String> = Vec::new();
-        for stated in self.notes.iter().filter(is_of) {
-            if !notes.contains(&stated.what) {
-                notes.push(stated.what.clone());
-            }
-        }
-        notes
-    }
-
-    /// The rates stated for some arrays, in words, for recordings with other times.
-    pub fn rates(&self, arrays: &[Vec<String>]) -> impl Iterator<Item = String> {
-        self.of(arrays).map(|stated| stated.what.taken.clone())
-    }
-
-    /// The clock of arrays without times, by the rate nearest to each of them, and a sentence about it.
-    pub fn clock(&self, arrays: &[Vec<String>]) -> (Option<Clock>, Option<String>) {
-        if self.is_said {
-            return (None, None);
-        }
-        let mut found: Vec<&StatedStep> = Vec::new();
-        for array in arrays {
-            let before = found.len();
-            found.extend(self.nearest(array));
-            if found.len() == before {
-                return (None, None);
-            }
-        }
-        let Some(first) = found.first() else {
-            return (None, None);
-        };
-        // A rate and a step of the same clock differ in the last digits.
-        let is_other = |rate: &&&StatedStep| (rate.step / first.step - 1.0).abs() > 1e-9;
-        if let Some(other) = found.iter().find(is_other) {
-            let note = format!(
-                "{} and {} give different rates, so neither is used; give one with --rate",
-                first.taken, other.taken
-            );
-            return (None, Some(note));
-        }
-        let clock = Clock {
-            start: 0.0,
-            step: first.step,
-        };
-        let note = format!(
-            "there is no time column; the times are computed from {}",
-            first.taken
-        );
-        (Some(clock), Some(note))
-    }
-}
-
-/// The words of a name, in lower case: `forceScale`, `force_scale`.
-fn words(name: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut before = ' ';
-    for c in name.chars() {
-        let begins = c.is_uppercase() && before.is_lowercase();
-        if !c.is_alphabetic() || begins {
-            words.push(String::new());
-        }
-        if c.is_alphabetic()
-            && let Some(word) = words.last_mut()
-        {
-            word.extend(c.to_lowercase());
-        }
-        before = c;
-    }
-    words
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::rc::Rc;
 
-    fn path(text: &str) -> Vec<String> {
-        let parts = text.split('/').filter(|part| !part.is_empty());
-        parts.map(str::to_owned).collect()
+    use super::*;
+    use crate::budget::Budget;
+    use crate::files::about::About;
+    use crate::read_limit::ReadLimit;
+
+    fn groups() -> Groups {
+        Groups::new(Rc::new(Budget::new("a.h5", ReadLimit::default())))
     }
 
     #[test]
@@ -310,87 +224,26 @@ mod tests {
             ("fs", 0.0, None),
             ("fs", f64::NAN, None),
         ] {
+            let groups = groups();
             let mut beside = Beside::default();
-            beside.number(&[], name, name, value);
-            let clock = beside.clock(&[path("force")]).0;
+            let budget = groups.budget();
+            (beside.number(Group::FILE, name, name, value, budget)).unwrap();
+            let arrays = [(Group::FILE, "force")];
+            let mut about = About::of(beside, &groups, arrays.into_iter());
+            let clock = about.clock(&arrays).unwrap().0;
             assert_eq!(clock.map(|clock| clock.step), step, "{name}");
         }
     }
 
     #[test]
-    fn the_nearest_rate_counts_and_two_that_differ_are_said() {
-        let mut beside = Beside::default();
-        beside.number(&[], "fs", "fs", 100.0);
-        beside.number(&path("run"), "fs", "run/fs", 50.0);
-        let step = |arrays: &[&str]| {
-            let arrays: Vec<Vec<String>> = arrays.iter().map(|array| path(array)).collect();
-            let (clock, said) = beside.clock(&arrays);
-            (clock.map(|clock| clock.step), said.unwrap_or_default())
-        };
-        assert_eq!(step(&["force", "disp"]).0, Some(0.01));
-        assert_eq!(step(&["run/force", "run/disp"]).0, Some(0.02));
-        let (none, said) = step(&["run/force", "disp"]);
-        assert!(none.is_none() && said.contains("different rates"), "{said}");
-        // The user's setting has precedence.
-        let rate = Reading {
-            rate: Some(10.0),
-            ..Reading::default()
-        };
-        let channel = Reading {
-            channels: vec![("time".into(), "t".into())],
-            ..Reading::default()
-        };
-        for reading in [rate, channel] {
-            beside.heed(&reading);
-            assert_eq!(beside.clock(&[path("force")]), (None, None));
-        }
-    }
-
-    #[test]
-    fn a_description_beside_the_arrays_is_about_them() {
-        let arrays = [path("data/force"), path("data/disp")];
-        for (group, step) in [
-            ("", Some(0.005)),
-            ("data", Some(0.005)),
-            ("meta", Some(0.005)),
-            ("data/Info", Some(0.005)),
-            // The rate of a controller need not be that of the samples.
-            ("controller", None),
-            ("meta/controller", None),
-        ] {
-            let mut beside = Beside::default();
-            beside.number(&path(group), "fs", "fs", 200.0);
-            let beside = beside.spread(&arrays);
-            let clock = beside.clock(&arrays).0;
-            assert_eq!(clock.map(|clock| clock.step), step, "{group}");
-            assert_eq!(beside.rates(&arrays).collect::<Vec<_>>(), ["fs = 200 Hz"]);
-        }
-    }
-
-    #[test]
-    fn the_steps_of_some_arrays_are_those_of_the_nearest_rates() {
-        let mut beside = Beside::default();
-        beside.number(&[], "fs", "fs", 100.0);
-        beside.number(&path("run"), "fs", "run/fs", 50.0);
-        let taken = |arrays: &[&str]| -> Vec<String> {
-            let arrays: Vec<Vec<String>> = arrays.iter().map(|array| path(array)).collect();
-            let steps = beside.steps(&arrays).into_iter();
-            steps.map(|step| step.taken).collect()
-        };
-        assert_eq!(taken(&["run/time", "run/force"]), ["run/fs = 50 Hz"]);
-        assert_eq!(taken(&["time", "force"]), ["fs = 100 Hz"]);
-        assert_eq!(
-            taken(&["run/force", "time"]),
-            ["run/fs = 50 Hz", "fs = 100 Hz"]
-        );
-    }
-
-    #[test]
     fn what_is_not_applied_is_said() {
         let said = |name: &str, value: f64| {
+            let groups = groups();
             let mut beside = Beside::default();
-            let is_one = beside.number(&[], name, name, value);
-            (is_one, beside.notes(&[path("force")]))
+            let is_one = beside.number(Group::FILE, name, name, value, groups.budget());
+            let arrays = [(Group::FILE, "force")];
+            let about = About::of(beside, &groups, arrays.into_iter());
+            (is_one.unwrap(), about.notes(&arrays).unwrap())
         };
         for name in ["gain", "scale", "force_scale", "forceOffset", "Cal factor"] {
             assert_eq!(

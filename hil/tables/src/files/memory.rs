@@ -1,5 +1,7 @@
 //! Columns in memory, for programs that read files themselves.
 
+use std::collections::HashMap;
+
 use mesh_damper_output::error::{InputError, Place};
 
 use super::{Column, Kept, Table, Tables, Values, Wanted};
@@ -61,10 +63,12 @@ impl Tables for Memory {
     ) -> Result<Values, InputError> {
         let lines = RowLines::of_samples(self.rows);
         let mut columns = Vec::with_capacity(wanted.len());
+        let last: HashMap<usize, usize> = (wanted.iter().enumerate())
+            .map(|(place, one)| (one.column, place))
+            .collect();
         for (place, one) in wanted.iter().enumerate() {
             let name = || self.tables[0].columns[one.column].name.clone();
-            let is_wanted_again =
-                (wanted[place + 1..].iter()).any(|other| other.column == one.column);
+            let is_wanted_again = last.get(&one.column) != Some(&place);
             let values = match &mut self.values[one.column] {
                 Ok(values) if is_wanted_again => values.clone(),
                 Ok(values) => std::mem::take(values),

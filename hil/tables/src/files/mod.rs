@@ -1,13 +1,17 @@
 //! The file formats of recordings: one source file per format, behind one trait.
 //!
-//! First a format lists the columns of a file, before any is assigned to a channel. Then [`columns`](crate::columns) assigns them.
+//! First a format lists the columns of a file, before any is assigned to a channel. Then [`columns`] assigns them.
 //! Then the format reads the wanted ones. Thus no format depends on forces and displacements, and no rule about names depends on
 //! formats.
 
 #[cfg(feature = "formats")]
+mod about;
+#[cfg(feature = "formats")]
 mod arrays;
 #[cfg(feature = "formats")]
 mod beside;
+#[cfg(feature = "formats")]
+mod groups;
 #[cfg(feature = "formats")]
 mod guard;
 #[cfg(feature = "formats")]
@@ -26,6 +30,8 @@ mod number;
 #[cfg(feature = "formats")]
 mod opened;
 #[cfg(feature = "formats")]
+mod packed;
+#[cfg(feature = "formats")]
 mod parquet;
 #[cfg(feature = "formats")]
 mod runs;
@@ -36,6 +42,8 @@ mod tdms;
 mod text;
 #[cfg(feature = "formats")]
 mod units_beside;
+#[cfg(feature = "formats")]
+mod unpack;
 mod unread;
 #[cfg(feature = "formats")]
 mod xlsx;
@@ -47,6 +55,7 @@ pub use needs::{Needs, Unmarked};
 pub use source::Source;
 pub use table::{Column, Table, Values, Wanted};
 
+use crate::columns;
 use crate::read_limit::ReadLimit;
 use mesh_damper_output::error::InputError;
 
@@ -88,6 +97,26 @@ pub trait Tables {
         wanted: &[Wanted],
         kept: Kept,
     ) -> Result<Values, InputError>;
+
+    /// Shows `look` the values of each of the `wanted` columns of table `table`, none of which occurs twice, and keeps none of them.
+    ///
+    /// # Errors
+    /// As [`Tables::read`].
+    fn look(
+        self: Box<Self>,
+        table: usize,
+        wanted: &[Wanted],
+        look: &mut dyn FnMut(usize, &[f64]),
+    ) -> Result<Values, InputError> {
+        let mut values = self.read(table, wanted, Kept::Channels)?;
+        let columns = std::mem::take(&mut values.columns);
+        for (wanted, column) in wanted.iter().zip(columns) {
+            if let Some(column) = column {
+                look(wanted.column, &column);
+            }
+        }
+        Ok(values)
+    }
 }
 
 /// The parts of a file to keep.
@@ -147,6 +176,14 @@ impl From<ReadLimit> for Reading {
     }
 }
 
+/// The deepest nesting of what a file nests: groups, structures, conversions, indexes. Each level takes room of the stack, which no
+/// budget counts. Convention: deeper than any program writes, and within the stack of a thread.
+#[cfg(feature = "formats")]
+const DEEPEST: usize = 64;
+
+/// The work on columns in messages.
+const NAMES: &str = "finding what the names of its columns mean";
+
 /// Opens a file of any format.
 ///
 /// # Errors
@@ -171,5 +208,12 @@ pub fn opened<'a>(
         .iter()
         .find(is_it)
         .unwrap_or(&FORMATS[FORMATS.len() - 1]);
-    Ok((format, format.open(source, reading)?))
+    let budget = source.budget();
+    let file = format.open(source, reading)?;
+    // Whoever chooses among them or shows them holds as much once more.
+    let said = file.tables().iter().map(Table::bytes_said).sum();
+    budget.hold(said, "what is said of its columns")?;
+    let columns = file.tables().iter().flat_map(|table| &table.columns);
+    budget.work(columns::steps(columns), NAMES)?;
+    Ok((format, file))
 }

@@ -1,24 +1,25 @@
 //! Names of tables with equal names, and of the columns of two-dimensional arrays.
 
+use std::collections::HashMap;
+
 use super::Table;
 use crate::columns::is_own;
 
 /// Adds the number of samples to the names of tables with equal names.
 pub(super) fn tell_apart(tables: &mut [Table]) {
-    let names: Vec<String> = tables.iter().map(|table| table.name.clone()).collect();
-    for (index, table) in tables.iter_mut().enumerate() {
-        let same = names.iter().filter(|name| **name == table.name).count();
-        if same > 1 {
-            let before = names[..index]
-                .iter()
-                .filter(|name| **name == table.name)
-                .count();
+    let mut places: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (index, table) in tables.iter().enumerate() {
+        places.entry(&table.name).or_default().push(index);
+    }
+    let several: Vec<Vec<usize>> =
+        (places.into_values().filter(|places| places.len() > 1)).collect();
+    for places in several {
+        for (index, table) in places.into_iter().enumerate() {
+            let table = &mut tables[table];
             let samples = table.rows.unwrap_or_default();
-            let name = table.name.trim();
-            let place = before + 1;
-            table.name = format!("{name} #{place} ({samples} samples)")
-                .trim()
-                .to_owned();
+            let place = index + 1;
+            let name = format!("{} #{place} ({samples} samples)", table.name.trim());
+            name.trim().clone_into(&mut table.name);
         }
     }
 }

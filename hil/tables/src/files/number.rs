@@ -1,5 +1,15 @@
 //! Numbers in the representation of file formats: their sizes, and their values.
 
+/// A number as messages have it: in at most 24 signs.
+pub(super) fn shown(value: f64) -> String {
+    match value.abs() {
+        size if size > 0.0 && size.is_finite() && !(1e-5..1e15).contains(&size) => {
+            format!("{value:e}")
+        }
+        _ => value.to_string(),
+    }
+}
+
 /// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -54,29 +64,62 @@ impl Kind {
 
     /// The number at a position in some bytes; NaN if they end before it does.
     pub fn read(self, bytes: &[u8], at: usize, is_little: bool) -> f64 {
-        let size = self.size();
-        let Some(cell) = bytes.get(at..at.saturating_add(size)) else {
-            return f64::NAN;
-        };
-        let mut word = [0; 8];
-        word[..size].copy_from_slice(cell);
-        if !is_little {
-            word[..size].reverse();
+        let mut number = f64::NAN;
+        self.read_each(bytes, std::iter::once(at), is_little, |read| number = read);
+        number
+    }
+
+    /// Gives the number at each of some positions, as `read` does. The type is looked at once for all of them.
+    pub fn read_each(
+        self,
+        bytes: &[u8],
+        places: impl Iterator<Item = usize>,
+        is_little: bool,
+        take: impl FnMut(f64),
+    ) {
+        macro_rules! each {
+            ($of:ty, $to:expr) => {
+                each(
+                    bytes,
+                    places,
+                    is_little,
+                    |cell| $to(<$of>::from_le_bytes(cell)),
+                    take,
+                )
+            };
         }
-        let word = u64::from_le_bytes(word);
         match self {
-            Self::I8 => f64::from(word as i8),
-            Self::U8 => f64::from(word as u8),
-            Self::I16 => f64::from(word as i16),
-            Self::U16 => f64::from(word as u16),
-            Self::I32 => f64::from(word as i32),
-            Self::U32 => f64::from(word as u32),
-            Self::I64 => word as i64 as f64,
-            Self::U64 => word as f64,
-            Self::F16 => half(word as u16),
-            Self::F32 => f64::from(f32::from_bits(word as u32)),
-            Self::F64 => f64::from_bits(word),
+            Self::I8 => each!(i8, f64::from),
+            Self::U8 => each!(u8, f64::from),
+            Self::I16 => each!(i16, f64::from),
+            Self::U16 => each!(u16, f64::from),
+            Self::I32 => each!(i32, f64::from),
+            Self::U32 => each!(u32, f64::from),
+            Self::I64 => each!(i64, |number| number as f64),
+            Self::U64 => each!(u64, |number| number as f64),
+            Self::F16 => each!(u16, half),
+            Self::F32 => each!(f32, f64::from),
+            Self::F64 => each!(f64, f64::from),
         }
+    }
+}
+
+fn each<const SIZE: usize>(
+    bytes: &[u8],
+    places: impl Iterator<Item = usize>,
+    is_little: bool,
+    of: impl Fn([u8; SIZE]) -> f64,
+    mut take: impl FnMut(f64),
+) {
+    for at in places {
+        let cell = bytes.get(at..).and_then(|rest| rest.first_chunk::<SIZE>());
+        take(cell.map_or(f64::NAN, |&cell| {
+            let mut cell = cell;
+            if !is_little {
+                cell.reverse();
+            }
+            of(cell)
+        }));
     }
 }
 

@@ -1,14 +1,19 @@
 //! A file whose tables are known, and whose columns are read one by one.
 
+use std::collections::HashMap;
+use std::rc::Rc;
+
 use mesh_damper_output::error::{InputError, Place};
 
 use super::{Kept, Table, Tables, Values, Wanted};
+use crate::budget::{Budget, of_list};
 
-/// The values of a column of a table; `None` if they are not numbers.
+/// The values of a column of a table, which is asked for once; `None` if they are not numbers.
 type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a;
 
 /// A file of any format but text.
 pub(super) struct Opened<'a> {
+    budget: Rc<Budget>,
     name: String,
     tables: Vec<Table>,
     comments: Vec<String>,
@@ -16,11 +21,12 @@ pub(super) struct Opened<'a> {
 }
 
 impl<'a> Opened<'a> {
-    /// A file called `name`; `read` returns the values of a column of a table.
+    /// A file called `name`; `read` returns the values of a column of a table, and charges them to `budget`.
     ///
     /// # Errors
     /// A file without a table.
     pub fn new(
+        budget: Rc<Budget>,
         name: String,
         tables: Vec<Table>,
         comments: Vec<String>,
@@ -47,11 +53,40 @@ impl<'a> Opened<'a> {
             ));
         }
         Ok(Self {
+            budget,
             name,
             tables,
             comments,
             read: Box::new(read),
         })
+    }
+}
+
+impl Opened<'_> {
+    /// The values of a column, and whether they are as many as the table has rows.
+    fn values(&mut self, table: usize, wanted: &Wanted) -> Result<Option<Vec<f64>>, InputError> {
+        let column = &self.tables[table].columns[wanted.column];
+        let values = match column.is_numeric {
+            true => (self.read)(table, wanted.column)?,
+            false => None,
+        };
+        let refused = |problem: String, remedy: &str| {
+            let place = Place::Column(column.name.clone());
+            InputError::new(&self.name, problem, remedy).at(place)
+        };
+        if values.is_none() && wanted.must_be_numeric {
+            return Err(refused(
+                "its values are not numbers".into(),
+                "name another column, or write numbers",
+            ));
+        }
+        if let (Some(rows), Some(values)) = (self.tables[table].rows, &values)
+            && values.len() as u64 != rows
+        {
+            let problem = format!("it has {} values for {rows} rows", values.len());
+            return Err(refused(problem, "check that the file is complete"));
+        }
+        Ok(values)
     }
 }
 
@@ -67,33 +102,36 @@ impl Tables for Opened<'_> {
         _: Kept,
     ) -> Result<Values, InputError> {
         let mut columns: Vec<Option<Vec<f64>>> = Vec::new();
-        for wanted in wanted {
-            let column = &self.tables[table].columns[wanted.column];
-            let values = if column.is_numeric {
-                (self.read)(table, wanted.column)?
+        let mut places: HashMap<usize, usize> = HashMap::new();
+        for (place, wanted) in wanted.iter().enumerate() {
+            let known = *places.entry(wanted.column).or_insert(place);
+            let values = if known == place {
+                self.values(table, wanted)?
             } else {
-                None
+                columns[known].clone()
             };
-            let refused = |problem: String, remedy: &str| {
-                let place = Place::Column(column.name.clone());
-                InputError::new(&self.name, problem, remedy).at(place)
-            };
-            if values.is_none() && wanted.must_be_numeric {
-                return Err(refused(
-                    "its values are not numbers".into(),
-                    "name another column, or write numbers",
-                ));
-            }
-            if let (Some(rows), Some(values)) = (self.tables[table].rows, &values)
-                && values.len() as u64 != rows
-            {
-                let problem = format!("it has {} values for {rows} rows", values.len());
-                return Err(refused(problem, "check that the file is complete"));
-            }
             columns.push(values);
         }
         Ok(Values {
             columns,
+            comments: self.comments,
+            ..Values::default()
+        })
+    }
+
+    fn look(
+        mut self: Box<Self>,
+        table: usize,
+        wanted: &[Wanted],
+        look: &mut dyn FnMut(usize, &[f64]),
+    ) -> Result<Values, InputError> {
+        for wanted in wanted {
+            if let Some(values) = self.values(table, wanted)? {
+                look(wanted.column, &values);
+                self.budget.release(of_list::<f64>(values.len()));
+            }
+        }
+        Ok(Values {
             comments: self.comments,
             ..Values::default()
         })

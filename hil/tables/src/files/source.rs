@@ -2,15 +2,17 @@
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
+use crate::budget::Budget;
 use crate::read_limit::{ReadLimit, open};
 
 /// A file's bytes: the first ones are known, the others are read on request. A pipe works as well as a file.
 pub struct Source<'a> {
     path: PathBuf,
-    limit: ReadLimit,
+    budget: Rc<Budget>,
     head: Vec<u8>,
     rest: Box<dyn Read + 'a>,
 }
@@ -43,7 +45,7 @@ impl<'a> Source<'a> {
             .map_err(|error| InputError::io(path, "read", &error))?;
         Ok(Self {
             path: path.to_owned(),
-            limit,
+            budget: Rc::new(Budget::new(path.display().to_string(), limit)),
             head,
             rest: Box::new(input),
         })
@@ -61,7 +63,12 @@ impl<'a> Source<'a> {
 
     /// Limit of its size.
     pub fn limit(&self) -> ReadLimit {
-        self.limit
+        self.budget.limit()
+    }
+
+    /// What reading it may cost. Its bytes are charged by the one who reads them.
+    pub fn budget(&self) -> Rc<Budget> {
+        Rc::clone(&self.budget)
     }
 
     /// Its first bytes: [`Source::HEAD`] of them, or all.
@@ -79,7 +86,7 @@ impl<'a> Source<'a> {
     /// # Errors
     /// An error of the file system, or a file beyond the limit.
     pub fn bytes(self) -> Result<Vec<u8>, InputError> {
-        let (path, limit) = (self.path.clone(), self.limit);
+        let (path, limit) = (self.path.clone(), self.limit());
         let mut bytes = Vec::new();
         (self.stream().take(limit.file().saturating_add(1)))
             .read_to_end(&mut bytes)
@@ -87,6 +94,8 @@ impl<'a> Source<'a> {
         if bytes.len() as u64 > limit.file() {
             return Err(limit.exceeded(&path.display().to_string()));
         }
+        // They came with room for twice as many.
+        bytes.shrink_to_fit();
         Ok(bytes)
     }
 }

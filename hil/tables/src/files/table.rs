@@ -1,6 +1,12 @@
 //! The contents of a file in any format: tables of columns.
 
+use mesh_damper_output::error::InputError;
+
+use crate::budget::{Budget, of_list, of_text};
 use crate::rows::{RowLines, TextRows};
+
+/// What an allocator adds to a text. Convention: its own size, and half of the 16 bytes to which it is rounded.
+const ALLOCATED: u64 = 16;
 
 /// Columns with the same number of samples, taken at the same times.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,11 +32,48 @@ pub struct Table {
 }
 
 impl Table {
+    /// Bytes that it takes in memory, at least.
+    pub(super) fn size(&self) -> u64 {
+        let texts = self.guesses.iter().chain(&self.skipped);
+        let texts = texts.map(|text| size_of::<String>() + text.len());
+        let of_column = |column: &Column| {
+            let values = size_of_val(&column.first[..]);
+            let unit = column.unit.as_ref().map_or(0, String::len);
+            let words = column.words.as_ref().map_or(0, String::len);
+            size_of::<Column>() + column.name.len() + unit + words + values
+        };
+        let sum: usize = texts.chain(self.columns.iter().map(of_column)).sum();
+        sum as u64
+    }
+
     /// Adds notes about the whole file to each of its `tables`: any of them may be the one that is read.
-    pub(super) fn note_in_all(tables: &mut [Self], notes: &[String]) {
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    #[cfg(feature = "formats")]
+    pub(super) fn note_in_all(
+        tables: &mut [Self],
+        notes: &[String],
+        budget: &Budget,
+    ) -> Result<(), InputError> {
+        let bytes: u64 = notes.iter().map(|note| of_text(note.len())).sum();
+        budget.hold(
+            bytes.saturating_mul(tables.len() as u64),
+            "its notes, for each table",
+        )?;
         for table in tables {
             table.guesses.extend_from_slice(notes);
         }
+        Ok(())
+    }
+
+    /// Bytes that it takes to say what it holds: its names, units and notes, without the columns' values.
+    pub(super) fn bytes_said(&self) -> u64 {
+        let texts = self.guesses.iter().chain(&self.skipped);
+        let steps = self.stated_steps.iter().map(|step| &step.taken);
+        let texts = texts.chain(steps).map(|text| of_text(text.len()));
+        let columns = self.columns.iter().map(Column::bytes_said);
+        of_text(self.name.len()) + size_of::<Self>() as u64 + texts.chain(columns).sum::<u64>()
     }
 }
 
@@ -77,6 +120,20 @@ pub struct Column {
 impl Column {
     /// Number of values examined in a column. Convention: enough to see a rate, and few enough to hold for 1e5 columns.
     pub const FIRST: usize = 64;
+
+    /// Bytes that it takes when it is held.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes_said() + of_list::<f64>(self.first.len())
+    }
+
+    /// The same without its first values.
+    fn bytes_said(&self) -> u64 {
+        let texts = self.unit.iter().chain(&self.other_units).chain(&self.words);
+        let texts = texts.chain([&self.name]).map(|text| text.len() as u64);
+        // Its own place has room for each text but the further units.
+        let more = self.other_units.iter().map(|_| of_text(0));
+        size_of::<Self>() as u64 + texts.chain(more).sum::<u64>() + 3 * ALLOCATED
+    }
 }
 
 /// A column to be read.

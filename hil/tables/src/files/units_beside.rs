@@ -1,13 +1,15 @@
 //! Units that a file states beside its arrays: texts in a group called `units`, each with the name of an array.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
+
+use mesh_damper_output::error::InputError;
 
 use super::arrays::Array;
+use super::groups::{Group, Groups};
+use crate::budget::of_text;
 
 /// Names of a group whose texts are the units of the arrays beside it, or in groups beside it.
 const UNITS: [&str; 3] = ["units", "unit", "einheiten"];
-/// The most units that are kept of one array. Convention: a few programs may have written a file; more are no units.
-const MOST: usize = 16;
 
 /// Whether a group of this name may hold units.
 pub(super) fn are_units(group: &str) -> bool {
@@ -17,95 +19,131 @@ pub(super) fn are_units(group: &str) -> bool {
 /// The units that a file states beside its arrays, in its order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnitsBeside {
-    groups: Vec<Group>,
+    stated: Vec<Stated>,
 }
 
-/// A group of units.
+/// The unit of arrays.
 #[derive(Clone, Debug)]
-struct Group {
-    /// Its place; the units are those of the arrays below the group around it.
-    path: Vec<String>,
-    /// The names of arrays, each with its unit.
-    units: Vec<(String, String)>,
+struct Stated {
+    /// The group of units in which it is stated. The arrays are those below the group around it.
+    group: Group,
+    /// Their name.
+    name: String,
+    unit: String,
 }
 
 impl UnitsBeside {
-    /// Takes the `unit` of the arrays called `name` from the group of units at `path`.
-    pub fn add(&mut self, path: &[String], name: &str, unit: &str) {
+    /// Takes the `unit` of the arrays called `name` from a group of units.
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn add(
+        &mut self,
+        groups: &Groups,
+        group: Group,
+        name: &str,
+        unit: &str,
+    ) -> Result<(), InputError> {
         let unit = unit.trim();
         if unit.is_empty() {
-            return;
+            return Ok(());
         }
-        let units = (name.to_owned(), unit.to_owned());
-        match self.groups.last_mut() {
-            Some(group) if group.path == path => group.units.push(units),
-            _ => self.groups.push(Group {
-                path: path.to_vec(),
-                units: vec![units],
-            }),
-        }
+        let bytes = COST + of_text(name.len()) + of_text(unit.len());
+        groups.budget().hold(bytes, "the units beside its arrays")?;
+        self.stated.push(Stated {
+            group,
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+        });
+        Ok(())
     }
 
     /// Gives each array that has no unit those that are stated nearest to it. Returns the texts that have no array, as comments with
     /// their place, whose parts are separated by `separator`: a unit under test is described in the same way.
-    pub fn give<S>(self, arrays: &mut [Array<S>], separator: &str) -> Vec<String> {
-        let mut units: HashMap<(&[String], &str), Vec<&str>> = HashMap::new();
-        let mut depths: BTreeSet<usize> = BTreeSet::new();
-        for group in &self.groups {
-            depths.insert(group.around().len());
-            for (name, unit) in &group.units {
-                let of_it = units.entry((group.around(), name)).or_default();
-                if of_it.len() < MOST && !of_it.contains(&unit.as_str()) {
-                    of_it.push(unit);
-                }
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn give<S>(
+        self,
+        groups: &Groups,
+        arrays: &mut [Array<S>],
+        separator: &str,
+    ) -> Result<Vec<String>, InputError> {
+        if self.stated.is_empty() {
+            return Ok(Vec::new());
+        }
+        // By the name, then by the group around them.
+        let mut units: HashMap<&str, HashMap<Group, Vec<&str>>> = HashMap::new();
+        let mut seen = HashSet::new();
+        let around = |group| groups.upward(group).nth(1).unwrap_or(Group::FILE);
+        for Stated { group, name, unit } in &self.stated {
+            let around = around(*group);
+            let of_it = units.entry(name).or_default().entry(around).or_default();
+            if seen.insert((around, name, unit)) {
+                of_it.push(unit);
             }
         }
-        let mut used: HashSet<(&[String], &str)> = HashSet::new();
+        let mut used: HashSet<(&str, Group)> = HashSet::new();
         for Array { group, column, .. } in arrays {
-            let name = column.name.as_str();
-            let around = depths.iter().rev().filter_map(|&depth| group.get(..depth));
-            let mut stated = around.filter_map(|group| units.get_key_value(&(group, name)));
-            let nearest = stated.next();
-            used.extend(nearest.into_iter().chain(stated).map(|(key, _)| *key));
-            if let (None, Some((_, nearest))) = (&column.unit, nearest) {
+            let Some((&name, stated)) = units.get_key_value(column.name.as_str()) else {
+                continue;
+            };
+            let mut nearest = None;
+            for each in groups.upward(*group) {
+                if let Some(units) = stated.get(&each) {
+                    used.insert((name, each));
+                    nearest = nearest.or(Some(units));
+                }
+            }
+            if let (None, Some(nearest)) = (&column.unit, nearest) {
+                let bytes = nearest.iter().map(|unit| of_text(unit.len())).sum();
+                groups.budget().hold(bytes, "the units of its columns")?;
                 let mut nearest = nearest.iter().map(|unit| (*unit).to_owned());
                 column.unit = nearest.next();
                 column.other_units = nearest.collect();
             }
         }
         let mut spare = Vec::new();
-        for group in &self.groups {
-            let place = group.path.join(separator);
-            let is_spare =
-                |(name, _): &&(String, String)| !used.contains(&(group.around(), name.as_str()));
-            let units = group.units.iter().filter(is_spare);
-            spare.extend(units.map(|(name, unit)| format!("{place}{separator}{name}: {unit}")));
+        for Stated { group, name, unit } in &self.stated {
+            if !used.contains(&(name, around(*group))) {
+                let part = "its comments";
+                let place = groups.label([Group::FILE, *group], Some(name), separator, part)?;
+                groups.budget().hold(of_text(unit.len()), part)?;
+                spare.push(format!("{place}: {unit}"));
+            }
         }
-        spare
+        Ok(spare)
     }
 }
 
-impl Group {
-    /// The path of the group around it.
-    fn around(&self) -> &[String] {
-        self.path.split_last().map_or(&[], |(_, around)| around)
-    }
-}
+/// What a unit takes beside its texts while it is given to arrays: its places in the maps.
+const COST: u64 = 128;
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::files::Column;
+    use std::rc::Rc;
 
-    fn group(path: &str) -> Vec<String> {
-        let parts = path.split('/').filter(|part| !part.is_empty());
-        parts.map(str::to_owned).collect()
+    use super::*;
+    use crate::budget::Budget;
+    use crate::files::Column;
+    use crate::read_limit::ReadLimit;
+
+    /// The file's groups, with room for what a test makes.
+    fn groups() -> Groups {
+        Groups::new(Rc::new(Budget::new("a.json", ReadLimit::new(1 << 20))))
     }
 
-    fn array(path: &str, unit: Option<&str>) -> Array<()> {
+    fn group(groups: &mut Groups, path: &str) -> Group {
+        let parts = path.split('/').filter(|part| !part.is_empty());
+        parts.fold(Group::FILE, |above, name| {
+            groups.inside(above, name).unwrap()
+        })
+    }
+
+    fn array(groups: &mut Groups, path: &str, unit: Option<&str>) -> Array<()> {
         let (above, name) = path.rsplit_once('/').unwrap_or(("", path));
         Array {
-            group: group(above),
+            group: group(groups, above),
             column: Column {
                 name: name.into(),
                 unit: unit.map(str::to_owned),
@@ -120,15 +158,18 @@ mod tests {
     /// The units of each array, and the comments.
     fn given(
         stated: &[(&str, &str, &str)],
-        arrays: &mut [Array<()>],
+        arrays: &[(&str, Option<&str>)],
     ) -> (Vec<String>, Vec<String>) {
+        let mut groups = groups();
         let mut units = UnitsBeside::default();
         for (above, name, unit) in stated {
-            let mut path = group(above);
-            path.push("units".into());
-            units.add(&path, name, unit);
+            let place = group(&mut groups, &format!("{above}/units"));
+            units.add(&groups, place, name, unit).unwrap();
         }
-        let comments = units.give(arrays, "/");
+        let mut arrays: Vec<Array<()>> = (arrays.iter())
+            .map(|(path, unit)| array(&mut groups, path, *unit))
+            .collect();
+        let comments = units.give(&groups, &mut arrays, "/").unwrap();
         let of = |array: &Array<()>| {
             let first = array.column.unit.iter();
             let all: Vec<&str> = first
@@ -142,12 +183,12 @@ mod tests {
 
     #[test]
     fn the_nearest_units_count_and_all_that_differ_are_kept() {
-        let mut arrays = [
-            array("force", None),
-            array("run/force", None),
-            array("run/inner/force", None),
-            array("run/time", Some("ms")),
-            array("other/time", None),
+        let arrays = [
+            ("force", None),
+            ("run/force", None),
+            ("run/inner/force", None),
+            ("run/time", Some("ms")),
+            ("other/time", None),
         ];
         let stated = [
             ("", "force", "N"),
@@ -157,32 +198,40 @@ mod tests {
             ("run", "force", "kip"),
             ("run", "time", "s"),
         ];
-        let (units, comments) = given(&stated, &mut arrays);
+        let (units, comments) = given(&stated, &arrays);
         assert_eq!(units, ["N", "kN kip", "kN kip", "ms", ""]);
         assert!(comments.is_empty(), "{comments:?}");
     }
 
     #[test]
     fn a_text_without_an_array_is_a_comment() {
-        let mut arrays = [array("run/force", None)];
         let stated = [
             ("run", "rig", "B"),
             ("other", "force", "N"),
             ("", "force", "kN"),
         ];
-        let (units, comments) = given(&stated, &mut arrays);
+        let (units, comments) = given(&stated, &[("run/force", None)]);
         assert_eq!(units, ["kN"]);
         assert_eq!(comments, ["run/units/rig: B", "other/units/force: N"]);
     }
 
     #[test]
-    fn no_array_keeps_all_units_of_a_file_of_nothing_else() {
+    fn all_units_of_many_arrays_are_charged_for_each() {
+        let mut groups = groups();
         let mut units = UnitsBeside::default();
-        for index in 0..1000 {
-            units.add(&group("units"), "x", &index.to_string());
+        let place = group(&mut groups, "units");
+        for index in 0..100 {
+            units.add(&groups, place, "x", &index.to_string()).unwrap();
         }
-        let mut arrays = [array("x", None)];
-        assert!(units.give(&mut arrays, "/").is_empty());
-        assert_eq!(arrays[0].column.other_units.len(), MOST - 1);
+        let mut of = |count: usize| -> Result<Vec<Array<()>>, InputError> {
+            let paths = (0..count).map(|run| format!("{run}/x"));
+            let mut arrays: Vec<Array<()>> =
+                paths.map(|path| array(&mut groups, &path, None)).collect();
+            units.clone().give(&groups, &mut arrays, "/")?;
+            Ok(arrays)
+        };
+        assert_eq!(of(1).unwrap()[0].column.other_units.len(), 99);
+        let error = of(50).unwrap_err().to_string();
+        assert!(error.contains("the units of its columns"), "{error}");
     }
 }

@@ -1,5 +1,6 @@
 //! Columns as the bytes of a file, in the format of the file's ending.
 
+mod formula;
 #[cfg(feature = "formats")]
 mod mat;
 #[cfg(feature = "formats")]
@@ -13,9 +14,12 @@ use std::path::Path;
 use std::str::FromStr;
 
 use mesh_damper_output::error::{InputError, quoted};
+use mesh_damper_output::finite::check_column;
 
 use crate::channel::Channel;
 use crate::control;
+
+pub use formula::{comment_line, guarded, unguarded};
 
 /// Significant digits of computed numbers in text: a thousandth of a 24-bit converter's step.
 pub const DIGITS: usize = 9;
@@ -218,17 +222,20 @@ pub fn decimal(value: f64) -> String {
     format!("{}", rounded + 0.0)
 }
 
-/// A table as a file of the given name, in the format of the name's ending. `columns` are names and values; every column has as
-/// many values as the first.
+/// A table of results as a file of the given name, in the format of the name's ending. `columns` are names and values; every column
+/// has as many values as the first.
 ///
 /// # Errors
-/// A table that the format cannot hold.
+/// A value that is not finite; a table that the format cannot hold.
 pub fn table(
     path: &Path,
     comments: &[String],
     columns: &[(&str, Vec<f64>)],
 ) -> Result<Vec<u8>, InputError> {
     let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
+    for (name, values) in columns {
+        check_column(&path.display().to_string(), name, values)?;
+    }
     let owned = || {
         columns
             .iter()

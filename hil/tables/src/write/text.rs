@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 
-use super::{Unwritten, decimal};
+use super::{Unwritten, comment_line, decimal, guarded};
 
 /// A table as text: comment lines, a header, and one row per value of the first column. Each of `columns` is a name with its
 /// values, all of the same length.
@@ -12,13 +12,14 @@ pub(super) fn table(
 ) -> Result<Vec<u8>, Unwritten> {
     let mut bytes = Vec::new();
     for comment in comments {
-        bytes.extend(format!("# {}\n", comment.replace(['\n', '\r'], " ")).bytes());
+        bytes.extend(comment_line(comment).bytes());
     }
     let mut writer = csv::WriterBuilder::new()
         .comment(Some(b'#'))
         .from_writer(bytes);
     let mut write = |record: Vec<String>| writer.write_record(record).map_err(Unwritten::by);
-    write(columns.iter().map(|(name, _)| (*name).to_owned()).collect())?;
+    let names = columns.iter().map(|(name, _)| guarded(name).into_owned());
+    write(names.collect())?;
     for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
         let cells = columns.iter().map(|(_, values)| values.get(row).copied());
         write(

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use mesh_damper_link::image::Board;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process::Process;
 use serde::{Deserialize, Serialize};
 
 /// Time limit for an image. Images take seconds; one that takes this long hangs.
@@ -107,8 +108,7 @@ pub fn run_to_end(elf: &Path, core: Core) -> Result<String, InputError> {
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    let mut emulator = command
-        .spawn()
+    let mut emulator = Process::start(&mut command)
         .map_err(|error| failed(format!("the emulator does not start: {error}")))?;
     let mut readers = [
         emulator.stdout.take().map(reader),
@@ -122,9 +122,7 @@ pub fn run_to_end(elf: &Path, core: Core) -> Result<String, InputError> {
                 std::thread::sleep(Duration::from_millis(10));
             }
             Ok(None) | Err(_) => {
-                // It may have ended in the meantime.
-                let _ = emulator.kill();
-                let _ = emulator.wait();
+                emulator.end();
                 break None;
             }
         }

@@ -43,6 +43,8 @@ pub use results::{Rate, Results, Size, Tools};
 use mesh_damper_firmware::bench::suite;
 use mesh_damper_link::image::{self, Image};
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process;
+use mesh_damper_output::scratch::Scratch;
 
 /// The image that counts.
 pub const IMAGE: Image = Image {
@@ -150,8 +152,8 @@ fn refused(_: suite::Refused) -> InputError {
 
 /// The peer in C, whose cycles have to equal ours.
 fn count_peer(core: Core) -> Result<(Vec<Count>, Vec<Size>), InputError> {
-    let directory = tempfile::tempdir()
-        .map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
+    let directory =
+        Scratch::new().map_err(|error| InputError::io(&std::env::temp_dir(), "write", &error))?;
     let elf = peer::build(directory.path())?;
     let said = count::count(&elf, core)?;
     judge::check_peer(&said.results).map_err(untrusted)?;
@@ -189,7 +191,7 @@ fn untrusted(problem: String) -> InputError {
 
 /// A tool's version line.
 fn first_line(tool: &str) -> String {
-    let output = Command::new(tool).arg("--version").output();
+    let output = process::output(Command::new(tool).arg("--version"));
     output.map_or_else(
         |_| String::new(),
         |output| {

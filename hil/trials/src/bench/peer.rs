@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process;
 use mesh_damper_sources::Sources;
 
 use mesh_damper_firmware::bench::suite::{power, tick};
@@ -28,7 +29,7 @@ const FLAGS: [&str; 9] = [
 pub fn compiler() -> Option<String> {
     let said = |arguments: &[&str]| {
         let mut command = Command::new(COMPILER);
-        let output = command.args(arguments).stdin(Stdio::null()).output().ok()?;
+        let output = process::output(command.args(arguments)).ok()?;
         Some(String::from_utf8_lossy(&output.stdout).into_owned())
     };
     let version = said(&["--version"])?;
@@ -56,7 +57,8 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
     let sources = Sources::find()?;
     let here = sources.root().join("hil/trials/bench");
     let elf = directory.join("peer.elf");
-    let output = Command::new(COMPILER)
+    let mut build = Command::new(COMPILER);
+    build
         // Folder of the memory.x for the board of the count.
         .current_dir(sources.root())
         .args(FLAGS)
@@ -68,9 +70,8 @@ pub fn build(directory: &Path) -> Result<PathBuf, InputError> {
         .arg(here.join("peer.c"))
         .arg("-lm")
         .arg("-o")
-        .arg(&elf)
-        .stdin(Stdio::null())
-        .output()
+        .arg(&elf);
+    let output = process::output(&mut build)
         .map_err(|error| failed(format!("{COMPILER} does not start: {error}")))?;
     if output.status.success() {
         Ok(elf)

@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process::Process;
 
 /// The time and memory of a process.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,12 +32,11 @@ pub fn usage_of(command: &mut Command) -> Result<Usage, InputError> {
     let program = PathBuf::from(command.get_program());
     let failed = |error: std::io::Error| InputError::io(&program, "run", &error);
     let start = Instant::now();
-    let mut child = command
+    command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .map_err(failed)?;
+        .stderr(Stdio::null());
+    let mut child = Process::start(command).map_err(failed)?;
     let mut usage = Usage::default();
     let status = loop {
         if let Some(status) = child.try_wait().map_err(failed)? {

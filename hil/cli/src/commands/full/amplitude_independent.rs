@@ -112,8 +112,9 @@ fn print(study: &Study) {
     ));
     say("Error at 0.15 mm, held out, in % of the force's RMS:");
     for (index, frequency) in study.frequencies.iter().enumerate() {
+        say("");
         say(&format!(
-            "\n{:7}  one mixed law   interpolated tables   surfaces   this law   (interpolated loops)",
+            "{:7}  one mixed law   interpolated tables   surfaces   this law   (interpolated loops)",
             format!("{frequency} Hz")
         ));
         for one in &study.densities {

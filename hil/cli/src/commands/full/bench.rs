@@ -118,7 +118,7 @@ impl BenchCommand {
         if failures.is_empty() {
             Ok(())
         } else {
-            Err(Failure::Check(failures.join("\n       ")))
+            Err(Failure::Check(failures.join("; ")))
         }
     }
 }

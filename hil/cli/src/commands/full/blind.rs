@@ -112,7 +112,7 @@ impl BlindCommand {
         }
         let missed = failures(checks);
         if self.check && !missed.is_empty() {
-            return Err(Failure::Check(missed.join("\n")));
+            return Err(Failure::Check(missed.join("; ")));
         }
         Ok(())
     }
@@ -254,8 +254,9 @@ fn print(summary: &Summary) {
             summary.not_shown
         ));
     }
+    say("");
     say(
-        "\nHidden effect, number of seeds, and results of the trace (effects of no family in brackets):",
+        "Hidden effect, number of seeds, and results of the trace (effects of no family in brackets):",
     );
     for (truth, answers) in &summary.confusion {
         let total: usize = answers.values().sum();
@@ -267,7 +268,8 @@ fn print(summary: &Summary) {
             .collect();
         say(&format!("{truth:>28} {total:>4}   {}", said.join(", ")));
     }
-    say("\nHeld-out error of the embedded law over the noise:  median  9 in 10   worst");
+    say("");
+    say("Held-out error of the embedded law over the noise:  median  9 in 10   worst");
     for (class, ratios) in &summary.ratios {
         let name = match class {
             Class::None => "no hidden effect",

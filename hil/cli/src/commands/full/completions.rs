@@ -1,6 +1,6 @@
 //! `hil completions` and `hil man`: descriptions of the commands for shells and for `man`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
@@ -28,10 +28,12 @@ pub struct CompletionsCommand {
 
 impl CompletionsCommand {
     pub fn run(self) -> Result<(), Failure> {
+        let output = Path::new("-");
+        let mut outputs = Plan::new().writes([output]).begin()?;
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut Cli::command(), PROGRAM, &mut script);
-        say(String::from_utf8_lossy(&script).trim_end());
-        Ok(())
+        outputs.add(output, script);
+        Ok(outputs.write()?)
     }
 }
 

@@ -3,6 +3,7 @@
 use mesh_damper::rig::CycleReport;
 use mesh_damper::sine::Programme;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::finite::check_document;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -101,6 +102,7 @@ impl CycleRow {
 
 /// The cycles as `cycles.csv`.
 pub fn csv_of(cycles: &[CycleRow]) -> Result<Vec<u8>, InputError> {
+    check_document("cycles.csv", &cycles)?;
     let failed = |error: String| InputError::new("cycles.csv", error, "report this");
     let mut writer = csv::Writer::from_writer(Vec::new());
     for cycle in cycles {

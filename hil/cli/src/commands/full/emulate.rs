@@ -8,6 +8,7 @@ use mesh_damper::effects::AugmentedLaw;
 use mesh_damper_link::own_timer::EmulatedBoard;
 use mesh_damper_output::Plan;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::shell;
 use mesh_damper_rig::{Plant, RigSetup, TICK_RATE};
 use mesh_damper_sources::Sources;
 use schemars::JsonSchema;
@@ -113,8 +114,9 @@ impl EmulateCommand {
             "The board is at {port}; the range of its load cell is ±{range} kN"
         ));
         say(&format!(
-            "hil record --from serial:{port} --density {density} --force-range {range} --blocks {} --out recording.csv.gz",
-            self.blocks
+            "hil record --from serial:{} --density {density} --force-range {range} --blocks {} --out recording.csv.gz",
+            shell::word(&emulated.port),
+            shell::word(&self.blocks)
         ));
         match self.ends_after {
             Some(seconds) => std::thread::sleep(Duration::from_secs_f64(seconds)),

@@ -203,7 +203,7 @@ impl FaultsCommand {
         }
         let missed = failures(checks);
         if self.check && !missed.is_empty() {
-            return Err(Failure::Check(missed.join("\n")));
+            return Err(Failure::Check(missed.join("; ")));
         }
         Ok(())
     }
@@ -233,8 +233,9 @@ fn print(summary: &Summary) {
                 .map_or_else(|| "-".into(), |cycles| format!("{cycles:.2}")),
         ));
     }
+    say("");
     say(
-        "\n                   fault   size  trials  found  in time  right   both  cycles: median   most",
+        "                   fault   size  trials  found  in time  right   both  cycles: median   most",
     );
     for kind in &summary.kinds {
         let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
@@ -252,8 +253,9 @@ fn print(summary: &Summary) {
         ));
     }
     let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
+    say("");
     say(&format!(
-        "\n{} trials: {:.1} % found, {:.1} % in time, {:.1} % named correctly, {:.1} % by two causes of which one is correct; {} alarms before the fault",
+        "{} trials: {:.1} % found, {:.1} % in time, {:.1} % named correctly, {:.1} % by two causes of which one is correct; {} alarms before the fault",
         summary.trials,
         percent(summary.found),
         percent(summary.in_time),
@@ -267,8 +269,9 @@ fn print(summary: &Summary) {
     if !summary.slow.is_empty() {
         print_slow(summary);
     }
+    say("");
     say(&format!(
-        "\nlargest displacement {:.2}, force {:.2} of their limits, beyond a limit for at most {} ticks; {} trips, {} of them in time",
+        "largest displacement {:.2}, force {:.2} of their limits, beyond a limit for at most {} ticks; {} trips, {} of them in time",
         summary.displacement,
         summary.force,
         summary.ticks_beyond,
@@ -305,8 +308,9 @@ fn print_healthy(summary: &Summary) {
 }
 
 fn print_slow(summary: &Summary) {
+    say("");
     say(&format!(
-        "\nSlow changes over {CHANGING} cycles, then a break; the adaptation follows up to {:.0} %:",
+        "Slow changes over {CHANGING} cycles, then a break; the adaptation follows up to {:.0} %:",
         100.0 * FOLLOW
     ));
     say("                             error of the law, %             of its energy, %");

@@ -43,7 +43,8 @@ fn list(title: &str, outcomes: &[&AttackOutcome]) {
     if outcomes.is_empty() {
         return;
     }
-    say(&format!("\n{title}: {}", outcomes.len()));
+    say("");
+    say(&format!("{title}: {}", outcomes.len()));
     // The listed trials are spread over all, because neighbours are alike.
     let step = outcomes.len().div_ceil(LISTED);
     for one in outcomes.iter().step_by(step) {
@@ -112,7 +113,8 @@ fn print_kinds(attacks: &AttackSummary) {
     if seen().next().is_none() {
         return;
     }
-    say(&format!("\n{HEAD}"));
+    say("");
+    say(HEAD);
     for kind in seen() {
         say(&row(
             &format!("{:?} {}", kind.kind, kind.size),
@@ -134,7 +136,8 @@ fn print_hidden(attacks: &AttackSummary) {
 }
 
 fn print_totals(attacks: &AttackSummary) {
-    say(&format!("\n{HEAD}"));
+    say("");
+    say(HEAD);
     let sets = [
         ("alone", &attacks.singles),
         ("pairs", &attacks.pairs),
@@ -188,7 +191,8 @@ fn print_totals(attacks: &AttackSummary) {
 }
 
 fn print_coverage(summary: &Summary) {
-    say("\nDiagnostic coverage: dangerous faults detected over dangerous faults injected");
+    say("");
+    say("Diagnostic coverage: dangerous faults detected over dangerous faults injected");
     say("             element  injected  found  dangerous  detected  not observable  coverage, %");
     for one in &summary.coverage {
         let part = one.part();

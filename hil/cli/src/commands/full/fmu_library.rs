@@ -1,10 +1,11 @@
 //! The library inside an FMU, built from the sources that this program contains.
 
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use mesh_damper_export::fmu;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process;
 use mesh_damper_sources::Sources;
 
 use super::image::say_where;
@@ -40,7 +41,8 @@ fn built(name: &str) -> Result<PathBuf, InputError> {
     };
     let target = sources.root().join("target");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
+    let mut build = Command::new(cargo);
+    build
         .current_dir(sources.root())
         .args([
             "build",
@@ -52,9 +54,8 @@ fn built(name: &str) -> Result<PathBuf, InputError> {
         ])
         .arg(&target)
         // As for the images: the lock file names more packages than the unpacked sources contain.
-        .args(sources.is_repository().then_some("--locked"))
-        .stdin(Stdio::null())
-        .output()
+        .args(sources.is_repository().then_some("--locked"));
+    let output = process::output(&mut build)
         .map_err(|error| failed(format!("cargo does not start: {error}")))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);

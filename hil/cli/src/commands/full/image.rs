@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use mesh_damper_link::image::Board;
 use mesh_damper_link::lockstep::{self, Emulator, Image, Serial};
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::tell;
 use mesh_damper_sources::Sources;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
@@ -139,10 +140,10 @@ pub const IMAGES: &str = "target/mps2-an386";
 /// its sources.
 pub fn say_where(sources: &Sources, what: &str, built: &str) {
     if !sources.is_repository() && !sources.root().join(built).exists() {
-        eprintln!(
+        tell(&format!(
             "note: {what} is built in {}; the first build takes a minute, and cargo downloads its dependencies",
             sources.root().display()
-        );
+        ));
     }
 }
 
@@ -159,7 +160,11 @@ pub fn start_image(log: LogLevel, tick_rate: f64) -> Result<Image<Emulator>, Inp
         Box::new(move |line| {
             if log.shows(line.level) {
                 let time = f64::from(line.tick) / tick_rate;
-                eprintln!("image {time:10.4} s {:5} {}", line.level.name(), line.text);
+                tell(&format!(
+                    "image {time:10.4} s {:5} {}",
+                    line.level.name(),
+                    line.text
+                ));
             }
         }),
     )

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use mesh_damper_output::Outputs;
+use mesh_damper_output::documents;
 use mesh_damper_output::error::InputError;
 use mesh_damper_rig::check::Check;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -128,13 +129,14 @@ impl Junit {
         let mut report = Report::new("hil");
         report.set_time(took);
         report.add_test_suite(self.suite);
-        report.to_string().map_err(|error| {
+        let text = report.to_string().map_err(|error| {
             let name = path.display().to_string();
             InputError::new(
                 name,
                 format!("not to be written as XML: {error}"),
                 "report this",
             )
-        })
+        })?;
+        Ok(documents::xml(&text))
     }
 }

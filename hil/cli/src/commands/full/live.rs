@@ -1,14 +1,18 @@
 //! The live page and the MQTT broker of a running test. The test never waits for either.
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use clap::Args;
 use mesh_damper::health::Event;
 use mesh_damper::rig::{CycleReport, Telemetry};
 use mesh_damper_live::{
-    About, Broker, CycleResult, Limits, Listener, LivePage, MqttPublisher, Sample, State,
+    About, Broker, CycleResult, Delivered, Delivery, Limits, Listener, LivePage, MqttPublisher,
+    Sample, State,
 };
+use mesh_damper_output::ending::{self, AtEnd};
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::tell;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -109,41 +113,107 @@ impl LiveOptions {
             None => None,
         };
         let broker = self.broker()?;
+        // No end comes between the connection and its entry for the end.
+        let whole = ending::whole();
         let publisher = broker
             .as_ref()
             .map(|broker| MqttPublisher::start(broker, &about));
-        if let (Some(publisher), Some(broker)) = (&publisher, &broker)
-            && let Err(why) = publisher.wait_until_connected(FOR_A_BROKER)
-        {
+        let viewers = Arc::new(Mutex::new(Viewers {
+            page: None,
+            publisher,
+            is_over: false,
+        }));
+        let at_end = ending::at_end({
+            let viewers = viewers.clone();
+            move |cause| locked(&viewers).leave(cause)
+        });
+        drop(whole);
+        let unconnected = locked(&viewers).unconnected();
+        if let (Some(why), Some(broker)) = (unconnected, &broker) {
             warn(&format!(
                 "no broker at {broker} yet ({why}); the test goes on, and hil keeps trying to connect"
             ));
         }
-        if let Some(page) = &page {
-            eprintln!("The live page is {}", page.address());
+        if let Some(page) = page {
+            tell(&format!("The live page is {}", page.address()));
             let wait = Duration::from_secs_f64(self.live_wait);
             if !wait.is_zero() && !page.wait_for_viewer(wait) {
                 warn("nobody opened the live page; the test begins");
             }
+            // It is waited for without the lock: an end in the meantime has nothing to tell it.
+            locked(&viewers).page = Some(page);
         }
-        let mut live = Live {
-            page,
-            publisher,
+        locked(&viewers).tell(|listener| listener.state(&State::Running));
+        Ok(Live {
+            is_watched: self.live.is_some() || broker.is_some(),
+            viewers,
+            _at_end: at_end,
             broker,
             tick_rate,
             temperature: f32::NAN,
             hold: Duration::from_secs_f64(self.live_hold),
             mqtt: None,
-        };
-        live.state(&State::Running);
-        Ok(live)
+        })
     }
 }
 
-/// The viewers of a test.
-pub(super) struct Live {
+/// Those who watch a test. An end of the program needs their lock, so that nothing is said while it is held.
+struct Viewers {
     page: Option<LivePage>,
     publisher: Option<MqttPublisher>,
+    /// They know how the test ended.
+    is_over: bool,
+}
+
+fn locked(viewers: &Mutex<Viewers>) -> MutexGuard<'_, Viewers> {
+    viewers.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Viewers {
+    fn tell(&mut self, tell: impl Fn(&mut dyn Listener)) {
+        if let Some(page) = &mut self.page {
+            tell(page);
+        }
+        if let Some(publisher) = &mut self.publisher {
+            tell(publisher);
+        }
+    }
+
+    /// Waits for the connection to the broker, if there is one; the reason if it does not come.
+    fn unconnected(&self) -> Option<String> {
+        let publisher = self.publisher.as_ref()?;
+        publisher.wait_until_connected(FOR_A_BROKER).err()
+    }
+
+    /// The test ended with `state`, which the broker gets before the connection is closed. Returns what became of the messages.
+    fn end(&mut self, state: &State) -> Option<Delivery> {
+        self.tell(|listener| listener.state(state));
+        self.is_over = true;
+        let publisher = self.publisher.take();
+        publisher.map(|publisher| publisher.close(TO_THE_END))
+    }
+
+    /// Gives the pages the rest of the data, and ends them. Returns what they got.
+    fn close_page(&mut self) -> Option<Delivered> {
+        self.page.take().map(|page| page.close(TO_THE_END))
+    }
+
+    /// A signal ends the command: `cause`.
+    fn leave(&mut self, cause: &str) {
+        if !self.is_over {
+            self.end(&State::BrokenOff {
+                cause: cause.to_owned(),
+            });
+        }
+        self.close_page();
+    }
+}
+
+/// The viewers of a test. They also learn of an end by a signal.
+pub(super) struct Live {
+    is_watched: bool,
+    viewers: Arc<Mutex<Viewers>>,
+    _at_end: AtEnd,
     broker: Option<Broker>,
     tick_rate: f64,
     /// The last measured temperature, °C.
@@ -174,17 +244,12 @@ pub(super) struct MqttRow {
 }
 
 impl Live {
-    fn tell(&mut self, tell: impl Fn(&mut dyn Listener)) {
-        if let Some(page) = &mut self.page {
-            tell(page);
-        }
-        if let Some(publisher) = &mut self.publisher {
-            tell(publisher);
-        }
+    fn tell(&self, tell: impl Fn(&mut dyn Listener)) {
+        locked(&self.viewers).tell(tell);
     }
 
     pub(super) fn tick(&mut self, telemetry: &Telemetry, time: f64, temperature: f64) {
-        if self.page.is_none() && self.publisher.is_none() {
+        if !self.is_watched {
             return;
         }
         self.temperature = temperature as f32;
@@ -222,15 +287,10 @@ impl Live {
         self.tell(|listener| listener.event(&event));
     }
 
-    fn state(&mut self, state: &State) {
-        self.tell(|listener| listener.state(state));
-    }
-
     /// The test ended with `state`: sends the state to the broker and closes the connection.
     pub(super) fn end(&mut self, state: &State) {
-        self.state(state);
-        if let (Some(publisher), Some(broker)) = (self.publisher.take(), &self.broker) {
-            let delivery = publisher.close(TO_THE_END);
+        let delivery = locked(&self.viewers).end(state);
+        if let (Some(delivery), Some(broker)) = (delivery, &self.broker) {
             if delivery.dropped > 0 {
                 warn(&format!(
                     "{} messages did not reach the broker at {broker}",
@@ -246,7 +306,7 @@ impl Live {
     }
 
     pub(super) fn page_row(&self) -> Option<LiveRow> {
-        self.page.as_ref().map(|page| LiveRow {
+        locked(&self.viewers).page.as_ref().map(|page| LiveRow {
             address: page.address(),
             viewers: page.viewers_so_far(),
         })
@@ -259,17 +319,20 @@ impl Live {
 
     /// The results are written: serves the page for the requested time, then gives the pages the rest of the data.
     pub(super) fn close(self) {
-        let Some(page) = self.page else { return };
-        if !self.hold.is_zero() {
-            eprintln!(
+        if let Some(page) = self.page_row()
+            && !self.hold.is_zero()
+        {
+            tell(&format!(
                 "The live page stays at {} for {} s; Ctrl-C ends it earlier",
-                page.address(),
+                page.address,
                 self.hold.as_secs_f64()
-            );
+            ));
             std::thread::sleep(self.hold);
         }
-        let delivered = page.close(TO_THE_END);
-        if delivered.missed > 0 {
+        let delivered = locked(&self.viewers).close_page();
+        if let Some(delivered) = delivered
+            && delivered.missed > 0
+        {
             warn(&format!(
                 "{} of {} samples were dropped for pages that were too slow",
                 delivered.missed,

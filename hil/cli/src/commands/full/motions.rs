@@ -62,7 +62,7 @@ fn trials(
     }
     let missed = failures(checks);
     if check && !missed.is_empty() {
-        return Err(Failure::Check(missed.join("\n")));
+        return Err(Failure::Check(missed.join("; ")));
     }
     Ok(())
 }
@@ -85,8 +85,9 @@ fn print(summary: &Summary) {
             say(&line(outcome));
         }
     }
+    say("");
     say(&format!(
-        "\n{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7} {:>8} {:>10}  {:>9} {:>9} {:>8}",
+        "{:26} {:>5} {:>7} {:>6} {:>7} {:>6} {:>7} {:>8}   {:>6} {:>7} {:>8} {:>10}  {:>9} {:>9} {:>8}",
         "",
         "count",
         "right",
@@ -106,14 +107,17 @@ fn print(summary: &Summary) {
     for row in summary.rows.iter().chain([&summary.all]) {
         say(&row_of(row));
     }
-    say(
-        "\nmedian, 9 in 10: held-out error of the embedded law over that of the true law\n\
-         seconds: duration of the median trace, with as many traces at a time as the machine has processors\n\
-         time: largest ratio of a trace's duration to the duration of its recordings\n\
-         intervals: part of the law's 90 % intervals that contain the true value\n\
-         velocity: error of the estimated velocity over that of an estimate by cubics alone\n\
-         covered: part of the velocity samples within their 90 % intervals",
-    );
+    say("");
+    for line in [
+        "median, 9 in 10: held-out error of the embedded law over that of the true law",
+        "seconds: duration of the median trace, with as many traces at a time as the machine has processors",
+        "time: largest ratio of a trace's duration to the duration of its recordings",
+        "intervals: part of the law's 90 % intervals that contain the true value",
+        "velocity: error of the estimated velocity over that of an estimate by cubics alone",
+        "covered: part of the velocity samples within their 90 % intervals",
+    ] {
+        say(line);
+    }
 }
 
 /// Prints the hidden effects and the answer of one seed, and writes its recordings into `out`.

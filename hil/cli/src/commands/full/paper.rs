@@ -44,7 +44,8 @@ impl PaperCommand {
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             print(&paper);
-            say(&format!("\nThe report is {}", page.display()));
+            say("");
+            say(&format!("The report is {}", page.display()));
         }
         Ok(())
     }
@@ -60,14 +61,16 @@ fn print(paper: &Paper) {
         let of = |claim: &&Claim| claim.verdict == verdict;
         paper.claims.iter().filter(of).count()
     };
+    say("");
     say(&format!(
-        "\n{} claims: {} hold, {} fail, {} cannot be decided",
+        "{} claims: {} hold, {} fail, {} cannot be decided",
         paper.claims.len(),
         count(Verdict::Holds),
         count(Verdict::Fails),
         count(Verdict::CannotTell)
     ));
-    say("\nError of the loops over the 25 cells, mean and largest, in % of the force's RMS:");
+    say("");
+    say("Error of the loops over the 25 cells, mean and largest, in % of the force's RMS:");
     for surfaces in &paper.surface_errors {
         say(&format!(
             "{:42} {:7.1} {:7.1}",

@@ -226,8 +226,10 @@ impl Entry {
 impl SchemaCommand {
     pub fn run(self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
-            say(named(name)?.text()?.trim_end());
-            return Ok(());
+            let output = Path::new("-");
+            let mut outputs = Plan::new().writes([output]).begin()?;
+            outputs.add(output, named(name)?.text()?);
+            return Ok(outputs.write()?);
         }
         let names = ALL.iter().map(Entry::file_name);
         let mut outputs = Plan::new()
@@ -277,10 +279,8 @@ fn named(name: &str) -> Result<&'static Entry, InputError> {
 impl Schemas {
     fn print(&self) {
         for one in &self.schemas {
-            say(&format!(
-                "{:17} {}\n{:17} written by {}",
-                one.name, one.description, "", one.written_by
-            ));
+            say(&format!("{:17} {}", one.name, one.description));
+            say(&format!("{:17} written by {}", "", one.written_by));
         }
     }
 }

@@ -1,13 +1,14 @@
 //! `hil study`: studies of the tracer itself.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use clap::{Args, Subcommand};
 use mesh_damper_output::Plan;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::process;
+use mesh_damper_output::scratch::Scratch;
 use mesh_damper_trials::numbers::{Cost, Costs, Number, Policies, Score, numbers, table};
 
 use super::policy;
@@ -165,18 +166,18 @@ impl NumbersCommand {
     /// The score of the blind trial with these numbers; `None` if the trial fails.
     fn score(&self, policies: &Policies) -> Result<Option<Score>, Failure> {
         let failed = |error: std::io::Error| InputError::io(Path::new("hil blind"), "run", &error);
-        let mut file = tempfile::NamedTempFile::new().map_err(failed)?;
+        let folder = Scratch::new().map_err(failed)?;
+        let file = folder.path().join("policies.json");
         let text = serde_json::to_string(policies).unwrap_or_default();
-        file.write_all(text.as_bytes()).map_err(failed)?;
-        let output = Command::new(std::env::current_exe().map_err(failed)?)
+        std::fs::write(&file, text).map_err(failed)?;
+        let mut trial = Command::new(std::env::current_exe().map_err(failed)?);
+        trial
             .arg("--policy")
-            .arg(file.path())
+            .arg(file)
             .args(["blind", "--json", "-"])
             .args(["--first", &self.first.to_string()])
-            .args(["--seeds", &self.seeds.to_string()])
-            .stderr(Stdio::null())
-            .output()
-            .map_err(failed)?;
+            .args(["--seeds", &self.seeds.to_string()]);
+        let output = process::output(&mut trial).map_err(failed)?;
         let summary = serde_json::from_slice(&output.stdout).unwrap_or_default();
         Ok(Score::of(&summary))
     }

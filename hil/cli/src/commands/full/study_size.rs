@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::scratch::Scratch;
 use mesh_damper_output::{Labelled, Plan};
 use mesh_damper_report::size::picture;
 use mesh_damper_trials::size::{Measured, Motion, measure, table};
@@ -85,7 +86,7 @@ impl SizeCommand {
         }
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
-            say(table(&all).trim_end());
+            table(&all).lines().for_each(say);
         }
         let beyond = all.iter().filter(|one| !one.is_within_limits()).count();
         if self.check && beyond > 0 {
@@ -98,7 +99,7 @@ impl SizeCommand {
     }
 
     fn measure(&self) -> Result<Vec<Measured>, InputError> {
-        let folder = tempfile::tempdir()
+        let folder = Scratch::new()
             .map_err(|error| InputError::io(&std::env::temp_dir(), "write to", &error))?;
         let hil = std::env::current_exe()
             .map_err(|error| InputError::io(Path::new("hil"), "run", &error))?;

@@ -43,7 +43,8 @@ fn what_is_missing_is_said_in_one_line_with_how_to_get_it() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_emulator_ends_with_the_harness_even_when_that_is_killed() {
-    use crate::full::interrupted_run::{emulator_of, wait_for};
+    use crate::command::wait_for;
+    use crate::full::interrupted_run::emulator_of;
 
     if emulated::image(&FIRMWARE, Board::Mps2An386).is_none() {
         return;

@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
+use crate::command::wait_for;
 use crate::full::emulated;
 use mesh_damper_link::image::{Board, FIRMWARE};
 use mesh_damper_recording::Recording;
@@ -13,8 +13,6 @@ use mesh_damper_recording::Recording;
 /// A programme that lasts longer than its interruption takes, and a short one with the same beginning.
 const LONG: [&str; 2] = ["--blocks", "0.1:5:17000"];
 const SHORT: [&str; 2] = ["--blocks", "0.1:5:200"];
-/// No step takes nearly this long.
-const LONGEST: Duration = Duration::from_secs(120);
 
 fn start(directory: &Path, arguments: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_hil"))
@@ -26,19 +24,7 @@ fn start(directory: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Waits for `seen` to return a value, and returns it.
-pub fn wait_for<T>(what: &str, mut seen: impl FnMut() -> Option<T>) -> T {
-    let until = Instant::now() + LONGEST;
-    loop {
-        if let Some(seen) = seen() {
-            return seen;
-        }
-        assert!(Instant::now() < until, "{what}");
-        std::thread::yield_now();
-    }
-}
-
-fn wait_for_bytes(file: &Path, bytes: u64) {
+pub fn wait_for_bytes(file: &Path, bytes: u64) {
     wait_for("nothing is recorded", || {
         fs::metadata(file)
             .is_ok_and(|found| found.len() > bytes)

@@ -15,8 +15,10 @@ mod common;
 mod controlled;
 #[path = "../../../../link/tests/emulated/mod.rs"]
 mod emulated;
+mod ended_by_signals;
 mod export_command;
 mod export_fmu;
+mod hostile_names;
 mod image_command;
 mod interrupted_run;
 mod junit_command;

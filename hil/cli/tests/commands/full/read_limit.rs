@@ -15,8 +15,9 @@ use mesh_damper_tables::channel::Channel;
 use crate::bad_input::MODEL;
 
 const HEADER: &str = "time_s,displacement_mm,force_kN\n";
-/// Address space of the command itself, MiB.
-const ALONE: u64 = 200;
+/// Address space in MiB of the command itself, 75, and of what reading within a limit of 16 MiB may hold, 98, once more for the list
+/// that grows.
+const ALONE: u64 = 232;
 
 /// The command with these arguments in `directory` and this number of MiB of address space.
 fn hil_within(mebibytes: u64, directory: &Path, arguments: &[&str]) -> Output {
@@ -85,28 +86,20 @@ fn folder() -> tempfile::TempDir {
 
 #[test]
 #[ignore = "half a minute: in the full tier"]
-fn a_line_without_an_end_takes_no_more_memory_than_a_line_may_have() {
+fn a_line_without_an_end_takes_no_more_memory_than_a_file_may_have() {
     let root = folder();
     bomb(&root.path().join("line.csv.gz"), "# a\n", "1", 300 << 20);
     let begun = format!("{HEADER}{}\"", rows(40));
     bomb(&root.path().join("quoted.csv.gz"), &begun, "a\n", 600 << 20);
-    let line = [
-        "line 2: has more than 8MiB, the limit of a line, 1/64 of --max-read;",
-        "raise the limit with --max-read 1GiB",
-    ];
-    let endless = ["line 1: has more than 8MiB, the limit of a line"];
-    for (file, said) in [("line.csv.gz", &line[..]), ("/dev/zero", &endless)] {
-        for arguments in commands(file, &[]) {
-            refuses(&hil_within(ALONE, root.path(), &arguments), said);
+    // Each line of the last is short, but together they are one cell.
+    for file in ["line.csv.gz", "/dev/zero", "quoted.csv.gz"] {
+        let said = [
+            &format!("{file}: holds more than 16MiB, the limit of a file;"),
+            "raise the limit with --max-read 32MiB",
+        ];
+        for arguments in commands(file, &["--max-read", "16MiB"]) {
+            refuses(&hil_within(ALONE, root.path(), &arguments), &said);
         }
-    }
-    // Each line is short, but together they are one cell.
-    let said = [
-        "quoted.csv.gz: holds more than 16MiB, the limit of a file;",
-        "raise the limit with --max-read 32MiB",
-    ];
-    for arguments in commands("quoted.csv.gz", &["--max-read", "16MiB"]) {
-        refuses(&hil_within(ALONE, root.path(), &arguments), &said);
     }
 }
 
@@ -141,7 +134,7 @@ fn many_short_lines_are_refused_at_the_limit() {
         ("rows.csv.gz", "holds more than 16MiB, the limit of a file"),
         (
             "comments.csv.gz",
-            "has comments of more than 256KiB, the limit of all comments",
+            "its comments would take the memory to 3 MiB",
         ),
     ] {
         let arguments = ["characterize", file, "--static", "--max-read", "16MiB"];

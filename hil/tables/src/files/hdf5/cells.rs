@@ -1,10 +1,11 @@
 //! The numbers in a data set's elements.
 
-use std::sync::Arc;
+use hdf5_reader::Datatype;
+use hdf5_reader::error::ByteOrder;
 
-use hdf5_reader::error::{ByteOrder, Error};
-use hdf5_reader::{Dataset, Datatype};
-
+use super::data::{Data, Raw};
+use super::file::{File, Refused};
+use crate::budget::of_list;
 use crate::files::number::Kind;
 
 /// A number in each element of a data set.
@@ -32,38 +33,51 @@ pub(super) struct Place {
 
 /// Data sets, the last of which is kept for its next column.
 pub(super) struct Datasets {
-    all: Vec<Dataset>,
-    last: Option<(usize, Arc<Vec<u8>>)>,
+    file: File,
+    all: Vec<Data>,
+    last: Option<(usize, Raw)>,
 }
 
 impl Datasets {
-    pub fn new(all: Vec<Dataset>) -> Self {
-        Self { all, last: None }
+    pub fn new(file: File, all: Vec<Data>) -> Self {
+        Self {
+            file,
+            all,
+            last: None,
+        }
     }
 
-    pub fn values(&mut self, place: &Place) -> Result<Vec<f64>, Error> {
-        let dataset = &self.all[place.dataset];
+    /// The values of a column. They are charged as held.
+    pub fn values(&mut self, place: &Place) -> Result<Vec<f64>, Refused> {
+        const PART: &str = "the values of its columns";
+        let (file, data) = (&self.file, &self.all[place.dataset]);
+        if self
+            .last
+            .as_ref()
+            .is_none_or(|(index, _)| *index != place.dataset)
+        {
+            let before = self.last.take();
+            file.budget.release(before.map_or(0, |(_, raw)| raw.held()));
+            self.last = Some((place.dataset, data.raw(file)?));
+        }
         let bytes = match &self.last {
-            Some((index, bytes)) if *index == place.dataset => bytes.clone(),
-            _ => {
-                self.last = None;
-                let bytes = Arc::new(dataset.read_raw_bytes()?);
-                self.last = Some((place.dataset, bytes.clone()));
-                bytes
-            }
+            Some((_, raw)) => raw.bytes(file)?,
+            None => &[],
         };
-        let size = dataset.raw_element_size()?;
+        file.budget.hold(of_list::<f64>(place.count), PART)?;
+        file.budget.work(place.count as u64, PART)?;
         let cell = &place.cell;
-        let value = |index: usize| {
-            let at = (place.first + index * place.step) * size + cell.at;
-            let value = cell.kind.read(&bytes, at, cell.is_little);
-            match (place.fill, place.scale) {
+        let places =
+            (0..place.count).map(|index| (place.first + index * place.step) * data.size + cell.at);
+        let mut values = Vec::with_capacity(place.count);
+        (cell.kind).read_each(bytes, places, cell.is_little, |value| {
+            values.push(match (place.fill, place.scale) {
                 (Some(fill), _) if value == fill => f64::NAN,
                 (_, Some((factor, offset))) => value * factor + offset,
                 (_, None) => value,
-            }
-        };
-        Ok((0..place.count).map(value).collect())
+            });
+        });
+        Ok(values)
     }
 }
 

@@ -1,26 +1,42 @@
 //! LZF, h5py's own compression.
 
-use hdf5_reader::FilterRegistry;
-use hdf5_reader::error::Error;
+use crate::budget::Budget;
+use crate::files::unpack::Unpacked;
 
 /// The filter's number among those that are registered with HDF5.
-const LZF: u16 = 32000;
+pub(super) const LZF: u16 = 32000;
+/// Bytes that a byte of LZF gives at most: a copy of 264 takes three.
+const RATIO: usize = 88;
 
-/// Registers the unpacking of chunks that LZF packed, to at most `most` bytes each.
-pub(super) fn register(filters: &mut FilterRegistry, most: usize) {
-    let unpack = move |_: &_, packed: &[u8], _: usize| {
-        unpacked(packed, most).ok_or_else(|| Error::InvalidData("LZF: a chunk is damaged".into()))
-    };
-    filters.register(LZF, Box::new(unpack));
+/// The bytes that LZF packed, at most `most`. They are charged as unpacked and as held.
+pub(super) fn inflated(
+    packed: &[u8],
+    most: usize,
+    budget: &Budget,
+    part: &str,
+) -> Result<Vec<u8>, Unpacked> {
+    let most = most.min(packed.len().saturating_mul(RATIO));
+    budget.hold(most as u64, part)?;
+    budget.work((packed.len() + most) as u64, part)?;
+    let bytes = unpacked(packed, most);
+    let bytes = bytes.ok_or_else(|| Unpacked::Damaged("LZF: a packed chunk is damaged".into()))?;
+    budget.release((most - bytes.len()) as u64);
+    if budget.is_new(packed)? {
+        budget.unpacked(bytes.len() as u64)?;
+    }
+    Ok(bytes)
 }
 
 /// Literal bytes, and copies of earlier bytes.
 fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
-    let mut bytes: Vec<u8> = Vec::new();
+    let mut bytes: Vec<u8> = Vec::with_capacity(most);
     while let Some((&control, rest)) = packed.split_first() {
         packed = rest;
         if control < 32 {
             let (run, rest) = packed.split_at_checked(usize::from(control) + 1)?;
+            if run.len() > most - bytes.len() {
+                return None;
+            }
             bytes.extend_from_slice(run);
             packed = rest;
         } else {
@@ -34,13 +50,13 @@ fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
             packed = rest;
             let back = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
             let from = bytes.len().checked_sub(back)?;
+            if length + 2 > most - bytes.len() {
+                return None;
+            }
             // A copy may overlap its own output.
             for at in from..from + length + 2 {
                 bytes.push(bytes[at]);
             }
-        }
-        if bytes.len() > most {
-            return None;
         }
     }
     Some(bytes)

@@ -1,21 +1,27 @@
 //! HDF5, and the files of MATLAB v7.3, which are HDF5.
 
+mod attributes;
 mod cells;
+mod data;
+mod file;
+mod links;
 mod lzf;
 mod matlab;
 mod walk;
 
 use std::fmt::Display;
+use std::rc::Rc;
 
-use hdf5_reader::{FilterRegistry, Hdf5File, OpenOptions};
+use hdf5_reader::error::Error;
 use mesh_damper_output::error::InputError;
 
 use super::arrays::arranged;
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
 use super::{Format, Reading, Source, Table, Tables};
-use crate::read_limit::ReadLimit;
+use crate::budget::Budget;
 use cells::Datasets;
+use file::{File, Refused, innermost};
 use walk::Walk;
 
 const NAME: &str = "HDF5";
@@ -44,11 +50,14 @@ impl Format for Hdf5 {
         source: Source<'a>,
         reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
+        let (name, budget) = (source.name(), source.budget());
         let is_matlab = source.head().starts_with(b"MATLAB");
         let bytes = source.bytes()?;
+        budget.read(bytes.len() as u64)?;
+        budget.hold(bytes.len() as u64, "the file")?;
         guarded(NAME, &name, || {
-            open(&name, bytes, limit, is_matlab, reading)
+            let opened = open(&name, bytes, budget, is_matlab, reading);
+            opened.map_err(|why| said(&name, why))
         })
     }
 }
@@ -56,69 +65,39 @@ impl Format for Hdf5 {
 fn open<'a>(
     name: &str,
     bytes: Vec<u8>,
-    limit: ReadLimit,
+    budget: Rc<Budget>,
     is_matlab: bool,
     reading: &Reading,
-) -> Result<Box<dyn Tables + 'a>, InputError> {
-    let most = usize::try_from(limit.file()).unwrap_or(usize::MAX);
-    let mut filters = FilterRegistry::new();
-    lzf::register(&mut filters, most);
-    let options = OpenOptions::default()
-        .with_filter_registry(filters)
-        .with_chunk_cache_bytes(0)
-        .with_max_chunk_bytes(most)
-        .with_max_read_bytes(most);
-    let refused = |error: hdf5_reader::error::Error| refused(name, limit, &error);
-    let file = Hdf5File::from_vec_with_options(bytes, options).map_err(refused)?;
-    let root = file.root_group().map_err(refused)?;
-    if is_matlab || matlab::wrote(&root) {
-        let tree = matlab::tree(&root, most as u64).map_err(|error| match error {
-            matlab::Refused::File(error) => refused(error),
-            matlab::Refused::TooLarge => limit.exceeded(name),
-            matlab::Refused::Broken(why) => damaged("MATLAB v7.3", name, why.0),
-        })?;
-        return super::mat::opened(name.to_owned(), tree, reading);
+) -> Result<Box<dyn Tables + 'a>, Refused> {
+    let file = File::of(bytes, budget)?;
+    if is_matlab || matlab::wrote(&file)? {
+        let tree = matlab::tree(&file)?;
+        return Ok(super::mat::opened(name.to_owned(), tree, reading)?);
     }
-    let mut walk = Walk::default();
-    walk.group(&root, &[]).map_err(refused)?;
-    let Walk {
-        arrays,
-        datasets,
-        skipped,
-        comments,
-        mut beside,
-        ..
-    } = walk;
+    let budget = Rc::clone(&file.budget);
+    let found = Walk::new(&file).all()?;
+    let mut beside = found.beside;
     beside.heed(reading);
-    let mut datasets = Datasets::new(datasets);
-    let mut values = |place: &cells::Place| datasets.values(place).map_err(refused);
-    let (mut tables, places) = arranged(arrays, &beside, &mut values)?;
-    for (table, places) in tables.iter_mut().zip(&places) {
-        let time = table.columns.iter_mut().zip(places);
-        if let Some((column, place)) = time
-            .into_iter()
-            .find(|(each, _)| crate::columns::is_time(each))
-        {
-            let mut times = values(place)?;
-            times.truncate(super::Column::FIRST);
-            column.first = times;
-        }
-    }
+    let mut datasets = Datasets::new(file, found.data);
+    let mut values = |place: &cells::Place| {
+        let values = datasets.values(place);
+        values.map_err(|why| said(name, why))
+    };
+    let (mut tables, places) = arranged(&found.groups, found.arrays, beside, &mut values)?;
     if tables.is_empty() {
         tables.push(Table::default());
     }
-    tables[0].skipped.extend(skipped);
+    tables[0].skipped.extend(found.skipped);
     let owned = name.to_owned();
     let read = move |table: usize, column: usize| {
         guarded(NAME, &owned, || {
-            let place = &places[table][column];
-            let values = datasets.values(place);
-            values
-                .map(Some)
-                .map_err(|error| self::refused(&owned, limit, &error))
+            let values = datasets.values(&places[table][column]);
+            values.map(Some).map_err(|why| said(&owned, why))
         })
     };
+    let comments = found.comments;
     Ok(Box::new(Opened::new(
+        budget,
         name.to_owned(),
         tables,
         comments,
@@ -126,20 +105,19 @@ fn open<'a>(
     )?))
 }
 
-fn refused(name: &str, limit: ReadLimit, error: &hdf5_reader::error::Error) -> InputError {
-    use hdf5_reader::error::Error;
-    // The innermost error, without its context.
-    let mut inner = error;
-    while let Error::Context { source, .. } = inner {
-        inner = source;
-    }
-    match inner {
-        Error::ResourceLimit(_) => limit.exceeded(name),
+/// The error of the file `name`.
+fn said(name: &str, why: Refused) -> InputError {
+    let error = match why {
+        Refused::Said(error) => return error,
+        Refused::Variables(why) => return why.error("MATLAB v7.3", name),
+        Refused::File(error) => error,
+    };
+    match innermost(&error) {
         Error::UnsupportedFilter(_) => InputError::new(
             name,
             format!("uses a part of HDF5 that hil does not read: {error}"),
             "write it again with compression=\"gzip\" or without compression",
         ),
-        _ => damaged(NAME, name, error as &dyn Display),
+        _ => damaged(NAME, name, &error as &dyn Display),
     }
 }

@@ -3,19 +3,23 @@
 
 mod node;
 
+use std::rc::Rc;
+
 use mesh_damper_output::error::InputError;
-use serde::de::DeserializeSeed as _;
+use serde::de::{DeserializeSeed as _, IgnoredAny};
 use serde_json::Deserializer;
 
-use super::arrays::{Array, MOST_COLUMNS, arranged, name_of};
+use super::arrays::{Array, arranged, name_of};
 use super::beside::Beside;
+use super::groups::{Group, Groups};
 use super::guard::damaged;
+use super::number::shown;
 use super::opened::Opened;
 use super::units_beside::{UnitsBeside, are_units};
 use super::unread::is_json;
 use super::{Column, Format, Reading, Source, Tables};
-use crate::read_limit::ReadLimit;
-use node::{Channel, Fields, List, Node, Seed};
+use crate::budget::{Budget, of_list, of_text};
+use node::{Channel, Fields, List, Node, Reader, Seed};
 
 const NAME: &str = "JSON";
 
@@ -40,38 +44,60 @@ impl Format for Json {
         source: Source<'a>,
         reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
+        let (name, budget) = (source.name(), source.budget());
         let mut bytes = source.bytes()?;
+        let read = bytes.len() as u64;
+        budget.read(read)?;
+        budget.hold(read, "its text")?;
         if bytes.starts_with(b"\xef\xbb\xbf") {
             bytes.drain(..3);
         }
         bare_words(&mut bytes);
-        let root = parsed(&name, &bytes, limit)?;
+        let root = parsed(&name, &bytes, &budget)?;
         drop(bytes);
-        let mut found = Found::default();
-        found.take(&[], root);
+        budget.release(read);
+        let made = root.bytes();
+        let mut found = Found::new(Groups::new(Rc::clone(&budget)));
+        found.take(Group::FILE, None, root)?;
         let Found {
+            groups,
             mut arrays,
             skipped,
             mut comments,
             mut beside,
             units,
+            kept,
         } = found;
-        comments.extend(units.give(&mut arrays, "/"));
+        // All but the values that the arrays took.
+        budget.release(made - kept);
+        comments.extend(units.give(&groups, &mut arrays, "/")?);
         beside.heed(reading);
-        let (mut tables, sources) =
-            arranged(arrays, &beside, &mut |values: &Vec<f64>| Ok(values.clone()))?;
+        let mut copied = |values: &Values| {
+            budget.hold(of_list::<f64>(values.len()), "its times")?;
+            Ok(values.to_vec())
+        };
+        let (mut tables, mut sources) = arranged(&groups, arrays, beside, &mut copied)?;
         let Some(table) = tables.first_mut() else {
             return Err(no_columns(name, &skipped));
         };
         table.skipped.extend(skipped);
+        let charged = Rc::clone(&budget);
         let read = move |table: usize, column: usize| {
-            let columns: &Vec<Vec<f64>> = &sources[table];
-            Ok(Some(columns[column].clone()))
+            let columns: &mut Vec<Values> = &mut sources[table];
+            let values = std::mem::take(&mut columns[column]);
+            if Rc::strong_count(&values) > 1 {
+                budget.hold(of_list::<f64>(values.len()), "the values of its columns")?;
+            }
+            Ok(Some(Rc::unwrap_or_clone(values)))
         };
-        Ok(Box::new(Opened::new(name, tables, comments, read)?))
+        Ok(Box::new(Opened::new(
+            charged, name, tables, comments, read,
+        )?))
     }
 }
+
+/// The values of a column, which the tables of several runs may share.
+type Values = Rc<Vec<f64>>;
 
 /// Most parts of a file that a message lists. Convention: one line of a terminal, or two.
 const LISTED: usize = 8;
@@ -93,30 +119,31 @@ fn no_columns(name: String, skipped: &[String]) -> InputError {
 }
 
 /// The value of a file, or the list of those on its lines.
-fn parsed(name: &str, bytes: &[u8], limit: ReadLimit) -> Result<Node, InputError> {
-    let mut reader = Deserializer::from_slice(bytes);
+fn parsed(name: &str, bytes: &[u8], budget: &Budget) -> Result<Node, InputError> {
+    let mut from = Deserializer::from_slice(bytes);
+    let reader = Reader::new(budget);
     let broken = |error: serde_json::Error| {
-        if error.to_string().starts_with(node::TOO_LARGE) {
-            limit.exceeded(name)
-        } else {
-            damaged(NAME, name, error)
-        }
+        let refused = reader.refused.take();
+        refused.unwrap_or_else(|| damaged(NAME, name, error))
     };
-    let seed = || Seed {
-        most: usize::try_from(limit.file() / 8).unwrap_or(usize::MAX),
-    };
-    let first = seed().deserialize(&mut reader).map_err(broken)?;
-    if reader.end().is_ok() {
+    let first = Seed(&reader).deserialize(&mut from).map_err(broken)?;
+    if from.end().is_ok() {
         return Ok(first);
     }
-    let mut list = List::new(seed());
-    let too_large = |()| limit.exceeded(name);
-    list.push(first).map_err(too_large)?;
-    while reader.end().is_err() {
-        let next = seed().deserialize(&mut reader).map_err(broken)?;
-        list.push(next).map_err(too_large)?;
+    let mut list = List::new(budget);
+    list.push(first)?;
+    // Where each value ends; the first is known.
+    let mut values = Deserializer::from_slice(bytes).into_iter::<IgnoredAny>();
+    values.next();
+    let mut begin = values.byte_offset();
+    while let Some(value) = values.next() {
+        value.map_err(broken)?;
+        let end = values.byte_offset();
+        let mut from = Deserializer::from_slice(&bytes[begin..end]);
+        list.push(Seed(&reader).deserialize(&mut from).map_err(broken)?)?;
+        begin = end;
     }
-    Ok(list.finish())
+    list.finish()
 }
 
 /// Python writes `NaN` and `Infinity`, which are not JSON: they become a missing number.
@@ -143,69 +170,111 @@ fn bare_words(bytes: &mut [u8]) {
 }
 
 /// Findings in a file.
-#[derive(Default)]
 struct Found {
-    arrays: Vec<Array<Vec<f64>>>,
+    groups: Groups,
+    arrays: Vec<Array<Values>>,
     skipped: Vec<String>,
     comments: Vec<String>,
     beside: Beside,
     units: UnitsBeside,
+    /// Bytes of the values that the arrays took.
+    kept: u64,
 }
 
 impl Found {
-    fn take(&mut self, path: &[String], node: Node) {
-        let label = || path.join("/");
-        let (group, name) = match path.split_last() {
-            Some((name, group)) => (group, name.as_str()),
-            None => (path, "value"),
-        };
+    fn new(groups: Groups) -> Self {
+        Self {
+            groups,
+            arrays: Vec::new(),
+            skipped: Vec::new(),
+            comments: Vec::new(),
+            beside: Beside::default(),
+            units: UnitsBeside::default(),
+            kept: 0,
+        }
+    }
+
+    /// The group called `name` in another, or that itself: the file has no name.
+    fn within(&mut self, group: Group, name: Option<&str>) -> Result<Group, InputError> {
+        match name {
+            Some(name) => self.groups.inside(group, name),
+            None => Ok(group),
+        }
+    }
+
+    fn label(&self, group: Group, name: Option<&str>, part: &str) -> Result<String, InputError> {
+        self.groups.label([Group::FILE, group], name, "/", part)
+    }
+
+    fn skip(&mut self, what: String) -> Result<(), InputError> {
+        (self.groups.budget()).hold(of_text(what.len()), "what it has that is not read")?;
+        self.skipped.push(what);
+        Ok(())
+    }
+
+    /// Takes a value called `name` in a group; the file's value has no name.
+    fn take(&mut self, group: Group, name: Option<&str>, node: Node) -> Result<(), InputError> {
+        let plain = name.unwrap_or("value");
+        let unread = "what it has that is not read";
         match node {
-            Node::Object(fields) => self.object(path, fields),
+            Node::Object(fields) => return self.object(group, name, fields),
             Node::Channels(channels) => {
+                let group = self.within(group, name)?;
                 for (channel, fields) in channels {
-                    let mut inner = path.to_vec();
-                    inner.extend(channel.name.clone());
-                    self.channel(&inner, channel);
-                    self.object(&inner, fields);
+                    let name = channel.name.unwrap_or_default();
+                    self.array(group, &*name, channel.unit, channel.values)?;
+                    self.object(group, Some(&name), fields)?;
                 }
             }
-            Node::Column(values) => self.array(group, name.to_owned(), None, values),
+            Node::Column(values) => self.array(group, plain, None, values)?,
             Node::Rows(columns) => {
                 let count = columns.len() as u64;
                 for (index, values) in columns.into_iter().enumerate() {
-                    let name = name_of(name, index as u64, count);
-                    self.array(group, name, None, values);
+                    self.array(group, name_of(plain, index as u64, count), None, values)?;
                 }
             }
-            Node::Records(columns) => {
-                for (name, values) in columns {
+            Node::Records(records) => {
+                let group = self.within(group, name)?;
+                for (name, values) in records.into_columns() {
                     match values {
-                        Some(values) => self.array(path, name, None, values),
-                        None => self
-                            .skipped
-                            .push(format!("{name} (not one number in each object)")),
+                        Some(values) => self.array(group, &*name, None, values)?,
+                        None => self.skip(format!("{name} (not one number in each object)"))?,
                     }
                 }
             }
             Node::Number(value) => {
-                let of = format!("the number {}", label());
-                if !self.beside.number(group, name, &of, value) {
-                    self.skipped.push(format!("{of} = {value}"));
+                let label = self.label(group, name, unread)?;
+                let of = format!("the number {label}");
+                let budget = self.groups.budget();
+                if !(self.beside).number(group, plain, &of, value, budget)? {
+                    self.skip([&of, " = ", &*shown(value)].concat())?;
                 }
             }
             Node::Text(text) if !text.is_empty() => {
-                self.comments.push(format!("{}: {text}", label()));
+                let label = self.label(group, name, "its comments")?;
+                (self.groups.budget()).hold(of_text(text.len()), "its comments")?;
+                self.comments.push([&label, ": ", &*text].concat());
             }
-            Node::Texts(_) => self.skipped.push(format!("{} (texts)", label())),
+            Node::Texts(_) => {
+                let label = self.label(group, name, unread)?;
+                self.skip(format!("{label} (texts)"))?;
+            }
             Node::Text(_) | Node::Other => {}
         }
+        Ok(())
     }
 
-    fn object(&mut self, path: &[String], mut fields: Fields) {
-        if !path.is_empty()
+    fn object(
+        &mut self,
+        group: Group,
+        name: Option<&str>,
+        mut fields: Fields,
+    ) -> Result<(), InputError> {
+        if let Some(name) = name
             && let Some(channel) = Channel::taken(&mut fields, false)
         {
-            self.channel(path, channel);
+            let of = channel.name.as_deref().unwrap_or(name);
+            self.array(group, of, channel.unit, channel.values)?;
         }
         let mut taken = |wanted: &str| {
             let place = fields.iter().position(|(name, _)| name == wanted)?;
@@ -214,11 +283,20 @@ impl Found {
         // The form that pandas calls split.
         let columns = taken("columns");
         let data = taken("data");
+        let is_split = matches!((&columns, &data), (Some(Node::Texts(names)), Some(Node::Rows(values))) if names.len() == values.len());
+        if is_split {
+            taken("index");
+        }
+        let is_empty = |(_, node): &(String, Node)| matches!(node, Node::Other);
+        if columns.is_none() && data.is_none() && fields.iter().all(is_empty) {
+            return Ok(());
+        }
+        let own = name;
+        let group = self.within(group, own)?;
         match (columns, data) {
-            (Some(Node::Texts(names)), Some(Node::Rows(values))) if names.len() == values.len() => {
-                taken("index");
+            (Some(Node::Texts(names)), Some(Node::Rows(values))) if is_split => {
                 for (name, values) in names.into_iter().zip(values) {
-                    self.array(path, name, None, values);
+                    self.array(group, name, None, values)?;
                 }
             }
             (columns, data) => {
@@ -234,79 +312,79 @@ impl Found {
             fields.retain(|(name, _)| name != "schema");
         }
         for (name, node) in fields {
-            let mut inner = path.to_vec();
-            inner.push(name);
             match node {
-                Node::Object(fields) if is_of_units(&inner, &fields) => {
-                    self.units(&inner, fields);
+                Node::Object(fields) if is_of_units(&name, &fields) => {
+                    let group = self.groups.inside(group, &name)?;
+                    self.units(group, fields)?;
                 }
-                node => self.take(&inner, node),
+                node => self.take(group, Some(&name), node)?,
             }
         }
+        Ok(())
     }
 
-    /// Takes the units of the arrays beside the object at `path`.
-    fn units(&mut self, path: &[String], fields: Fields) {
+    /// Takes the units of the arrays beside a group of units.
+    fn units(&mut self, group: Group, fields: Fields) -> Result<(), InputError> {
         for (of, node) in fields {
             match node {
-                Node::Text(unit) => self.units.add(path, &of, &unit),
+                Node::Text(unit) => self.units.add(&self.groups, group, &of, &unit)?,
                 // An array without a unit has null.
                 Node::Number(number) if number.is_nan() => {}
-                other => {
-                    let mut inner = path.to_vec();
-                    inner.push(of);
-                    self.take(&inner, other);
-                }
+                other => self.take(group, Some(&of), other)?,
             }
         }
+        Ok(())
     }
 
-    /// A channel that the object at `path` describes.
-    fn channel(&mut self, path: &[String], channel: Channel) {
-        if let Some((own, group)) = path.split_last() {
-            let name = channel.name.unwrap_or_else(|| own.clone());
-            self.array(group, name, channel.unit, channel.values);
+    fn array(
+        &mut self,
+        group: Group,
+        name: impl Into<String>,
+        unit: Option<String>,
+        values: Vec<f64>,
+    ) -> Result<(), InputError> {
+        if values.is_empty() {
+            return Ok(());
         }
-    }
-
-    fn array(&mut self, group: &[String], name: String, unit: Option<String>, values: Vec<f64>) {
-        if values.is_empty() || self.arrays.len() >= MOST_COLUMNS {
-            return;
-        }
-        let first = values.iter().take(Column::FIRST).copied().collect();
-        self.arrays.push(Array {
-            group: group.to_vec(),
+        let budget = self.groups.budget();
+        let array = Array {
+            group,
             column: Column {
-                name,
+                name: name.into(),
                 unit,
                 is_numeric: true,
-                first,
+                first: values.iter().take(Column::FIRST).copied().collect(),
                 ..Column::default()
             },
             rows: values.len() as u64,
             clock: None,
-            source: values,
-        });
+            source: Rc::new(values),
+        };
+        budget.hold(of_list::<()>(0), "its arrays")?;
+        self.kept += of_list::<f64>(array.source.len());
+        array.add_to(&mut self.arrays, budget)
     }
 }
 
-/// Whether the object at `path` may hold the units of the arrays beside it: one of numbers and words called `units`.
-fn is_of_units(path: &[String], fields: &Fields) -> bool {
+/// Whether an object of this name may hold the units of the arrays beside it: one of numbers and words called `units`.
+fn is_of_units(name: &str, fields: &Fields) -> bool {
     let is_plain =
         |(_, node): &(String, Node)| matches!(node, Node::Text(_) | Node::Number(_) | Node::Other);
-    path.last().is_some_and(|name| are_units(name)) && fields.iter().all(is_plain)
+    are_units(name) && fields.iter().all(is_plain)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::files::Table;
+    use crate::read_limit::ReadLimit;
 
     #[test]
     fn words_that_are_no_json_are_missing_numbers() {
+        let budget = Budget::new("a.json", ReadLimit::default());
         let mut text = br#"{"NaN": [1, NaN, -Infinity, "Infinity"]}"#.to_vec();
         bare_words(&mut text);
-        let node = parsed("a.json", &text, ReadLimit::default()).unwrap();
+        let node = parsed("a.json", &text, &budget).unwrap();
         let Node::Object(fields) = node else {
             panic!("{node:?}")
         };
@@ -315,7 +393,7 @@ mod tests {
         assert!(matches!(fields[0].1, Node::Other), "{fields:?}");
         let mut text = b"[1, NaN, -Infinity]".to_vec();
         bare_words(&mut text);
-        let node = parsed("a.json", &text, ReadLimit::default()).unwrap();
+        let node = parsed("a.json", &text, &budget).unwrap();
         let Node::Column(values) = node else {
             panic!("{node:?}")
         };

@@ -1,14 +1,19 @@
 //! Values of JSON, in which lists of numbers, rows and records become columns while they are read, because a tree would take ten
 //! times the memory of the text.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fmt;
+use std::rc::Rc;
 
+use mesh_damper_output::error::InputError;
 use serde::de::{self, DeserializeSeed, MapAccess, SeqAccess, Visitor};
 
-use crate::files::arrays::MOST_COLUMNS;
+use crate::budget::{Budget, of_list, of_text};
 
-/// The beginning of the error of a file that takes too much memory.
-pub(super) const TOO_LARGE: &str = "too large";
+/// The part of a file in messages.
+const VALUES: &str = "its values";
+const NAMES: &str = "its names and texts";
 
 /// A value.
 #[derive(Debug)]
@@ -21,8 +26,8 @@ pub(super) enum Node {
     Texts(Vec<String>),
     /// A list of lists of numbers, column by column.
     Rows(Vec<Vec<f64>>),
-    /// A list of objects, column by column; `None` for values other than numbers.
-    Records(Vec<(String, Option<Vec<f64>>)>),
+    /// A list of objects, column by column.
+    Records(Records),
     Object(Vec<(String, Node)>),
     /// A list of objects that each describe a channel with its name, and their other fields.
     Channels(Vec<(Channel, Fields)>),
@@ -33,8 +38,141 @@ pub(super) enum Node {
 /// The fields of an object.
 pub(super) type Fields = Vec<(String, Node)>;
 
+/// Bytes that a field of an object takes beside its value.
+fn of_field(name: &str) -> u64 {
+    of_text(name.len()) + size_of::<Node>() as u64
+}
+
+fn of_fields(fields: &Fields) -> u64 {
+    let each = fields.iter();
+    of_list::<()>(0)
+        + each
+            .map(|(name, node)| of_field(name) + node.bytes())
+            .sum::<u64>()
+}
+
+impl Node {
+    /// Bytes that it takes, all in it included. They are charged when it is made.
+    pub fn bytes(&self) -> u64 {
+        let of_columns = |columns: &[Vec<f64>]| {
+            let each = columns.iter().map(|values| of_list::<f64>(values.len()));
+            of_list::<()>(0) + each.sum::<u64>()
+        };
+        match self {
+            Self::Number(_) | Self::Other => 0,
+            Self::Text(text) => of_text(text.len()),
+            Self::Column(values) => of_list::<f64>(values.len()),
+            Self::Texts(texts) => {
+                let each = texts.iter().map(|text| of_text(text.len()));
+                of_list::<()>(0) + each.sum::<u64>()
+            }
+            Self::Rows(columns) => of_columns(columns),
+            Self::Records(records) => records.bytes(),
+            Self::Object(fields) => of_fields(fields),
+            Self::Channels(channels) => {
+                let each = channels.iter();
+                let each = each.map(|(channel, fields)| channel.bytes() + of_fields(fields));
+                of_list::<()>(0) + each.sum::<u64>()
+            }
+        }
+    }
+}
+
+/// Objects with the same fields, column by column.
+#[derive(Debug, Default)]
+pub(super) struct Records {
+    columns: Vec<Field>,
+    places: HashMap<Rc<str>, usize>,
+}
+
+/// A field of records.
+#[derive(Debug)]
+struct Field {
+    name: Rc<str>,
+    /// Those of the first records; the others have none. `None` for values other than numbers.
+    values: Option<Vec<f64>>,
+}
+
+impl Records {
+    /// Bytes that a column takes beside its values: its name, and its place in the list and in the map.
+    fn of_name(name: &str) -> u64 {
+        of_text(name.len()) + 2 * size_of::<Field>() as u64
+    }
+
+    fn bytes(&self) -> u64 {
+        let of_values =
+            |values: &Option<Vec<f64>>| of_list::<f64>(values.as_ref().map_or(0, Vec::len));
+        let each = self.columns.iter();
+        let each = each.map(|field| Self::of_name(&field.name) + of_values(&field.values));
+        of_list::<()>(0) + each.sum::<u64>()
+    }
+
+    /// Adds the record after `rows` others.
+    fn add(&mut self, rows: usize, fields: Fields, budget: &Budget) -> Result<(), InputError> {
+        budget.release(of_fields(&fields));
+        for (place, (name, value)) in fields.into_iter().enumerate() {
+            // Records almost always have their fields in the same order.
+            let known = match self.columns.get(place) {
+                Some(field) if *field.name == *name => Some(place),
+                _ => self.places.get(&*name).copied(),
+            };
+            let index = match known {
+                Some(index) => index,
+                None => {
+                    budget.hold(Self::of_name(&name) + of_list::<f64>(0), NAMES)?;
+                    let name: Rc<str> = name.into();
+                    self.places.insert(Rc::clone(&name), self.columns.len());
+                    self.columns.push(Field {
+                        name,
+                        values: Some(Vec::new()),
+                    });
+                    self.columns.len() - 1
+                }
+            };
+            let column = &mut self.columns[index].values;
+            let number = match value {
+                Node::Number(value) => Some(value),
+                Node::Text(text) if text.is_empty() => Some(f64::NAN),
+                _ => None,
+            };
+            match (&mut *column, number) {
+                // The first of several fields of one name counts.
+                (Some(values), Some(number)) if values.len() <= rows => {
+                    budget.hold(8 * (rows + 1 - values.len()) as u64, VALUES)?;
+                    values.resize(rows, f64::NAN);
+                    values.push(number);
+                }
+                (_, Some(_)) => {}
+                (values, None) => {
+                    let given_up = values.take().map_or(0, |values| 8 * values.len() as u64);
+                    budget.release(given_up);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives each column a value for each of the records.
+    fn fill(&mut self, rows: usize, budget: &Budget) -> Result<(), InputError> {
+        for values in self
+            .columns
+            .iter_mut()
+            .filter_map(|field| field.values.as_mut())
+        {
+            budget.hold(8 * (rows - values.len()) as u64, VALUES)?;
+            values.resize(rows, f64::NAN);
+        }
+        Ok(())
+    }
+
+    /// The columns by their names; `None` for values other than numbers.
+    pub fn into_columns(self) -> impl Iterator<Item = (Rc<str>, Option<Vec<f64>>)> {
+        (self.columns.into_iter()).map(|field| (field.name, field.values))
+    }
+}
+
 /// Fields of an object that describes one channel: its values, its name, its unit.
-const VALUES: [&str; 4] = ["values", "data", "value", "samples"];
+const DATA: [&str; 4] = ["values", "data", "value", "samples"];
 const LABEL: [&str; 4] = ["name", "label", "channel", "channelname"];
 const UNIT: [&str; 2] = ["unit", "units"];
 
@@ -48,17 +186,26 @@ pub(super) struct Channel {
 }
 
 impl Channel {
+    /// What it takes beside the texts and values, which were charged as fields of its object.
+    const PLACE: u64 = size_of::<(Self, Fields)>() as u64;
+
+    fn bytes(&self) -> u64 {
+        let texts = self.name.iter().chain(&self.unit);
+        let texts = texts.map(|text| of_text(text.len())).sum::<u64>();
+        texts + of_list::<f64>(self.values.len()) + Self::PLACE
+    }
+
     /// Takes the channel's fields from those of an object; `None`, and nothing taken, if it does not describe a channel, or not its
     /// name where that is `needed`.
     pub fn taken(fields: &mut Fields, needed: bool) -> Option<Self> {
         let place = |list: &[&str], is_it: fn(&Node) -> bool| {
-            let is_of = |field: &str| list.contains(&field.to_lowercase().as_str());
+            let is_of = |field: &str| list.iter().any(|each| field.eq_ignore_ascii_case(each));
             (fields.iter()).position(|(field, node)| is_it(node) && is_of(field))
         };
         let is_text = |node: &Node| matches!(node, Node::Text(text) if !text.is_empty());
         let is_list = |node: &Node| matches!(node, Node::Column(values) if !values.is_empty());
         let (name, unit) = (place(&LABEL, is_text), place(&UNIT, is_text));
-        let values = place(&VALUES, is_list)?;
+        let values = place(&DATA, is_list)?;
         if name.is_none() && (needed || unit.is_none()) {
             return None;
         }
@@ -75,138 +222,164 @@ impl Channel {
     }
 }
 
-/// Reads a value; its lists may have at most this many numbers.
-#[derive(Clone, Copy)]
-pub(super) struct Seed {
-    pub most: usize,
+/// Reads values, and charges what it makes of them.
+pub(super) struct Reader<'b> {
+    pub budget: &'b Budget,
+    /// Why the file is refused, if it is: serde's errors hold texts alone.
+    pub refused: RefCell<Option<InputError>>,
 }
 
+impl<'b> Reader<'b> {
+    pub fn new(budget: &'b Budget) -> Self {
+        Self {
+            budget,
+            refused: RefCell::new(None),
+        }
+    }
+
+    /// The outcome of something in the form of serde's.
+    fn told<T, E: de::Error>(&self, outcome: Result<T, InputError>) -> Result<T, E> {
+        outcome.map_err(|error| {
+            *self.refused.borrow_mut() = Some(error);
+            E::custom("its budget is used up")
+        })
+    }
+
+    fn hold<E: de::Error>(&self, bytes: u64, part: &str) -> Result<(), E> {
+        self.told(self.budget.hold(bytes, part))
+    }
+}
+
+/// Reads a value.
+#[derive(Clone, Copy)]
+pub(super) struct Seed<'r>(pub &'r Reader<'r>);
+
 /// A list while it is read.
-pub(super) struct List {
-    seed: Seed,
+pub(super) struct List<'b> {
+    budget: &'b Budget,
     node: Option<Node>,
     rows: usize,
 }
 
-impl List {
-    pub fn new(seed: Seed) -> Self {
+impl<'b> List<'b> {
+    pub fn new(budget: &'b Budget) -> Self {
         Self {
-            seed,
+            budget,
             node: None,
             rows: 0,
         }
     }
 
-    /// Adds one more value; an error if the columns grow beyond the limit, for example if each row has its own names.
-    pub fn push(&mut self, value: Node) -> Result<(), ()> {
-        let rows = self.rows;
+    /// Adds one more value.
+    ///
+    /// # Errors
+    /// A budget that is used up, for example if each row has its own names.
+    pub fn push(&mut self, value: Node) -> Result<(), InputError> {
+        let (rows, budget) = (self.rows, self.budget);
         self.rows += 1;
-        let node = self.node.take();
-        let node = match (node, value) {
-            (None, Node::Number(value)) => Node::Column(vec![value]),
+        let hold = |bytes: u64| budget.hold(bytes, VALUES);
+        let node = match (self.node.take(), value) {
+            (None, Node::Number(value)) => {
+                hold(of_list::<f64>(1))?;
+                Node::Column(vec![value])
+            }
             (Some(Node::Column(mut values)), Node::Number(value)) => {
+                hold(8)?;
                 values.push(value);
                 Node::Column(values)
             }
-            (None, Node::Text(text)) if !text.is_empty() => Node::Texts(vec![text]),
+            (None, Node::Text(text)) if !text.is_empty() => {
+                hold(of_list::<()>(0))?;
+                Node::Texts(vec![text])
+            }
             (Some(Node::Texts(mut texts)), Node::Text(text)) => {
-                // A longer list is not a list of column names.
-                if texts.len() < MOST_COLUMNS {
-                    texts.push(text);
-                }
+                texts.push(text);
                 Node::Texts(texts)
             }
             // A text without a letter is a number that is missing.
-            (None, Node::Text(_)) => Node::Column(vec![f64::NAN]),
+            (None, Node::Text(_)) => {
+                budget.release(of_text(0));
+                hold(of_list::<f64>(1))?;
+                Node::Column(vec![f64::NAN])
+            }
             (Some(Node::Column(mut values)), Node::Text(text)) if text.is_empty() => {
+                budget.release(of_text(0));
+                hold(8)?;
                 values.push(f64::NAN);
                 Node::Column(values)
             }
             (None, Node::Column(row)) => {
+                let columns = of_list::<f64>(1).saturating_mul(row.len() as u64);
+                hold(of_list::<()>(0) + columns)?;
+                budget.release(of_list::<f64>(row.len()));
                 Node::Rows(row.into_iter().map(|value| vec![value]).collect())
             }
             (Some(Node::Rows(mut columns)), Node::Column(row)) => {
-                while columns.len() < row.len() {
-                    columns.push(vec![f64::NAN; rows]);
-                    self.check(columns.len())?;
-                }
-                let values = row.into_iter().map(Some).chain(std::iter::repeat(None));
+                let new = row.len().saturating_sub(columns.len()) as u64;
+                hold(new.saturating_mul(of_list::<f64>(rows)))?;
+                columns.resize_with(columns.len().max(row.len()), || vec![f64::NAN; rows]);
+                hold(8 * columns.len() as u64)?;
+                budget.release(of_list::<f64>(row.len()));
+                let values = row.into_iter().chain(std::iter::repeat(f64::NAN));
                 for (column, value) in columns.iter_mut().zip(values) {
-                    column.push(value.unwrap_or(f64::NAN));
+                    column.push(value);
                 }
-                self.check(columns.len())?;
                 Node::Rows(columns)
             }
             (None, Node::Object(mut fields)) => match Channel::taken(&mut fields, true) {
-                Some(channel) => Node::Channels(vec![(channel, fields)]),
-                None => self.record(Vec::new(), rows, fields)?,
+                Some(channel) => {
+                    hold(of_list::<()>(0) + Channel::PLACE)?;
+                    Node::Channels(vec![(channel, fields)])
+                }
+                None => {
+                    hold(of_list::<()>(0))?;
+                    let mut records = Records::default();
+                    records.add(rows, fields, budget)?;
+                    Node::Records(records)
+                }
             },
-            (Some(Node::Channels(mut channels)), Node::Object(mut fields))
-                if channels.len() < MOST_COLUMNS =>
-            {
+            (Some(Node::Channels(mut channels)), Node::Object(mut fields)) => {
                 match Channel::taken(&mut fields, true) {
                     Some(channel) => {
+                        hold(Channel::PLACE)?;
                         channels.push((channel, fields));
                         Node::Channels(channels)
                     }
-                    None => Node::Other,
+                    None => {
+                        budget.release(Node::Channels(channels).bytes() + of_fields(&fields));
+                        Node::Other
+                    }
                 }
             }
-            (Some(Node::Records(columns)), Node::Object(fields)) => {
-                self.record(columns, rows, fields)?
+            (Some(Node::Records(mut records)), Node::Object(fields)) => {
+                records.add(rows, fields, budget)?;
+                Node::Records(records)
             }
-            _ => Node::Other,
+            (node, value) => {
+                budget.release(node.map_or(0, |node| node.bytes()) + value.bytes());
+                Node::Other
+            }
         };
         self.node = Some(node);
         Ok(())
     }
 
-    fn record(
-        &self,
-        mut columns: Vec<(String, Option<Vec<f64>>)>,
-        rows: usize,
-        fields: Vec<(String, Node)>,
-    ) -> Result<Node, ()> {
-        for (place, (name, value)) in fields.into_iter().enumerate() {
-            // Records almost always have their fields in the same order.
-            let known = match columns.get(place) {
-                Some((known, _)) if *known == name => Some(place),
-                _ => columns.iter().position(|(known, _)| *known == name),
-            };
-            let index = known.unwrap_or_else(|| {
-                columns.push((name, Some(vec![f64::NAN; rows])));
-                columns.len() - 1
-            });
-            self.check(columns.len())?;
-            let column = &mut columns[index].1;
-            match (column, value) {
-                (Some(values), Node::Number(value)) if values.len() == rows => values.push(value),
-                (Some(_), Node::Number(_)) => {}
-                (Some(values), Node::Text(text)) if text.is_empty() && values.len() == rows => {
-                    values.push(f64::NAN);
-                }
-                (column, _) => *column = None,
-            }
-        }
-        for values in columns.iter_mut().filter_map(|(_, values)| values.as_mut()) {
-            if values.len() == rows {
-                values.push(f64::NAN);
-            }
-        }
-        Ok(Node::Records(columns))
-    }
-
-    fn check(&self, columns: usize) -> Result<(), ()> {
-        let numbers = columns.saturating_mul(self.rows);
-        let is_small = columns <= MOST_COLUMNS && numbers <= self.seed.most;
-        is_small.then_some(()).ok_or(())
-    }
-
-    pub fn finish(self) -> Node {
+    /// The list as a whole.
+    ///
+    /// # Errors
+    /// A budget that is used up.
+    pub fn finish(self) -> Result<Node, InputError> {
         match self.node {
             // A list of objects without numbers is not a table.
-            Some(node) => node,
-            None => Node::Column(Vec::new()),
+            Some(Node::Records(mut records)) => {
+                records.fill(self.rows, self.budget)?;
+                Ok(Node::Records(records))
+            }
+            Some(node) => Ok(node),
+            None => {
+                self.budget.hold(of_list::<f64>(0), VALUES)?;
+                Ok(Node::Column(Vec::new()))
+            }
         }
     }
 }
@@ -215,7 +388,7 @@ impl List {
 /// defmt-decoder does.
 const NUMBER: &str = "$serde_json::private::Number";
 
-impl<'de> DeserializeSeed<'de> for Seed {
+impl<'de> DeserializeSeed<'de> for Seed<'_> {
     type Value = Node;
 
     fn deserialize<D: de::Deserializer<'de>>(self, from: D) -> Result<Node, D::Error> {
@@ -223,7 +396,7 @@ impl<'de> DeserializeSeed<'de> for Seed {
     }
 }
 
-impl<'de> Visitor<'de> for Seed {
+impl<'de> Visitor<'de> for Seed<'_> {
     type Value = Node;
 
     fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -250,43 +423,53 @@ impl<'de> Visitor<'de> for Seed {
         Ok(Node::Number(f64::NAN))
     }
 
-    fn visit_str<E>(self, text: &str) -> Result<Node, E> {
-        Ok(Node::Text(text.trim().to_owned()))
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Node, E> {
+        let text = text.trim();
+        self.0.hold(of_text(text.len()), NAMES)?;
+        Ok(Node::Text(text.to_owned()))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut values: A) -> Result<Node, A::Error> {
-        let mut list = List::new(self);
+        let mut list = List::new(self.0.budget);
         while let Some(value) = values.next_element_seed(self)? {
-            list.push(value)
-                .map_err(|()| de::Error::custom(TOO_LARGE))?;
+            self.0.told(list.push(value))?;
         }
-        Ok(list.finish())
+        self.0.told(list.finish())
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<Node, A::Error> {
         let mut object = Vec::new();
         // The column form of pandas: each value under the number of its row.
         let mut column = Some(Vec::new());
+        self.0.hold(of_list::<()>(0), NAMES)?;
         while let Some(name) = fields.next_key::<String>()? {
             if name == NUMBER {
+                self.0.budget.release(of_list::<()>(0));
                 let text = fields.next_value::<String>()?;
                 return (text.parse().map(Node::Number)).map_err(de::Error::custom);
             }
-            let value = fields.next_value_seed(self)?;
+            let mut value = fields.next_value_seed(self)?;
             match (&mut column, &value) {
                 (Some(values), Node::Number(number)) if name.parse::<u64>().is_ok() => {
+                    self.0.hold(8, VALUES)?;
                     values.push(*number);
                     continue;
                 }
                 (Some(values), _) if values.is_empty() => column = None,
                 // Not all are numbers of rows, so none of them are fields.
-                (Some(_), _) => return skip(fields),
+                (Some(values), _) => {
+                    let given_up = of_list::<f64>(values.len()) + value.bytes();
+                    self.0.budget.release(given_up);
+                    return skip(fields);
+                }
                 (None, _) => {}
             }
-            object.push((name, value));
-            if object.len() > MOST_COLUMNS {
-                return Err(de::Error::custom(TOO_LARGE));
+            self.0.hold(of_field(&name), NAMES)?;
+            if let Node::Object(fields) = &mut value {
+                // It stays, with room for more fields than it has.
+                fields.shrink_to_fit();
             }
+            object.push((name, value));
         }
         Ok(match column {
             Some(values) if !values.is_empty() => Node::Column(values),

@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+use mesh_damper_output::error::InputError;
+
+use crate::files::guard::damaged;
 use crate::files::number::Kind;
 
 /// The error in a file, in words.
@@ -9,6 +12,35 @@ use crate::files::number::Kind;
 pub(in crate::files) struct Broken(pub &'static str);
 
 type Parsed<T> = Result<T, Broken>;
+
+/// Why a file is refused.
+#[derive(Debug)]
+pub(in crate::files) enum Refused {
+    Broken(Broken),
+    Budget(InputError),
+}
+
+impl From<Broken> for Refused {
+    fn from(broken: Broken) -> Self {
+        Self::Broken(broken)
+    }
+}
+
+impl From<InputError> for Refused {
+    fn from(error: InputError) -> Self {
+        Self::Budget(error)
+    }
+}
+
+impl Refused {
+    /// The error of a file of this format and name.
+    pub fn error(self, format: &str, name: &str) -> InputError {
+        match self {
+            Self::Broken(Broken(why)) => damaged(format, name, why),
+            Self::Budget(error) => error,
+        }
+    }
+}
 
 /// A run of bytes, and the reading position.
 #[derive(Clone, Debug)]
@@ -62,6 +94,12 @@ impl Bytes {
             end,
             is_little,
         }
+    }
+
+    /// The next bytes, without reading them.
+    pub fn part(mut self, count: usize, is_little: bool) -> Parsed<Self> {
+        let taken = self.take(count)?;
+        Ok(Self { is_little, ..taken })
     }
 
     pub fn slice(&self) -> &[u8] {

@@ -2,8 +2,9 @@
 
 mod element;
 mod tree;
+mod value;
 
-use std::io::Read as _;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use mesh_damper_output::error::InputError;
@@ -11,14 +12,17 @@ use mesh_damper_output::error::InputError;
 use super::arrays::arranged;
 use super::guard::damaged;
 use super::opened::Opened;
+use super::unpack::{Unpacked, inflated};
 use super::unread::is_mat_5;
 use super::{Format, Reading, Source, Tables};
+use crate::budget::of_list;
 use element::Element;
 
-pub(super) use element::{Broken, Bytes, Numbers};
+pub(super) use element::{Broken, Bytes, Numbers, Refused};
 
-pub(super) use tree::rows_of_text;
-pub(super) use tree::{Tree, Value};
+use tree::Strided;
+pub(super) use tree::Tree;
+pub(super) use value::{Value, rows_of_text};
 
 const NAME: &str = "MATLAB";
 /// Bytes before the first variable.
@@ -45,32 +49,31 @@ impl Format for Mat {
         source: Source<'a>,
         reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
+        let (name, budget) = (source.name(), source.budget());
         let bytes = Arc::new(source.bytes()?);
+        budget.read(bytes.len() as u64)?;
+        budget.hold(bytes.len() as u64, "the file")?;
         let is_little = bytes[126] == b'I';
-        let mut tree = Tree::new();
-        let mut unpacked = 0_u64;
+        let mut tree = Tree::new(Rc::clone(&budget));
         let mut rest = Bytes::new(bytes, HEADER, is_little);
         let broken = |why: Broken| damaged(NAME, &name, why.0);
         while let Some(element) = rest.next().map_err(broken)? {
             let variable = match element {
                 Element::Compressed(packed) => {
-                    let left = limit.file().saturating_sub(unpacked);
-                    let mut bytes = Vec::new();
-                    (flate2::read::ZlibDecoder::new(packed.slice()).take(left.saturating_add(1)))
-                        .read_to_end(&mut bytes)
-                        .map_err(|error| damaged(NAME, &name, error))?;
-                    unpacked += bytes.len() as u64;
-                    if bytes.len() as u64 > left {
-                        return Err(limit.exceeded(&name));
-                    }
+                    let part = "its packed variables";
+                    let bytes = match inflated(packed.slice(), usize::MAX, &budget, part) {
+                        Ok(bytes) => bytes,
+                        Err(Unpacked::Damaged(why)) => return Err(damaged(NAME, &name, why)),
+                        Err(Unpacked::Refused(error)) => return Err(error),
+                    };
                     let mut inner = Bytes::new(Arc::new(bytes), 0, is_little);
                     inner.next().map_err(broken)?
                 }
                 other => Some(other),
             };
             if let Some(Element::Matrix(matrix)) = variable {
-                tree.variable(matrix).map_err(broken)?;
+                let taken = tree.variable(matrix);
+                taken.map_err(|refused| refused.error(NAME, &name))?;
             }
         }
         opened(name, tree, reading)
@@ -86,8 +89,9 @@ pub(super) fn opened<'a>(
     mut tree: Tree,
     reading: &Reading,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
-    tree.finish();
+    tree.finish()?;
     let Tree {
+        groups,
         arrays,
         comments,
         skipped,
@@ -96,10 +100,18 @@ pub(super) fn opened<'a>(
         ..
     } = tree;
     beside.heed(reading);
-    let (mut tables, sources) = arranged(arrays, &beside, &mut |values| Ok(values.all()))?;
+    let budget = Rc::clone(groups.budget());
+    let charged = Rc::clone(&budget);
+    let mut values = move |values: &Strided| {
+        const PART: &str = "the values of its columns";
+        charged.hold(of_list::<f64>(values.count), PART)?;
+        charged.work(values.count as u64, PART)?;
+        Ok(values.all())
+    };
+    let (mut tables, sources) = arranged(&groups, arrays, beside, &mut values)?;
     if let Some(table) = tables.first_mut() {
         table.skipped.extend(skipped);
-        super::Table::note_in_all(&mut tables, &guesses);
+        super::Table::note_in_all(&mut tables, &guesses, &budget)?;
     } else {
         let skipped = super::Table {
             skipped,
@@ -107,6 +119,6 @@ pub(super) fn opened<'a>(
         };
         tables.push(skipped);
     }
-    let read = move |table: usize, column: usize| Ok(Some(sources[table][column].all()));
-    Ok(Box::new(Opened::new(name, tables, comments, read)?))
+    let read = move |table: usize, column: usize| values(&sources[table][column]).map(Some);
+    Ok(Box::new(Opened::new(budget, name, tables, comments, read)?))
 }

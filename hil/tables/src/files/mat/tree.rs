@@ -1,25 +1,33 @@
 //! The arrays in the variables of a MAT file, however deep in structures and cells.
 
-use super::element::{Broken, Bytes, Element, Numbers};
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::rc::Rc;
+
+use mesh_damper_output::error::InputError;
+
+use super::element::{Broken, Bytes, Numbers, Refused};
+use super::value::{Fields, Value, Values};
+use crate::budget::{Budget, of_text};
 use crate::files::Column;
-use crate::files::arrays::{Array, MOST_COLUMNS, MOST_OF_ARRAY, name_of};
+use crate::files::DEEPEST;
+use crate::files::arrays::{Array, name_of};
 use crate::files::beside::Beside;
-use crate::files::number::Kind;
+use crate::files::groups::{Group, Groups};
+use crate::files::number::shown;
 use crate::files::units_beside::{UnitsBeside, are_units};
-
-/// The deepest nesting of structures. Convention: deeper than any program writes, and within the stack.
-const DEEPEST: usize = 32;
-/// The most characters of texts that are kept. Convention: pages of notes.
-const MOST_TEXT: usize = 1 << 16;
-
-/// The most values that a file may have, those in structures and cells included. Convention: a structure for each cycle of a long
-/// test, with some dozen fields.
-const MOST_VALUES: usize = 1 << 20;
 
 /// Fields of a structure that name its data: dSPACE, Simulink and time series as structures.
 const DATA: [&str; 4] = ["data", "values", "value", "signal"];
 const LABEL: [&str; 3] = ["name", "label", "channelname"];
 const UNIT: [&str; 4] = ["unit", "units", "unity", "yunit"];
+
+/// Sizes of an array that is not read in a message. Convention: more than anybody's arrays have.
+const SIZES: usize = 8;
+
+/// Parts of a file in messages.
+const UNREAD: &str = "what it has that is not read";
+const COMMENTS: &str = "its comments";
 
 /// Values of a column: every `step`th of some numbers.
 #[derive(Clone, Debug)]
@@ -27,7 +35,7 @@ pub(in crate::files) struct Strided {
     numbers: Numbers,
     first: usize,
     step: usize,
-    count: usize,
+    pub count: usize,
 }
 
 impl Strided {
@@ -45,6 +53,7 @@ impl Strided {
 /// Findings in a file.
 #[derive(Debug)]
 pub(in crate::files) struct Tree {
+    pub groups: Groups,
     pub arrays: Vec<Array<Strided>>,
     /// Texts, as `name: text`; of a variable `comments`, its lines.
     pub comments: Vec<String>,
@@ -52,97 +61,93 @@ pub(in crate::files) struct Tree {
     pub guesses: Vec<String>,
     pub beside: Beside,
     units: UnitsBeside,
-    text: usize,
-    left: usize,
 }
 
-/// A matrix's head: its class, its dimensions and its name.
-struct Head {
-    class: u8,
-    is_complex: bool,
-    dimensions: Vec<usize>,
-    name: String,
-}
-
-/// A value of MATLAB.
-pub(in crate::files) enum Value {
-    Numbers(Vec<usize>, Numbers),
-    Text(String),
-    /// Elements, each with its fields.
-    Structure(Vec<Vec<(String, Value)>>),
-    Cell(Vec<Value>),
-    /// A value that is not read, in words.
-    Other(String),
-}
+type Done = Result<(), Refused>;
 
 impl Tree {
-    pub fn new() -> Self {
+    /// Nothing yet; what is found is charged to `budget`.
+    pub fn new(budget: Rc<Budget>) -> Self {
         Self {
+            groups: Groups::new(budget),
             arrays: Vec::new(),
             comments: Vec::new(),
             skipped: Vec::new(),
             guesses: Vec::new(),
             beside: Beside::default(),
             units: UnitsBeside::default(),
-            text: 0,
-            left: MOST_VALUES,
         }
     }
 
+    fn budget(&self) -> &Rc<Budget> {
+        self.groups.budget()
+    }
+
     /// At the end of the file, gives the arrays the units that it states for them.
-    pub fn finish(&mut self) {
-        let spare = std::mem::take(&mut self.units).give(&mut self.arrays, ".");
+    pub fn finish(&mut self) -> Result<(), InputError> {
+        let units = std::mem::take(&mut self.units);
+        let spare = units.give(&self.groups, &mut self.arrays, ".")?;
         self.comments.extend(spare);
+        Ok(())
     }
 
     /// Adds one variable.
-    pub fn variable(&mut self, matrix: Bytes) -> Result<(), Broken> {
-        let (name, value) = value(matrix, DEEPEST, &mut self.left)?;
-        self.take(&[], &name, value)
+    pub fn variable(&mut self, matrix: Bytes) -> Done {
+        let mut values = Values::new(Rc::clone(self.budget()));
+        let (name, value) = values.variable(matrix, DEEPEST)?;
+        self.take(Group::FILE, &name, value)?;
+        values.release();
+        Ok(())
     }
 
-    /// Adds a value that is nested in structures.
-    pub fn take(&mut self, group: &[String], name: &str, value: Value) -> Result<(), Broken> {
+    /// Adds a value called `name` in a group.
+    pub fn take(&mut self, group: Group, name: &str, value: Value) -> Done {
         match value {
             Value::Numbers(dimensions, numbers) => {
-                self.numbers(group, Labelled::plain(name), &dimensions, &numbers)
+                self.numbers(group, &Labelled::plain(name), &dimensions, &numbers)
             }
-            Value::Text(text) => {
-                self.text(group, name, &text);
-                Ok(())
-            }
+            Value::Text(text) => self.text(group, name, &text),
             Value::Cell(values) => {
-                for (index, value) in values.into_iter().enumerate() {
-                    self.take(group, &format!("{name}{{{}}}", index + 1), value)?;
-                }
-                Ok(())
+                let part = "the names of its cells";
+                self.budget().work(of_text(name.len()), part)?;
+                self.cells(group, &mut name.to_owned(), values)
             }
             Value::Structure(elements) => {
                 let several = elements.len() > 1;
                 for (index, fields) in elements.into_iter().enumerate() {
-                    let name = if several {
-                        format!("{name}({})", index + 1)
-                    } else {
-                        name.to_owned()
+                    let name = match several {
+                        true => Cow::Owned(format!("{name}({})", index + 1)),
+                        false => Cow::Borrowed(name),
                     };
                     self.structure(group, &name, fields)?;
                 }
                 Ok(())
             }
             Value::Other(what) => {
-                self.skip(format!("{} ({what})", path(group, name)));
-                Ok(())
+                let path = self.path(group, name, UNREAD)?;
+                self.skip(format!("{path} ({what})"), what.len())
             }
         }
     }
 
-    fn structure(
-        &mut self,
-        group: &[String],
-        name: &str,
-        fields: Vec<(String, Value)>,
-    ) -> Result<(), Broken> {
-        let is_of = |field: &str, list: &[&str]| list.contains(&field.to_lowercase().as_str());
+    /// Adds the values of a cell, each with its number behind the cell's name.
+    fn cells(&mut self, group: Group, name: &mut String, values: Vec<Value>) -> Done {
+        let length = name.len();
+        for (index, value) in values.into_iter().enumerate() {
+            // Writing to a text does not fail.
+            let _ = write!(name, "{{{}}}", index + 1);
+            match value {
+                Value::Cell(values) => self.cells(group, name, values)?,
+                value => self.take(group, name, value)?,
+            }
+            name.truncate(length);
+        }
+        Ok(())
+    }
+
+    fn structure(&mut self, group: Group, name: &str, fields: Fields) -> Done {
+        let is_of =
+            |field: &str, list: &[&str]| list.iter().any(|each| field.eq_ignore_ascii_case(each));
         let text = |list: &[&str]| {
             fields.iter().find_map(|(field, value)| match value {
                 Value::Text(text) if is_of(field, list) && !text.trim().is_empty() => {
@@ -155,60 +160,78 @@ impl Tree {
         // dSPACE stores the times of the elements of Y in X, in seconds.
         let has_axis = ["X", "Y"].map(|axis| {
             (fields.iter()).any(|(field, value)| {
-                field == axis
+                **field == *axis
                     && matches!(value, Value::Structure(elements)
-                    if elements.iter().flatten().any(|(field, _)| field == "Data"))
+                    if elements.iter().flatten().any(|(field, _)| **field == *"Data"))
             })
         }) == [true, true];
-        let mut inner = group.to_vec();
-        inner.push(name.to_owned());
+        let inner = self.groups.inside(group, name)?;
+        let mut labelled: Option<(Group, Labelled)> = None;
         for (field, value) in fields {
             match value {
                 // The data of a channel with its own name: its position is that of its structure.
                 Value::Numbers(dimensions, numbers)
                     if is_of(&field, &DATA) && (label.is_some() || unit.is_some()) =>
                 {
-                    // `Model Root/Rig/Force`: the last part is the name, the others are its groups.
-                    let label = label.as_deref().unwrap_or(name);
-                    let (above, name) = label.rsplit_once('/').unwrap_or(("", label));
-                    let above = above.split('/').filter(|part| !part.is_empty());
-                    let group = group.iter().cloned().chain(above.map(str::to_owned));
-                    let labelled = Labelled {
-                        name: name.to_owned(),
-                        unit: unit.clone(),
-                        is_time: false,
+                    let (group, labelled) = match &labelled {
+                        Some(known) => known,
+                        None => {
+                            let label = label.as_deref().unwrap_or(name);
+                            let named = self.labelled(group, label, unit.as_deref())?;
+                            labelled.insert(named)
+                        }
                     };
-                    let group: Vec<String> = group.collect();
-                    self.numbers(&group, labelled, &dimensions, &numbers)?;
+                    self.numbers(*group, labelled, &dimensions, &numbers)?;
                 }
-                Value::Structure(elements) if has_axis && field == "X" => {
-                    self.axis(&inner, elements)?;
+                Value::Structure(elements) if has_axis && *field == *"X" => {
+                    self.axis(inner, elements)?;
                 }
                 Value::Text(_) if is_of(&field, &LABEL) || is_of(&field, &UNIT) => {}
-                value => self.take(&inner, &field, value)?,
+                value => self.take(inner, &field, value)?,
             }
         }
         Ok(())
     }
 
-    /// The times of dSPACE.
-    fn axis(
+    /// The group and the name in a channel's label. The last part of `Model Root/Rig/Force` is the name, the others are its groups.
+    fn labelled(
         &mut self,
-        group: &[String],
-        elements: Vec<Vec<(String, Value)>>,
-    ) -> Result<(), Broken> {
+        group: Group,
+        label: &str,
+        unit: Option<&str>,
+    ) -> Result<(Group, Labelled), Refused> {
+        let (above, name) = label.rsplit_once('/').unwrap_or(("", label));
+        let mut group = group;
+        let parts = above.splitn(DEEPEST, '/');
+        for part in parts
+            .map(|part| part.trim_matches('/'))
+            .filter(|part| !part.is_empty())
+        {
+            group = self.groups.inside(group, part)?;
+        }
+        let labelled = Labelled {
+            name: name.to_owned(),
+            unit: unit.map(str::to_owned),
+            is_time: false,
+        };
+        Ok((group, labelled))
+    }
+
+    /// The times of dSPACE.
+    fn axis(&mut self, group: Group, elements: Vec<Fields>) -> Done {
         for (field, value) in elements.into_iter().flatten() {
-            if let (Value::Numbers(dimensions, numbers), "Data") = (value, field.as_str()) {
+            if let (Value::Numbers(dimensions, numbers), "Data") = (value, &*field) {
                 let labelled = Labelled {
                     name: "X".into(),
                     unit: Some("s".into()),
                     is_time: true,
                 };
-                let said = "X of the structure is read as its times in s, as dSPACE writes it";
-                if !self.guesses.iter().any(|each| each == said) {
+                // It is the only guess.
+                if self.guesses.is_empty() {
+                    let said = "X of the structure is read as its times in s, as dSPACE writes it";
                     self.guesses.push(said.into());
                 }
-                self.numbers(group, labelled, &dimensions, &numbers)?;
+                self.numbers(group, &labelled, &dimensions, &numbers)?;
             }
         }
         Ok(())
@@ -216,45 +239,33 @@ impl Tree {
 
     fn numbers(
         &mut self,
-        group: &[String],
-        labelled: Labelled,
+        group: Group,
+        labelled: &Labelled,
         dimensions: &[usize],
         numbers: &Numbers,
-    ) -> Result<(), Broken> {
+    ) -> Done {
         let count = (dimensions.iter()).try_fold(1_usize, |all, &size| all.checked_mul(size));
         if count != Some(numbers.len()) {
-            return Err(Broken(
-                "a variable has not as many numbers as its dimensions say",
-            ));
+            let why = "a variable has not as many numbers as its dimensions say";
+            return Err(Broken(why).into());
         }
-        let long: Vec<usize> = dimensions
-            .iter()
-            .copied()
-            .filter(|&size| size != 1)
-            .collect();
         let name = &labelled.name;
-        let (rows, columns, steps) = match long[..] {
-            [] => {
-                let value = numbers.get(0);
-                let of = format!("the number {}", path(group, name));
-                if !self.beside.number(group, name, &of, value) {
-                    self.skip(format!("{of} = {value}"));
-                }
-                return Ok(());
-            }
-            [rows] => (rows, 1, [1, 0]),
+        let mut long = dimensions.iter().copied().filter(|&size| size != 1);
+        let long = [long.next(), long.next(), long.next()];
+        let (rows, columns, steps) = match long {
+            [None, ..] => return self.number(group, name, numbers.get(0)),
+            [Some(rows), None, _] => (rows, 1, [1, 0]),
             // There are more samples than channels. Columns lie one after the other.
-            [rows, columns] if rows >= columns => (rows, columns, [1, rows]),
-            [columns, rows] => (rows, columns, [columns, 1]),
-            _ => {
-                let sizes: Vec<String> = dimensions.iter().map(usize::to_string).collect();
-                self.skip(format!("{} ({})", path(group, name), sizes.join("×")));
-                return Ok(());
-            }
+            [Some(rows), Some(columns), None] if rows >= columns => (rows, columns, [1, rows]),
+            [Some(columns), Some(rows), None] => (rows, columns, [columns, 1]),
+            [Some(_), Some(_), Some(_)] => (0, 0, [0, 0]),
         };
-        if rows == 0 || columns as u64 > MOST_OF_ARRAY {
-            self.skip(format!("{} ({rows}×{columns})", path(group, name)));
-            return Ok(());
+        if rows == 0 {
+            let path = self.path(group, name, UNREAD)?;
+            let sizes = dimensions.iter().take(SIZES).map(usize::to_string);
+            let more = (dimensions.len() > SIZES).then(|| "…".to_owned());
+            let sizes = sizes.chain(more).collect::<Vec<String>>().join("×");
+            return self.skip(format!("{path} ({sizes})"), sizes.len());
         }
         for column in 0..columns {
             let values = Strided {
@@ -263,8 +274,8 @@ impl Tree {
                 step: steps[0],
                 count: rows,
             };
-            self.arrays.push(Array {
-                group: group.to_vec(),
+            let array = Array {
+                group,
                 column: Column {
                     name: name_of(name, column as u64, columns as u64),
                     unit: labelled.unit.clone(),
@@ -276,39 +287,53 @@ impl Tree {
                 rows: rows as u64,
                 clock: None,
                 source: values,
-            });
-        }
-        if self.arrays.len() > MOST_COLUMNS {
-            return Err(Broken("it has more arrays than any test has channels"));
+            };
+            array.add_to(&mut self.arrays, self.groups.budget())?;
         }
         Ok(())
     }
 
-    fn text(&mut self, group: &[String], name: &str, text: &str) {
-        self.text += text.len();
-        if self.text > MOST_TEXT || text.trim().is_empty() {
-            return;
+    /// Adds a single number, which may say something about the arrays beside it.
+    fn number(&mut self, group: Group, name: &str, value: f64) -> Done {
+        let path = self.path(group, name, UNREAD)?;
+        let of = format!("the number {path}");
+        if (self.beside).number(group, name, &of, value, self.groups.budget())? {
+            return Ok(());
         }
-        if group.last().is_some_and(|name| are_units(name)) {
-            self.units.add(group, name, text);
-            return;
+        let said = [&of, " = ", &*shown(value)].concat();
+        let length = said.len();
+        self.skip(said, length)
+    }
+
+    fn text(&mut self, group: Group, name: &str, text: &str) -> Done {
+        if text.trim().is_empty() {
+            return Ok(());
         }
-        let is_ours = group.is_empty() && name == "comments";
-        let name = path(group, name);
+        if group != Group::FILE && are_units(self.groups.name(group)) {
+            return Ok(self.units.add(&self.groups, group, name, text)?);
+        }
+        let is_ours = group == Group::FILE && name == "comments";
         for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            self.budget().hold(of_text(line.len()), COMMENTS)?;
             let line = if is_ours {
                 line.to_owned()
             } else {
-                format!("{name}: {line}")
+                [&self.path(group, name, COMMENTS)?, ": ", line].concat()
             };
             self.comments.push(line);
         }
+        Ok(())
     }
 
-    fn skip(&mut self, what: String) {
-        if self.skipped.len() < MOST_COLUMNS {
-            self.skipped.push(what);
-        }
+    /// Notes what is not read. Its path is charged, and so many bytes are not.
+    fn skip(&mut self, what: String, more: usize) -> Done {
+        self.budget().hold(of_text(more), UNREAD)?;
+        self.skipped.push(what);
+        Ok(())
+    }
+
+    fn path(&self, group: Group, name: &str, part: &str) -> Result<String, InputError> {
+        (self.groups).label([Group::FILE, group], Some(name), ".", part)
     }
 }
 
@@ -327,154 +352,4 @@ impl Labelled {
             is_time: false,
         }
     }
-}
-
-fn path(group: &[String], name: &str) -> String {
-    let mut path = group.to_vec();
-    path.push(name.to_owned());
-    path.join(".")
-}
-
-/// A matrix's name and contents; `depth` is the remaining nesting, and `left` the remaining number of values.
-fn value(mut bytes: Bytes, depth: usize, left: &mut usize) -> Result<(String, Value), Broken> {
-    let deeper = depth.checked_sub(1);
-    let deeper = deeper.ok_or(Broken("structures are nested too deeply"))?;
-    *left = (left.checked_sub(1)).ok_or(Broken("it has more variables than any test"))?;
-    if bytes.slice().is_empty() {
-        return Ok((String::new(), Value::Other("empty".into())));
-    }
-    let head = head(&mut bytes)?;
-    let count = (head.dimensions.iter()).try_fold(1_usize, |all, &size| all.checked_mul(size));
-    let count = count.ok_or(Broken("the dimensions of a variable are invalid"))?;
-    let value = match head.class {
-        1 => {
-            let mut cells = Vec::new();
-            while cells.len() < count
-                && let Some(matrix) = matrix(&mut bytes)?
-            {
-                cells.push(value(matrix, deeper, left)?.1);
-            }
-            Value::Cell(cells)
-        }
-        2 | 3 => {
-            if head.class == 3 {
-                // The class of the object.
-                bytes.numbers()?;
-            }
-            Value::Structure(elements(&mut bytes, count, deeper, left)?)
-        }
-        4 => Value::Text(text(&mut bytes, &head.dimensions)?),
-        6..=15 if head.is_complex => Value::Other("complex numbers".into()),
-        6..=15 => Value::Numbers(head.dimensions, bytes.numbers()?),
-        5 => Value::Other("a sparse matrix".into()),
-        16 => Value::Other("a function".into()),
-        17 => Value::Other(format!("an object of class {}", class(&mut bytes)?)),
-        _ => Value::Other("of an unknown class".into()),
-    };
-    Ok((head.name, value))
-}
-
-fn head(bytes: &mut Bytes) -> Result<Head, Broken> {
-    let flags = bytes.numbers()?.get(0) as u32;
-    let class = flags as u8;
-    // The layout of an object of a class is not documented: its name follows at once.
-    let dimensions = if class == 17 {
-        Vec::new()
-    } else {
-        let sizes = bytes.numbers()?;
-        (0..sizes.len())
-            .map(|index| sizes.get(index) as usize)
-            .collect()
-    };
-    let name = bytes.numbers()?.text();
-    Ok(Head {
-        class,
-        is_complex: flags & 0x800 != 0,
-        dimensions,
-        name,
-    })
-}
-
-fn matrix(bytes: &mut Bytes) -> Result<Option<Bytes>, Broken> {
-    match bytes.next()? {
-        Some(Element::Matrix(matrix)) => Ok(Some(matrix)),
-        Some(_) => Err(Broken(
-            "a structure or cell holds something that is not a variable",
-        )),
-        None => Ok(None),
-    }
-}
-
-fn elements(
-    bytes: &mut Bytes,
-    count: usize,
-    depth: usize,
-    left: &mut usize,
-) -> Result<Vec<Vec<(String, Value)>>, Broken> {
-    let length = bytes.numbers()?.get(0).max(1.0) as usize;
-    let all = bytes.numbers()?;
-    let names: Vec<String> = all
-        .bytes
-        .slice()
-        .chunks(length)
-        .map(|name| {
-            let end = name
-                .iter()
-                .position(|&byte| byte == 0)
-                .unwrap_or(name.len());
-            String::from_utf8_lossy(&name[..end]).into_owned()
-        })
-        .collect();
-    let mut elements = Vec::new();
-    while elements.len() < count && !bytes.slice().is_empty() {
-        let mut fields = Vec::new();
-        for name in &names {
-            let Some(matrix) = matrix(bytes)? else { break };
-            fields.push((name.clone(), value(matrix, depth, left)?.1));
-        }
-        if fields.is_empty() {
-            break;
-        }
-        elements.push(fields);
-    }
-    Ok(elements)
-}
-
-/// A text: its rows in MATLAB's layout, one line each.
-fn text(bytes: &mut Bytes, dimensions: &[usize]) -> Result<String, Broken> {
-    let text = match bytes.next()? {
-        Some(Element::Numbers(numbers)) => numbers.text(),
-        Some(Element::Other(16, bytes)) => String::from_utf8_lossy(bytes.slice()).into_owned(),
-        Some(Element::Other(17, bytes)) => Numbers {
-            kind: Kind::U16,
-            bytes,
-        }
-        .text(),
-        _ => return Ok(String::new()),
-    };
-    Ok(rows_of_text(&text, dimensions))
-}
-
-/// The rows of a text in MATLAB's layout: column after column.
-pub(in crate::files) fn rows_of_text(text: &str, dimensions: &[usize]) -> String {
-    let rows = dimensions.first().copied().unwrap_or(1);
-    if rows <= 1 {
-        return text.to_owned();
-    }
-    let characters: Vec<char> = text.chars().collect();
-    let line = |row: usize| {
-        characters
-            .iter()
-            .skip(row)
-            .step_by(rows)
-            .collect::<String>()
-    };
-    let lines: Vec<String> = (0..rows.min(characters.len())).map(line).collect();
-    lines.join("\n")
-}
-
-/// The class of an object, after the name and the word `MCOS`.
-fn class(bytes: &mut Bytes) -> Result<String, Broken> {
-    bytes.numbers()?;
-    Ok(bytes.numbers()?.text())
 }

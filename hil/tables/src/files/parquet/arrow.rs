@@ -1,23 +1,34 @@
 //! Arrow's own files and streams, and Feather version 2, which is such a file.
 
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
 use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::reader::{FileDecoder, StreamDecoder, read_footer_length};
-use arrow_ipc::{Block, Message, root_as_footer, root_as_message};
+use arrow_ipc::{Block, Message};
 use arrow_schema::{ArrowError, SchemaRef};
 use mesh_damper_output::error::InputError;
 
 use super::leaf::{self, Gathered};
+use super::schema;
 use crate::files::guard::{damaged, guarded};
 use crate::files::opened::Opened;
+use crate::files::packed::Packed;
 use crate::files::{Format, Reading, Source, Tables};
-use crate::read_limit::ReadLimit;
 
 const NAME: &str = "Arrow";
 const MARK: &[u8] = b"ARROW1";
 /// Bytes before a message, except in streams of versions before 0.15.
 const CONTINUES: [u8; 4] = [0xff; 4];
+/// Bytes held for an array of a batch, besides its values, and for a part of one.
+const OF_ARRAY: u64 = 256;
+const OF_BUFFER: u64 = 64;
+/// Steps of work for a field that is searched for a dictionary.
+const STEPS_OF_FIELD: u64 = 32;
+const PART: &str = "its batches";
 
 /// Arrow IPC.
 pub(in crate::files) struct Arrow;
@@ -40,15 +51,16 @@ impl Format for Arrow {
         source: Source<'a>,
         _: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
+        let (name, budget) = (source.name(), source.budget());
         let bytes = source.bytes()?;
+        let packed = Packed::of(bytes.len(), budget)?;
         guarded(NAME, &name, || {
             let decoded = if bytes.starts_with(MARK) {
-                file(bytes.into(), limit)
+                file(bytes.into(), &packed)
             } else {
-                stream(bytes.into(), limit)
+                stream(bytes.into(), &packed)
             };
-            opened(&name, limit, decoded)
+            opened(&name, packed, decoded)
         })
     }
 }
@@ -56,7 +68,7 @@ impl Format for Arrow {
 /// Why a file cannot be read.
 enum Unreadable {
     Broken(String),
-    TooLarge,
+    Refused(InputError),
 }
 
 impl From<ArrowError> for Unreadable {
@@ -71,18 +83,20 @@ impl From<&str> for Unreadable {
     }
 }
 
+impl From<InputError> for Unreadable {
+    fn from(error: InputError) -> Self {
+        Self::Refused(error)
+    }
+}
+
 type Decoded = Result<(SchemaRef, Vec<RecordBatch>), Unreadable>;
 
 /// The batches of a stream, one after the other.
-fn stream(mut bytes: Buffer, limit: ReadLimit) -> Decoded {
+fn stream(mut bytes: Buffer, packed: &Packed) -> Decoded {
+    let mut seen = Seen::of(packed);
     let mut rest = bytes.as_slice();
-    let mut size = 0_u64;
-    while let Some((of_message, after)) = message(rest) {
-        size = size.saturating_add(of_message.ok_or("a message is cut")?);
+    while let Some(after) = seen.message(rest)? {
         rest = after;
-    }
-    if size > limit.file() {
-        return Err(Unreadable::TooLarge);
     }
     let mut decoder = StreamDecoder::new();
     let mut batches = Vec::new();
@@ -93,17 +107,18 @@ fn stream(mut bytes: Buffer, limit: ReadLimit) -> Decoded {
 }
 
 /// The batches of a file, whose end lists their positions.
-fn file(bytes: Buffer, limit: ReadLimit) -> Decoded {
+fn file(bytes: Buffer, packed: &Packed) -> Decoded {
     const END: &str = "it lacks its end";
     let (rest, trailer) = bytes.split_last_chunk::<10>().ok_or(END)?;
     let length = read_footer_length(*trailer)?;
     let from = rest.len().checked_sub(length).ok_or(END)?;
-    let footer = root_as_footer(&rest[from..]);
+    let footer = schema::footer(&rest[from..]);
     let footer = footer.map_err(|error| Unreadable::Broken(error.to_string()))?;
     let schema = footer.schema().ok_or("it has no schema")?;
-    let schema: SchemaRef = std::sync::Arc::new(try_fb_to_schema(schema)?);
+    let mut seen = Seen::of(packed);
+    seen.fields = schema::charge(schema, packed.budget())?;
+    let schema: SchemaRef = Arc::new(try_fb_to_schema(schema)?);
     let mut decoder = FileDecoder::new(schema.clone(), footer.version());
-    let mut size = 0_u64;
     let mut block = |block: &Block| -> Result<Buffer, Unreadable> {
         let lengths = [
             block.offset(),
@@ -120,11 +135,7 @@ fn file(bytes: Buffer, limit: ReadLimit) -> Decoded {
             return Err("a batch lies outside".into());
         }
         let block = bytes.slice_with_length(from, length);
-        let of_message = message(&block).and_then(|(size, _)| size);
-        size = size.saturating_add(of_message.ok_or("a batch is cut")?);
-        if size > limit.file() {
-            return Err(Unreadable::TooLarge);
-        }
+        seen.message(&block)?.ok_or("a batch is cut")?;
         Ok(block)
     };
     for each in footer.dictionaries().into_iter().flatten() {
@@ -139,31 +150,34 @@ fn file(bytes: Buffer, limit: ReadLimit) -> Decoded {
 
 fn opened<'a>(
     name: &str,
-    limit: ReadLimit,
+    packed: Packed,
     decoded: Decoded,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
     let (schema, batches) = decoded.map_err(|why| match why {
         Unreadable::Broken(why) => damaged(NAME, name, why),
-        Unreadable::TooLarge => limit.exceeded(name),
+        Unreadable::Refused(error) => error,
     })?;
+    let budget = packed.budget();
     let rows = batches.iter().map(|batch| batch.num_rows() as u64);
     let rows = rows.fold(0, u64::saturating_add);
-    if rows.saturating_mul(8) > limit.file() {
-        return Err(limit.exceeded(name));
-    }
-    let (table, leaves) = leaf::table(&schema, Some(rows));
+    let (mut table, leaves) = leaf::table(&schema, Some(rows), budget)?;
     let said = schema.metadata().iter();
-    let comments = leaf::comments(said.map(|(key, text)| (key.as_str(), text.as_str())));
-    let owned = name.to_owned();
+    let said = said.map(|(key, text)| (key.as_str(), text.as_str()));
+    let comments = leaf::comments(said, &mut table.skipped, budget)?;
+    let (owned, shared) = (name.to_owned(), Rc::clone(budget));
     let read = move |_: usize, column: usize| {
         guarded(NAME, &owned, || {
-            let mut gathered = Gathered::default();
-            let mut each = batches.iter();
-            let is_numeric = each.all(|batch| gathered.append(batch, &leaves[column]).is_some());
-            Ok(is_numeric.then_some(gathered.values))
+            let mut gathered = Gathered::of(rows, &packed)?;
+            for batch in &batches {
+                if gathered.append(batch, &leaves[column])?.is_none() {
+                    return Ok(None);
+                }
+            }
+            Ok(Some(gathered.values))
         })
     };
     Ok(Box::new(Opened::new(
+        shared,
         name.to_owned(),
         vec![table],
         comments,
@@ -171,47 +185,99 @@ fn opened<'a>(
     )?))
 }
 
-/// The first message of a stream. Returns the unpacked size that it and its compressed arrays state, which the decoder trusts,
-/// `None` if the message is incomplete; and the rest of the stream. `None` at the stream's end.
-fn message(bytes: &[u8]) -> Option<(Option<u64>, &[u8])> {
-    let (mark, rest) = bytes.split_first_chunk::<4>()?;
-    let (length, rest) = match *mark == CONTINUES {
-        true => rest.split_first_chunk::<4>()?,
-        false => (mark, rest),
-    };
-    let length = u32::from_le_bytes(*length) as usize;
-    if length == 0 {
-        return None;
-    }
-    let whole = || {
-        let (message, rest) = rest.split_at_checked(length)?;
-        let message = root_as_message(message).ok()?;
-        let length = usize::try_from(message.bodyLength()).ok()?;
-        let (body, rest) = rest.split_at_checked(length)?;
-        Some((unpacked(message, body)?.saturating_add(length as u64), rest))
-    };
-    Some(match whole() {
-        Some((size, rest)) => (Some(size), rest),
-        None => (None, &[]),
-    })
+/// The messages that were charged so far.
+struct Seen<'p> {
+    packed: &'p Packed,
+    /// Number of fields of the schema.
+    fields: u64,
+    /// Bytes of each dictionary, to which others may be appended.
+    dictionaries: HashMap<i64, u64>,
 }
 
-fn unpacked(message: Message<'_>, body: &[u8]) -> Option<u64> {
-    let batch = match message.header_as_dictionary_batch() {
-        Some(dictionary) => dictionary.data(),
-        None => message.header_as_record_batch(),
-    };
-    let Some(batch) = batch.filter(|batch| batch.compression().is_some()) else {
-        return Some(0);
-    };
-    let mut sum = 0_u64;
-    for buffer in batch.buffers().into_iter().flatten() {
-        let from = usize::try_from(buffer.offset()).ok()?;
-        let length = body.get(from..)?.first_chunk::<8>();
-        if let Some(length) = length.filter(|_| buffer.length() >= 8) {
-            // −1 marks an array that was left uncompressed.
-            sum = sum.saturating_add(u64::try_from(i64::from_le_bytes(*length)).unwrap_or(0));
+impl<'p> Seen<'p> {
+    fn of(packed: &'p Packed) -> Self {
+        Self {
+            packed,
+            fields: 0,
+            dictionaries: HashMap::new(),
         }
     }
-    Some(sum)
+
+    /// Charges for what the decoder makes of the first message of a stream, whose counts it believes, and returns the rest of the
+    /// stream; `None` at its end.
+    fn message<'b>(&mut self, bytes: &'b [u8]) -> Result<Option<&'b [u8]>, Unreadable> {
+        const CUT: &str = "a message is cut";
+        let Some((mark, rest)) = bytes.split_first_chunk::<4>() else {
+            return Ok(None);
+        };
+        let (length, rest) = match *mark == CONTINUES {
+            true => rest.split_first_chunk::<4>().ok_or(CUT)?,
+            false => (mark, rest),
+        };
+        let length = u32::from_le_bytes(*length) as usize;
+        if length == 0 {
+            return Ok(None);
+        }
+        let (message, rest) = rest.split_at_checked(length).ok_or(CUT)?;
+        let budget = self.packed.budget();
+        budget.work(8 * length as u64, PART)?;
+        let message = schema::message(message);
+        let message = message.map_err(|error| Unreadable::Broken(error.to_string()))?;
+        let length = usize::try_from(message.bodyLength()).ok();
+        let body = length.and_then(|length| rest.split_at_checked(length));
+        let (body, rest) = body.ok_or(CUT)?;
+        if let Some(schema) = message.header_as_schema() {
+            self.fields = schema::charge(schema, budget)?;
+        }
+        let size = self.arrays(message, body)?;
+        if let Some(dictionary) = message.header_as_dictionary_batch() {
+            budget.work(STEPS_OF_FIELD * self.fields, "its dictionaries")?;
+            budget.hold(OF_ARRAY, "its dictionaries")?;
+            let known = self.dictionaries.entry(dictionary.id()).or_default();
+            if dictionary.isDelta() {
+                // Both are copied, as batches hold the one before.
+                *known = known.saturating_add(size);
+                budget.hold(*known, "its dictionaries")?;
+                budget.work(*known, "its dictionaries")?;
+            } else {
+                *known = size;
+            }
+        }
+        Ok(Some(rest))
+    }
+
+    /// Charges for the arrays of a message, and returns the number of bytes of their values.
+    fn arrays(&self, message: Message<'_>, body: &[u8]) -> Result<u64, Unreadable> {
+        let batch = match message.header_as_dictionary_batch() {
+            Some(dictionary) => dictionary.data(),
+            None => message.header_as_record_batch(),
+        };
+        let Some(batch) = batch else { return Ok(0) };
+        let budget = self.packed.budget();
+        let arrays = self
+            .fields
+            .max(batch.nodes().map_or(0, |nodes| nodes.len() as u64));
+        let buffers = batch.buffers().map_or(0, |buffers| buffers.len() as u64);
+        budget.hold(arrays.saturating_mul(OF_ARRAY) + buffers * OF_BUFFER, PART)?;
+        budget.work(arrays.saturating_mul(OF_ARRAY) + buffers * OF_BUFFER, PART)?;
+        let is_packed = batch.compression().is_some();
+        let mut sum = 0_u64;
+        for buffer in batch.buffers().into_iter().flatten() {
+            let mut size = u64::try_from(buffer.length()).unwrap_or(0);
+            let from = usize::try_from(buffer.offset()).ok();
+            let stated = from.and_then(|from| body.get(from..)?.first_chunk::<8>());
+            if let (true, true, Some(stated)) = (is_packed, size >= 8, stated) {
+                // −1 marks an array that was left uncompressed.
+                if let Ok(stated) = u64::try_from(i64::from_le_bytes(*stated)) {
+                    size = stated;
+                    self.packed.budget().unpacked(size)?;
+                }
+            }
+            sum = sum.saturating_add(size);
+        }
+        // Also if they are not packed: what is not aligned is copied, and several may share their bytes.
+        budget.hold(sum, PART)?;
+        budget.work(sum, PART)?;
+        Ok(sum)
+    }
 }

@@ -3,28 +3,48 @@
 //! It is read by our own parser. The values of a channel are read where its segments place them, so that only wanted values are
 //! unpacked. NI's scales, which convert raw values to measured ones, are applied.
 
+mod cursor;
+mod layout;
 mod scale;
 mod segments;
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
 use super::arrays::{Array, arranged};
 use super::beside::Beside;
+use super::groups::{Group, Groups};
 use super::guard::damaged;
 use super::opened::Opened;
 use super::{Column, Format, Reading, Source, Table, Tables};
+use crate::budget::{Budget, of_list, of_text};
 use crate::files::table::Clock;
-use scale::Scales;
-use segments::{File, Object, Pieces, Property, Read, seconds};
+use cursor::Property;
+use layout::{Read, raw, seconds};
+use scale::{Raw, Scales};
+use segments::{File, Object};
 
 const NAME: &str = "TDMS";
+const PART: &str = "the names of its columns";
+/// The most channels about which the same is noted. Convention: a few lines.
+const NAMED: usize = 3;
 
-/// The error in a file, in words.
+/// Why a file cannot be read.
 #[derive(Debug)]
-struct Broken(&'static str);
+enum Refused {
+    /// It is damaged, in words.
+    Broken(&'static str),
+    /// What is to be said is known already.
+    Said(InputError),
+}
+
+impl From<InputError> for Refused {
+    fn from(error: InputError) -> Self {
+        Self::Said(error)
+    }
+}
 
 /// Technical Data Management Streaming.
 pub(super) struct Tdms;
@@ -47,52 +67,51 @@ impl Format for Tdms {
         source: Source<'a>,
         _: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (name, limit) = (source.name(), source.limit());
-        let bytes = Arc::new(source.bytes()?);
-        let file = File::of(&bytes).map_err(|why| damaged(NAME, &name, why.0))?;
-        let mut channels = Channels::of(&file);
-        let values = move |values: &Scaled| {
-            // The file does not limit the number of values that take no bytes.
-            if (values.rows as u64).saturating_mul(8) > limit.file() {
-                return None;
-            }
-            Some(values.of(&bytes))
+        let (name, budget) = (source.name(), source.budget());
+        let bytes = source.bytes()?;
+        budget.read(bytes.len() as u64)?;
+        budget.hold(bytes.len() as u64, "the file")?;
+        let said = |why: Refused| match why {
+            Refused::Broken(why) => damaged(NAME, &name, why),
+            Refused::Said(error) => error,
         };
-        let too_large = || limit.exceeded(&name);
-        let (mut tables, scaled) = arranged(channels.arrays, &Beside::default(), &mut |each| {
-            values(each).ok_or_else(too_large)
-        })?;
-        for (table, scaled) in tables.iter_mut().zip(&scaled) {
+        let file = File::of(&bytes, &budget).map_err(said)?;
+        let mut groups = Groups::new(Rc::clone(&budget));
+        let mut channels = Channels::of(&file, &mut groups).map_err(said)?;
+        let is_cut = file.is_cut;
+        let content = Content {
+            file,
+            bytes,
+            budget: Rc::clone(&budget),
+        };
+        let mut values = |scaled: &Scaled| content.values(scaled);
+        let (mut tables, scaled) =
+            arranged(&groups, channels.arrays, Beside::default(), &mut values)?;
+        for table in &mut tables {
+            budget.work(128 * table.columns.len() as u64, PART)?;
             if let Some(clock) = table.clock
                 && !(table.columns.iter()).any(crate::columns::may_be_time)
             {
+                budget.hold(of_text(128), PART)?;
                 table.guesses.push(format!(
                     "there is no time column; the times are computed from wf_increment = {} s",
                     clock.step
                 ));
-            }
-            let time = table.columns.iter_mut().zip(scaled);
-            let is_time = |(each, _): &(&mut Column, &Scaled)| crate::columns::is_time(each);
-            if let Some((column, scaled)) = time.into_iter().find(is_time) {
-                column.first = values(scaled).ok_or_else(too_large)?;
-                column.first.truncate(Column::FIRST);
             }
         }
         if tables.is_empty() {
             tables.push(Table::default());
         }
         tables[0].skipped.extend(channels.skipped);
-        if file.is_cut {
+        if is_cut {
             let note = "its end was cut; the samples that it has in whole are read";
             channels.guesses.push(note.into());
         }
-        Table::note_in_all(&mut tables, &channels.guesses);
-        let owned = name.clone();
-        let read = move |table: usize, column: usize| match values(&scaled[table][column]) {
-            Some(values) => Ok(Some(values)),
-            None => Err(limit.exceeded(&owned)),
-        };
+        Table::note_in_all(&mut tables, &channels.guesses, &budget)?;
+        let read =
+            move |table: usize, column: usize| content.values(&scaled[table][column]).map(Some);
         Ok(Box::new(Opened::new(
+            budget,
             name,
             tables,
             channels.comments,
@@ -101,29 +120,62 @@ impl Format for Tdms {
     }
 }
 
-/// Raw values of a channel, and their conversion to measured ones.
-#[derive(Clone, Debug)]
-struct Scaled {
-    rows: usize,
-    /// By the number of the scale that takes them; DAQmx has several per channel.
-    raw: Vec<(u32, Pieces)>,
-    scales: Option<Arc<Scales>>,
+/// A file and what was found in it.
+struct Content {
+    file: File,
+    bytes: Vec<u8>,
+    budget: Rc<Budget>,
 }
 
-impl Scaled {
-    fn of(&self, bytes: &[u8]) -> Vec<f64> {
-        let raw: Vec<(u32, Vec<f64>)> = (self.raw.iter())
-            .map(|(scale, pieces)| (*scale, pieces.values(bytes)))
+impl Content {
+    /// The measured values of a channel. They are charged as held.
+    fn values(&self, scaled: &Scaled) -> Result<Vec<f64>, InputError> {
+        const PART: &str = "the values of its columns";
+        let object = &self.file.objects[scaled.object];
+        let first = object.first.unwrap_or_default();
+        let reads = Raw {
+            reads: &object.reads,
+            first,
+        };
+        let (numbers, cost) = match &scaled.scales {
+            Some(scales) => (scales.raw(reads), scales.cost()),
+            None => (vec![first], 0),
+        };
+        let (rows, several) = (object.rows as u64, numbers.len() as u64);
+        let segments = self
+            .file
+            .runs
+            .iter()
+            .map(|run| 1 + run.segments.len() as u64);
+        let looks = several * segments.sum::<u64>();
+        let each = of_list::<f64>(object.rows);
+        let steps = rows.saturating_mul(several + cost);
+        self.budget.hold(each.saturating_mul(several), PART)?;
+        self.budget.work(steps.saturating_add(looks), PART)?;
+        let values = |number: u32| {
+            let rows = object.rows;
+            raw(&self.file.runs, scaled.object, number, rows, &self.bytes)
+        };
+        let found: Vec<(u32, Vec<f64>)> = (numbers.into_iter())
+            .map(|number| (number, values(number)))
             .collect();
-        match &self.scales {
-            Some(scales) => scales.apply(&raw),
-            None => raw
+        self.budget.release(each * several.saturating_sub(1));
+        Ok(match &scaled.scales {
+            Some(scales) => scales.apply(reads, found),
+            None => found
                 .into_iter()
                 .next()
                 .map(|(_, values)| values)
                 .unwrap_or_default(),
-        }
+        })
     }
+}
+
+/// A channel, and the conversion of its raw values to measured ones.
+#[derive(Clone, Debug)]
+struct Scaled {
+    object: usize,
+    scales: Option<Rc<Scales>>,
 }
 
 /// The channels that are numbers, and other contents of the file.
@@ -136,98 +188,188 @@ struct Channels {
 }
 
 impl Channels {
-    fn of(file: &File) -> Self {
+    fn of(file: &File, groups: &mut Groups) -> Result<Self, Refused> {
+        let budget = &Rc::clone(groups.budget());
         let mut channels = Self::default();
-        let none = HashMap::new();
-        let objects = file.objects.iter();
-        let above: HashMap<&[String], _> = (objects.filter(|object| object.path.len() < 2))
-            .map(|object| (&object.path[..], &object.properties))
+        let objects = || file.objects.iter().enumerate();
+        let above: HashMap<&[Rc<str>], usize> = objects()
+            .filter(|(_, object)| object.path.len() < 2)
+            .map(|(place, object)| (&object.path[..], place))
             .collect();
         let starts = Starts::of(file);
-        for object in &file.objects {
-            let path = &object.path[..];
-            let [group, name] = path else {
-                for (key, value) in &object.properties {
-                    if let Property::Text(text) = value {
-                        let key = path
-                            .iter()
-                            .chain([key])
-                            .cloned()
-                            .collect::<Vec<_>>()
-                            .join("/");
-                        channels.comments.push(format!("{key}: {text}"));
-                    }
-                }
+        let (mut dates, mut restarted) = (Named::default(), Named::default());
+        let mut known = HashMap::new();
+        for (place, object) in objects() {
+            let [group, name] = &object.path[..] else {
+                channels.comment(object, budget)?;
                 continue;
             };
-            let above = |path: &[String]| above.get(path).copied().unwrap_or(&none);
-            let label = format!("{group}/{name}");
-            if object.raw.is_empty() {
-                channels.skipped.push(match object.unread {
-                    Some(what) => format!("{label} ({what})"),
-                    None => format!("{label} (no samples)"),
-                });
+            let of_label = of_text(group.len() + name.len());
+            budget.work(64 + of_label, PART)?;
+            let label = || format!("{group}/{name}");
+            let mut skip = |what: &str| {
+                budget.hold(of_label + what.len() as u64, PART)?;
+                channels.skipped.push(format!("{} ({what})", label()));
+                Ok::<_, Refused>(())
+            };
+            let Some(first) = object.first.filter(|_| object.rows > 0) else {
+                skip(object.unread.unwrap_or("no samples"))?;
                 continue;
-            }
-            let said = [&object.properties, above(&path[..1]), above(&[])];
-            let scales = match Scales::of(&said, &object.raw) {
-                Ok(scales) => scales.map(Arc::new),
+            };
+            let raw = Raw {
+                reads: &object.reads,
+                first,
+            };
+            // The scales of the channel, of its group or of the file: the first that has any.
+            let around = [&object.path[..1], &[]].map(|path| above.get(path).copied());
+            let mut owners = [Some(place), around[0], around[1]].into_iter().flatten();
+            let owner =
+                owners.find(|&owner| Scales::count(&file.objects[owner].properties).is_some());
+            let scales = match owner {
+                Some(owner) => of_owner(&file.objects[owner], owner, raw, &mut known, budget)?,
+                // For DAQmx without scales, several values at once are not one channel.
+                None if object.reads.len() > 1 => Err("several raw values without scales".into()),
+                None => Ok(None),
+            };
+            let scales = match scales {
+                Ok(scales) => scales,
                 Err(what) => {
-                    channels.skipped.push(format!("{label} ({what})"));
+                    skip(&what)?;
                     continue;
                 }
             };
-            let is_date = object
-                .raw
-                .iter()
-                .any(|(_, pieces)| pieces.read == Some(Read::Date));
-            if is_date {
-                channels.guesses.push(format!(
-                    "the dates of {label} are taken as seconds after the first of them"
-                ));
-            }
-            let text = |keys: &[&str]| {
-                let mut found = keys.iter().filter_map(|key| object.properties.get(*key));
-                found.find_map(|value| match value {
-                    Property::Text(text) if !text.trim().is_empty() => Some(text.trim().to_owned()),
-                    _ => None,
-                })
-            };
-            let unit = text(&[
-                "unit_string",
-                "NI_UnitDescription",
-                "Unit",
-                "unit",
-                "Units",
-                "units",
-            ]);
-            let rows = object.raw[0].1.count();
+            let is_date = object.reads.values().any(|read| *read == Read::Date);
             let clock = starts.clock(object);
-            if clock.is_some() && object.is_restarted {
-                channels.guesses.push(format!(
-                    "the clock of {label} restarted within the file (wf_start_time); its samples are read as one continuous stretch"
-                ));
+            if is_date {
+                dates.add(label);
             }
-            channels.arrays.push(Array {
-                group: vec![group.clone()],
+            if clock.is_some() && object.is_restarted {
+                restarted.add(label);
+            }
+            let unit = if is_date { Some("s") } else { unit(object) };
+            let array = Array {
+                group: groups.inside(Group::FILE, group)?,
                 column: Column {
                     name: name.trim().to_owned(),
-                    unit: if is_date { Some("s".into()) } else { unit },
+                    unit: unit.map(str::to_owned),
                     is_numeric: true,
                     is_stamp: is_date,
                     ..Column::default()
                 },
-                rows: rows as u64,
+                rows: object.rows as u64,
                 clock,
                 source: Scaled {
-                    rows,
-                    raw: object.raw.clone(),
+                    object: place,
                     scales,
                 },
-            });
+            };
+            array.add_to(&mut channels.arrays, budget)?;
         }
+        channels.guesses.extend(dates.said(
+            "the dates of",
+            "are taken as seconds after the first of them",
+        ));
+        channels.guesses.extend(restarted.said(
+            "the clock of",
+            "restarted within the file (wf_start_time); its samples are read as one continuous stretch",
+        ));
         channels.guesses.extend(starts.said);
-        channels
+        Ok(channels)
+    }
+
+    /// The texts of a file or of a group.
+    fn comment(&mut self, object: &Object, budget: &Budget) -> Result<(), Refused> {
+        let mut all: Vec<(&Rc<str>, &Property)> = object.properties.iter().collect();
+        all.sort_unstable_by_key(|(key, _)| *key);
+        for (key, value) in all {
+            if let Property::Text(text) = value {
+                let path: Vec<&str> = object
+                    .path
+                    .iter()
+                    .chain([key])
+                    .map(|part| &**part)
+                    .collect();
+                let of_path: usize = path.iter().map(|part| part.len() + 1).sum();
+                budget.hold(of_text(of_path + text.len()), "its comments")?;
+                self.comments.push([&path.join("/"), ": ", text].concat());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Scales, or why they are not known.
+type Found = Result<Option<Rc<Scales>>, String>;
+
+/// The scales that an object states, for a channel with some raw values. They are made once for all channels of a group.
+fn of_owner(
+    object: &Object,
+    owner: usize,
+    raw: Raw<'_>,
+    known: &mut HashMap<usize, Found>,
+    budget: &Budget,
+) -> Result<Found, Refused> {
+    let properties = &object.properties;
+    let count = Scales::count(properties).unwrap_or_default();
+    // A scale has properties, or takes raw values of its own.
+    if count > properties.len() + raw.reads.len() {
+        return Ok(Err(format!("{count} scales")));
+    }
+    let found = match known.get(&owner) {
+        Some(found) => found.clone(),
+        None => {
+            let found = Scales::of(properties, count, budget)?.map(|found| found.map(Rc::new));
+            known.insert(owner, found.clone());
+            found
+        }
+    };
+    if let Ok(Some(scales)) = &found {
+        budget.work(count as u64, PART)?;
+        if !scales.fit(raw) {
+            return Ok(Err("raw values of no scale".into()));
+        }
+    }
+    Ok(found)
+}
+
+/// The unit that a channel states.
+fn unit(object: &Object) -> Option<&str> {
+    let keys = [
+        "unit_string",
+        "NI_UnitDescription",
+        "Unit",
+        "unit",
+        "Units",
+        "units",
+    ];
+    let mut found = keys.iter().filter_map(|key| object.properties.get(*key));
+    found.find_map(|value| match value {
+        Property::Text(text) if !text.trim().is_empty() => Some(text.trim()),
+        _ => None,
+    })
+}
+
+/// Channels about which the same is noted.
+#[derive(Default)]
+struct Named {
+    some: Vec<String>,
+    count: usize,
+}
+
+impl Named {
+    fn add(&mut self, label: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.some.len() < NAMED {
+            self.some.push(label());
+        }
+    }
+
+    /// A note for each of some, and one for the others.
+    fn said(self, of: &str, what: &str) -> Vec<String> {
+        let more = self.count - self.some.len();
+        let more = (more > 0).then(|| format!("{more} more channels"));
+        let all = self.some.into_iter().chain(more);
+        all.map(|one| format!("{of} {one} {what}")).collect()
     }
 }
 
@@ -242,9 +384,8 @@ struct Starts {
 
 impl Starts {
     fn of(file: &File) -> Self {
-        let clocked = || {
-            (file.objects.iter()).filter(|object| step(object).is_some() && !object.raw.is_empty())
-        };
+        let clocked =
+            || (file.objects.iter()).filter(|object| step(object).is_some() && object.rows > 0);
         let first = clocked().filter_map(|object| object.start).min();
         let is_one = clocked().all(|object| object.start.is_none() || object.start == first);
         let mut silent = clocked().filter(|object| object.start.is_none());

@@ -5,17 +5,21 @@
 
 use std::collections::HashMap;
 
-use super::segments::{Pieces, Property};
+use super::Refused;
+use super::cursor::{Properties, Property};
+use super::layout::Read;
+use crate::budget::Budget;
 
+const PART: &str = "the scales of its channels";
 /// The input number of the raw values themselves.
 const RAW: u32 = u32::MAX;
-/// Largest number of consecutive scales. Convention: a driver has three.
-const MOST: usize = 64;
 
 /// The scales of a channel; the last one gives its values.
 #[derive(Debug)]
 pub(super) struct Scales {
     all: Vec<(Scale, u32)>,
+    /// Which of them the last one needs.
+    is_needed: Vec<bool>,
 }
 
 /// One scale, with the number of its input.
@@ -39,8 +43,6 @@ pub(super) enum Scale {
     Thermistor(Thermistor),
 }
 
-type Properties = HashMap<String, Property>;
-
 /// The properties of one scale.
 struct ScaleProperties<'p> {
     properties: &'p Properties,
@@ -50,7 +52,7 @@ struct ScaleProperties<'p> {
 impl ScaleProperties<'_> {
     fn number(&self, name: &str) -> Result<f64, String> {
         let key = format!("NI_Scale[{}]_{name}", self.index);
-        match self.properties.get(&key) {
+        match self.properties.get(key.as_str()) {
             Some(Property::Number(number)) => Ok(*number),
             _ => Err(format!("raw values without their scale: {key} is missing")),
         }
@@ -73,95 +75,158 @@ impl ScaleProperties<'_> {
     }
 }
 
-impl Scales {
-    /// The scales of a channel, of its group or of its file: the first that has any; `None` if the values are measured ones
-    /// already.
-    ///
-    /// # Errors
-    /// An unknown or incomplete part, in words.
-    pub fn of(said: &[&Properties; 3], raw: &[(u32, Pieces)]) -> Result<Option<Self>, String> {
-        for properties in said {
-            let count = match properties.get("NI_Number_Of_Scales") {
-                Some(Property::Number(count)) => *count as usize,
-                _ => continue,
-            };
-            let is_done = matches!(properties.get("NI_Scaling_Status"),
-                Some(Property::Text(status)) if status == "scaled");
-            if is_done || count == 0 {
-                return Ok(None);
-            }
-            if count > MOST {
-                return Err(format!("{count} scales"));
-            }
-            let mut all = Vec::new();
-            for index in 0..count {
-                let (scale, input) = Scale::of(&ScaleProperties { properties, index })?;
-                // Scales are computed in their order.
-                let inputs = [Some(input), scale.other_input()].into_iter().flatten();
-                for input in inputs {
-                    if input != RAW && input as usize >= index {
-                        return Err("scales that refer to each other in a circle".into());
-                    }
-                }
-                let has_raw = |number: u32| raw.iter().any(|(scale, _)| *scale == number);
-                if scale == Scale::Scaler && !has_raw(index as u32) && !has_raw(0) {
-                    return Err("raw values of no scale".into());
-                }
-                all.push((scale, input));
-            }
-            return Ok(Some(Self { all }));
+/// Raw values of a channel: how they are read, by the scale that takes them, and the scale that takes the first.
+#[derive(Clone, Copy)]
+pub(super) struct Raw<'r> {
+    pub reads: &'r HashMap<u32, Read>,
+    pub first: u32,
+}
+
+impl Raw<'_> {
+    /// The raw values that the scale `number` takes, by the number under which they are.
+    fn of(&self, number: u32) -> u32 {
+        match self.reads.contains_key(&number) {
+            true => number,
+            false => self.first,
         }
-        // For DAQmx without scales, several values at once are not one channel.
-        match raw {
-            [_] => Ok(None),
-            _ => Err("several raw values without scales".into()),
+    }
+}
+
+impl Scales {
+    /// The number of scales that some properties state; `None` if they state none.
+    pub fn count(said: &Properties) -> Option<usize> {
+        match said.get("NI_Number_Of_Scales") {
+            Some(Property::Number(count)) => Some(*count as usize),
+            _ => None,
         }
     }
 
-    /// The channel's values, from raw ones by the number of their scale.
-    pub fn apply(&self, raw: &[(u32, Vec<f64>)]) -> Vec<f64> {
-        let mut done: Vec<Vec<f64>> = Vec::new();
-        for (index, (scale, input)) in self.all.iter().enumerate() {
-            let of_scale = |number: u32| {
-                let found = raw
-                    .iter()
-                    .find(|(scale, _)| *scale == number)
-                    .or(raw.first());
-                found.map(|(_, values)| values.clone()).unwrap_or_default()
-            };
-            let input_of = |input: u32| match done.get(input as usize) {
-                Some(values) if input != RAW => values.clone(),
-                _ => of_scale(0),
-            };
-            let mut values = match scale {
-                Scale::Scaler => of_scale(index as u32),
-                _ => input_of(*input),
-            };
-            match scale.other_input() {
-                Some(other) => {
-                    for (value, other) in values.iter_mut().zip(input_of(other)) {
-                        *value = if matches!(scale, Scale::Add(_)) {
-                            other + *value
-                        } else {
-                            other - *value
-                        };
-                    }
-                }
-                None => values
-                    .iter_mut()
-                    .for_each(|value| *value = scale.value(*value)),
-            }
-            done.push(values);
+    /// The scales that properties with a number of them state; `None` if the values are measured ones already.
+    ///
+    /// # Errors
+    /// An unknown or incomplete part, in words; or a budget that is used up.
+    pub fn of(
+        properties: &Properties,
+        count: usize,
+        budget: &Budget,
+    ) -> Result<Result<Option<Self>, String>, Refused> {
+        let is_done = matches!(properties.get("NI_Scaling_Status"),
+            Some(Property::Text(status)) if &**status == "scaled");
+        if is_done || count == 0 {
+            return Ok(Ok(None));
         }
-        done.pop().unwrap_or_default()
+        let mut all = Vec::new();
+        for index in 0..count {
+            budget.work(64, PART)?;
+            budget.hold(2 * size_of::<(Scale, u32)>() as u64, PART)?;
+            let said = ScaleProperties { properties, index };
+            let (scale, input) = match Scale::of(&said) {
+                Ok(found) => found,
+                Err(what) => return Ok(Err(what)),
+            };
+            budget.work(64 * scale.numbers(), PART)?;
+            budget.hold(32 * scale.numbers(), PART)?;
+            // Scales are computed in their order.
+            let inputs = [Some(input), scale.other_input()].into_iter().flatten();
+            for input in inputs {
+                if input != RAW && input as usize >= index {
+                    return Ok(Err("scales that refer to each other in a circle".into()));
+                }
+            }
+            all.push((scale, input));
+        }
+        let mut is_needed = vec![false; count];
+        is_needed[count - 1] = true;
+        for index in (0..count).rev() {
+            if !is_needed[index] {
+                continue;
+            }
+            let (scale, input) = &all[index];
+            for input in [Some(*input), scale.other_input()].into_iter().flatten() {
+                if let Some(needed) = is_needed.get_mut(input as usize) {
+                    *needed = true;
+                }
+            }
+        }
+        Ok(Ok(Some(Self { all, is_needed })))
+    }
+
+    /// Whether the channel has the raw values that the scales take.
+    pub fn fit(&self, raw: Raw<'_>) -> bool {
+        let has = |number: u32| raw.reads.contains_key(&number);
+        let mut all = self.all.iter().enumerate();
+        all.all(|(index, (scale, _))| *scale != Scale::Scaler || has(index as u32) || has(0))
+    }
+
+    /// The raw values that the scales need, each once.
+    pub fn raw(&self, raw: Raw<'_>) -> Vec<u32> {
+        let mut needed = Vec::new();
+        for (index, (scale, input)) in self.all.iter().enumerate() {
+            let numbers = match scale {
+                _ if !self.is_needed[index] => [None, None],
+                Scale::Scaler => [Some(index as u32), None],
+                _ => [Some(*input), scale.other_input()]
+                    .map(|input| input.filter(|&input| input == RAW).map(|_| 0)),
+            };
+            let numbers = numbers.into_iter().flatten();
+            needed.extend(numbers.map(|number| raw.of(number)));
+        }
+        needed.sort_unstable();
+        needed.dedup();
+        needed
+    }
+
+    /// Steps for a value.
+    pub fn cost(&self) -> u64 {
+        let needed = self.all.iter().zip(&self.is_needed);
+        needed
+            .map(|((scale, _), &is_needed)| if is_needed { scale.cost() } else { 1 })
+            .sum()
+    }
+
+    /// The channel's values, made of the raw ones in the place of the first of them, which are sorted by their numbers.
+    pub fn apply(&self, raw: Raw<'_>, mut of: Vec<(u32, Vec<f64>)>) -> Vec<f64> {
+        let place = |number: u32| {
+            let number = raw.of(number);
+            of.binary_search_by_key(&number, |(known, _)| *known)
+                .unwrap_or_default()
+        };
+        // The raw values that each scale takes, if it takes them.
+        let taken: Vec<usize> = (0..self.all.len() as u32).map(place).collect();
+        let plain = place(0);
+        let rows = of.first().map_or(0, |(_, values)| values.len());
+        let mut done = vec![0.0; self.all.len()];
+        for row in 0..rows {
+            for (index, (scale, input)) in self.all.iter().enumerate() {
+                if !self.is_needed[index] {
+                    continue;
+                }
+                let input_of = |input: u32| match input {
+                    RAW => of[plain].1[row],
+                    input => done[input as usize],
+                };
+                done[index] = match scale {
+                    Scale::Scaler => of[taken[index]].1[row],
+                    // As NI's own programs compute it.
+                    Scale::Add(other) => input_of(*other) + input_of(*input),
+                    Scale::Subtract(other) => input_of(*other) - input_of(*input),
+                    scale => scale.value(input_of(*input)),
+                };
+            }
+            if let Some(last) = done.last() {
+                of[0].1[row] = *last;
+            }
+        }
+        let first = of.into_iter().next();
+        first.map(|(_, values)| values).unwrap_or_default()
     }
 }
 
 impl Scale {
     fn of(said: &ScaleProperties<'_>) -> Result<(Self, u32), String> {
         let key = format!("NI_Scale[{}]_Scale_Type", said.index);
-        let kind = match said.properties.get(&key) {
-            Some(Property::Text(kind)) => kind.as_str(),
+        let kind = match said.properties.get(key.as_str()) {
+            Some(Property::Text(kind)) => &**kind,
             _ => return Ok((Self::Scaler, RAW)),
         };
         let scale = match kind {
@@ -201,6 +266,26 @@ impl Scale {
             kind => return Err(format!("the scale {kind}, which is not known here")),
         };
         Ok((scale, said.input(kind)))
+    }
+
+    /// The numbers that it has of its own, if there may be many.
+    fn numbers(&self) -> u64 {
+        match self {
+            Self::Polynomial(numbers) => numbers.len() as u64,
+            Self::Table(rows) => 2 * rows.len() as u64,
+            _ => 0,
+        }
+    }
+
+    /// Steps for a value.
+    fn cost(&self) -> u64 {
+        match self {
+            Self::Polynomial(numbers) => 1 + numbers.len() as u64,
+            Self::Table(rows) => 4 + u64::from(rows.len().max(1).ilog2()),
+            Self::Strain(_) => 4,
+            Self::Resistance(_) | Self::Thermistor(_) => 8,
+            _ => 1,
+        }
     }
 
     fn other_input(&self) -> Option<u32> {
@@ -334,7 +419,11 @@ impl Rtd {
         for _ in 0..20 {
             let value = 1.0 + a * t + b * t * t + c * (t - 100.0) * t.powi(3) - ratio;
             let slope = a + 2.0 * b * t + c * (4.0 * t.powi(3) - 300.0 * t * t);
+            let before = t;
             t -= value / slope;
+            if t == before {
+                break;
+            }
         }
         t
     }
@@ -403,10 +492,8 @@ mod tests {
         let mut properties: Properties = said
             .iter()
             .map(|(name, value)| {
-                (
-                    format!("NI_Scale[0]_{kind}_{name}"),
-                    Property::Number(*value),
-                )
+                let name = format!("NI_Scale[0]_{kind}_{name}");
+                (name.into(), Property::Number(*value))
             })
             .collect();
         properties.insert("NI_Scale[0]_Scale_Type".into(), Property::Text(kind.into()));

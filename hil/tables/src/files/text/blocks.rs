@@ -4,12 +4,15 @@ use mesh_damper_output::error::{InputError, Place};
 
 use super::header::{bare, in_comment};
 use super::layout::{FEW_ROWS, Layout};
+use crate::budget::Budget;
 use crate::columns;
+use crate::room::Room;
 
 /// The blocks of numbers of a text so far.
 pub(super) struct Blocks<'b> {
     name: &'b str,
     layout: &'b Layout,
+    budget: &'b Budget,
     after_blank: bool,
     /// The first line of numbers after the last blank line between them, and their number.
     apart: Option<(u64, usize)>,
@@ -31,6 +34,10 @@ struct Between {
 
 /// Number of rows after a blank line above which a note says that they are read. Convention: sums and means have fewer.
 const FEW: usize = 4;
+/// Steps of work for a comment that may name other columns, for a row of words, and for a cell of it.
+const STEPS_OF_COMMENT: u64 = 32;
+const STEPS_OF_WORDS: u64 = 100;
+const STEPS_OF_CELL: u64 = 4;
 /// Largest number of lines in a note.
 const NAMED: usize = 3;
 
@@ -78,10 +85,11 @@ impl Again {
 }
 
 impl<'b> Blocks<'b> {
-    pub fn of(name: &'b str, layout: &'b Layout) -> Self {
+    pub fn of(name: &'b str, layout: &'b Layout, budget: &'b Budget) -> Self {
         Self {
             name,
             layout,
+            budget,
             after_blank: false,
             apart: None,
             between: None,
@@ -111,7 +119,10 @@ impl<'b> Blocks<'b> {
         if !layout.is_named_in_comment {
             return Ok(());
         }
-        let Some(cells) = in_comment(text, layout.cells, layout.separator) else {
+        self.budget.work(STEPS_OF_COMMENT, "its comments")?;
+        let mut room = Room::of(self.budget);
+        let cells = in_comment(text, layout.cells, layout.separator, &mut room)?;
+        let Some(cells) = cells else {
             return Ok(());
         };
         let is_known = |known: &Vec<String>| *known == bare(&cells);
@@ -137,6 +148,8 @@ impl<'b> Blocks<'b> {
         is_of_numbers: bool,
     ) -> Result<(), InputError> {
         self.after_blank = false;
+        let steps = STEPS_OF_WORDS + STEPS_OF_CELL * cells.len() as u64;
+        self.budget.work(steps, "its rows of words")?;
         let between = self.between.get_or_insert(Between {
             line,
             rows: 0,

@@ -41,35 +41,28 @@ pub(super) fn could_be_either(cell: &str) -> String {
 }
 
 /// A cell that is evidence, with its line.
-type Shown<'c> = Option<(u64, &'c str)>;
+type Shown = Option<(u64, String)>;
 
-/// Evidence of all cells of some rows; of each kind the first one.
-#[derive(Default)]
-struct Evidence<'c> {
+/// Evidence of some cells; of each kind the first one.
+#[derive(Clone, Debug, Default)]
+pub(in crate::files) struct Evidence {
     /// Cells with certainly a decimal point, and with certainly a decimal comma.
-    sure: [Shown<'c>; 2],
+    sure: [Shown; 2],
     /// Cells with an ambiguous sign.
-    either: [Shown<'c>; 2],
+    either: [Shown; 2],
     /// Whether the point, or the comma, was seen to separate thousands.
     divides: [bool; 2],
 }
 
 /// The decimal sign of these rows.
 pub(super) fn of(rows: &[(u64, Vec<&str>)], separator: Separator) -> Result<Numbers, Asked> {
-    let mut evidence = Evidence::default();
-    for (line, cells) in rows {
-        cells.iter().for_each(|cell| evidence.take(*line, cell));
-    }
-    evidence.decided(separator)
+    Evidence::of(rows).decided(separator)
 }
 
 /// The number format of these rows with the decimal sign given by the user: the other one separates thousands where this is its
 /// only possible meaning.
 pub(super) fn with_sign(rows: &[(u64, Vec<&str>)], decimal: char) -> Numbers {
-    let mut evidence = Evidence::default();
-    for (line, cells) in rows {
-        cells.iter().for_each(|cell| evidence.take(*line, cell));
-    }
+    let evidence = Evidence::of(rows);
     let other = 1 - index(decimal);
     Numbers {
         decimal,
@@ -83,41 +76,63 @@ fn index(sign: char) -> usize {
     usize::from(sign == ',')
 }
 
-impl<'c> Evidence<'c> {
-    fn take(&mut self, line: u64, cell: &'c str) {
-        let here = (line, cell);
-        match sign_of(cell) {
-            None | Some(Sign::None) => {}
+impl Evidence {
+    fn of(rows: &[(u64, Vec<&str>)]) -> Self {
+        let mut evidence = Self::default();
+        for (line, cells) in rows {
+            for cell in cells {
+                evidence.take(*line, cell);
+            }
+        }
+        evidence
+    }
+
+    /// Takes the evidence of a cell, with its line. Returns the number of bytes that are kept of it.
+    pub fn take(&mut self, line: u64, cell: &str) -> usize {
+        let kept = match sign_of(cell) {
+            None | Some(Sign::None) => return 0,
             Some(Sign::Sure(sign, has_thousands)) => {
-                self.sure[index(sign)].get_or_insert(here);
                 self.divides[1 - index(sign)] |= has_thousands;
+                &mut self.sure[index(sign)]
             }
             Some(Sign::Thousands(sign)) => {
-                self.sure[1 - index(sign)].get_or_insert(here);
                 self.divides[index(sign)] = true;
+                &mut self.sure[1 - index(sign)]
             }
-            Some(Sign::Either(sign)) => {
-                self.either[index(sign)].get_or_insert(here);
-            }
+            Some(Sign::Either(sign)) => &mut self.either[index(sign)],
+        };
+        if kept.is_some() {
+            return 0;
+        }
+        *kept = Some((line, cell.to_owned()));
+        cell.len()
+    }
+
+    /// The evidence of these cells, and of others after them.
+    pub fn and(self, other: Self) -> Self {
+        let first = |[a, b]: [Shown; 2], [c, d]: [Shown; 2]| [a.or(c), b.or(d)];
+        Self {
+            sure: first(self.sure, other.sure),
+            either: first(self.either, other.either),
+            divides: [0, 1].map(|sign| self.divides[sign] || other.divides[sign]),
         }
     }
 
-    fn decided(&self, separator: Separator) -> Result<Numbers, Asked> {
-        let ask = |shown: (u64, &str), other: Shown| Asked {
-            line: shown.0,
-            cell: shown.1.to_owned(),
-            other: other.map(|(line, cell)| (line, cell.to_owned())),
+    pub(super) fn decided(self, separator: Separator) -> Result<Numbers, Asked> {
+        let ask = |(line, cell): (u64, String), other: Shown| Asked { line, cell, other };
+        let (point, comma) = match self.sure {
+            [Some(point), Some(comma)] => return Err(ask(point, Some(comma))),
+            [point, comma] => (point, comma),
         };
-        let [point, comma] = self.sure;
-        if let (Some(point), Some(comma)) = (point, comma) {
-            return Err(ask(point, Some(comma)));
-        }
-        for (sign, decimal) in [(0, '.'), (1, ',')] {
-            let Some(sure) = self.sure[sign] else {
-                continue;
-            };
+        let sure = match (point, comma) {
+            (Some(point), _) => Some((0, '.', point)),
+            (None, Some(comma)) => Some((1, ',', comma)),
+            (None, None) => None,
+        };
+        let mut either = self.either;
+        if let Some((sign, decimal, sure)) = sure {
             let has_thousands = self.divides[1 - sign];
-            return match self.either[1 - sign] {
+            return match either[1 - sign].take() {
                 // Thousands, or another decimal sign in another column.
                 Some(either) if !has_thousands => Err(ask(either, Some(sure))),
                 _ => Ok(Numbers {
@@ -127,7 +142,7 @@ impl<'c> Evidence<'c> {
                 }),
             };
         }
-        match self.either {
+        match either {
             [Some(point), Some(comma)] => Err(ask(point, Some(comma))),
             // With commas as separators a point is a decimal point, as in our own files.
             [Some(_), None] if separator == Separator::Sign(',') => Ok(Numbers::POINT),

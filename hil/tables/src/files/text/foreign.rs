@@ -1,6 +1,7 @@
 //! Reading the numbers of a text whose layout is known.
 
 use std::borrow::Cow;
+use std::rc::Rc;
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
@@ -9,9 +10,10 @@ use super::decimals;
 use super::layout::{Kind, Layout};
 use super::lines::Lines;
 use super::numbers::{Cell, Sign, sign_of};
-use super::own::grow;
+use super::own::{grow, keep};
 use super::rows::{RowKind, kind_of};
 use super::stamps::{Since, Stamp};
+use crate::budget::Budget;
 use crate::csv_text::{CsvText, is_blank, number};
 use crate::files::{Kept, Table, Tables, Values, Wanted};
 use crate::rows::{RowLines, TextRows};
@@ -21,14 +23,20 @@ pub(super) struct ForeignTable<'a> {
     name: String,
     lines: Lines<CsvText<'a>>,
     layout: Layout,
+    budget: Rc<Budget>,
 }
 
 impl<'a> ForeignTable<'a> {
-    pub fn open(text: CsvText<'a>, layout: Layout) -> Self {
+    pub fn open(mut text: CsvText<'a>, layout: Layout) -> Self {
+        if layout.is_plain {
+            text.keep_comments();
+        }
+        let budget = Rc::clone(text.budget());
         Self {
             name: text.name(),
-            lines: Lines::of(text),
+            lines: Lines::of(text, Rc::clone(&budget)),
             layout,
+            budget,
         }
     }
 }
@@ -48,8 +56,9 @@ impl Tables for ForeignTable<'_> {
             name,
             mut lines,
             layout,
+            budget,
         } = *self;
-        let reader = Reader::of(&name, &layout, wanted);
+        let reader = Reader::of(&name, &layout, wanted, &budget);
         let mut taken = Taken {
             columns: vec![Some(Vec::new()); wanted.len()],
             stamps: vec![None; wanted.len()],
@@ -59,7 +68,7 @@ impl Tables for ForeignTable<'_> {
         if kept == Kept::Cells && layout.is_plain {
             taken.cells = Some(TextRows::default());
         }
-        let mut blocks = Blocks::of(&name, &layout);
+        let mut blocks = Blocks::of(&name, &layout, &budget);
         let mut text = String::new();
         lines.skip(layout.data_line - 1)?;
         while let Some(line) = lines.row(layout.separator, &mut text)? {
@@ -68,8 +77,9 @@ impl Tables for ForeignTable<'_> {
                 blocks.comment(line.number, bare)?;
                 continue;
             }
-            let mut cells = Vec::with_capacity(layout.cells + 1);
+            let mut cells = Vec::new();
             if kind == RowKind::Cells {
+                cells.reserve(layout.cells + 1);
                 layout.separator.split(bare, &mut cells);
             }
             // A row that consists only of separators is empty.
@@ -166,12 +176,13 @@ struct Reader<'r> {
     name: &'r str,
     layout: &'r Layout,
     wanted: &'r [Wanted],
+    budget: &'r Budget,
     /// Number of cells that a row must have: those after the last column of numbers may be missing.
     least: usize,
 }
 
 impl<'r> Reader<'r> {
-    fn of(name: &'r str, layout: &'r Layout, wanted: &'r [Wanted]) -> Self {
+    fn of(name: &'r str, layout: &'r Layout, wanted: &'r [Wanted], budget: &'r Budget) -> Self {
         let is_needed = |index: usize| {
             layout
                 .kinds
@@ -185,6 +196,7 @@ impl<'r> Reader<'r> {
             name,
             layout,
             wanted,
+            budget,
             least: 1 + last.max(wanted_last).unwrap_or(0),
         }
     }
@@ -303,7 +315,7 @@ impl<'r> Reader<'r> {
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
                     };
-                    grow(values);
+                    grow(values, self.budget)?;
                     values.push(value);
                 }
                 Err(_) if !wanted.must_be_numeric => {
@@ -328,9 +340,9 @@ impl<'r> Reader<'r> {
             for (column, cell) in rewritten {
                 row[column] = cell.into();
             }
-            kept.push(&row.iter().collect());
+            keep(kept, &row.iter().collect(), self.budget)?;
         }
-        taken.lines.push(line);
+        taken.lines.push_within(line, self.budget)?;
         Ok(())
     }
 

@@ -4,23 +4,29 @@ use encoding_rs::Encoding;
 use mesh_damper_output::error::InputError;
 
 use super::encoding;
+use crate::budget::Budget;
 use crate::csv_text::CsvText;
-use crate::read_limit::ReadLimit;
+use crate::room::Room;
 
 /// Size of the head in bytes. Convention: the longest preambles of test programs have some hundred lines.
 const HEAD: usize = 1 << 18;
 
+/// Bytes held for a byte of the head: in UTF-8, and decoded, when a character of one byte may take three.
+const OF_BYTE: u64 = 1;
+const OF_DECODED: u64 = 3;
+
 /// The first lines of a text.
-pub(super) struct Head {
+pub(super) struct Head<'b> {
     /// Complete lines, except that the text's last line may be incomplete.
     pub text: String,
     /// The encoding assumed, if it is not UTF-8 or uncertain, in words.
     pub encoding: Option<String>,
     /// Whether it is UTF-8, like our own files.
     pub is_utf8: bool,
+    _room: Room<'b>,
 }
 
-impl Head {
+impl Head<'_> {
     /// Whether there is a line that is neither blank nor a comment of our own format.
     pub fn has_lines(&self) -> bool {
         let mut lines = self.text.lines().map(str::trim);
@@ -28,15 +34,15 @@ impl Head {
     }
 }
 
-/// Reads ahead, and sets the encoding from then on.
-pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputError> {
+/// Reads ahead, and sets the encoding from then on. The head's text is held by `budget`, which is that of the file.
+pub(super) fn of<'b>(text: &mut CsvText, budget: &'b Budget) -> Result<Head<'b>, InputError> {
     let mut wanted = HEAD;
-    let longest = usize::try_from(limit.line()).unwrap_or(usize::MAX);
     loop {
         let bytes = text.ahead(wanted)?;
-        // Enough for a header of many columns and a row of numbers below it, but limited for lines that are too long in any case.
-        let ends = bytes.iter().filter(|&&byte| byte == b'\n').take(2).count();
-        if ends == 2 || bytes.len() < wanted || bytes.len() > longest.saturating_mul(2) {
+        // Enough for a header of many columns and a row of numbers below it: a third line begins.
+        let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+        let is_enough = lines.filter(|line| !line.is_empty()).nth(2).is_some();
+        if is_enough || bytes.len() < wanted {
             break;
         }
         wanted = wanted.saturating_mul(2);
@@ -44,6 +50,9 @@ pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputErro
     let is_all = text.is_all_ahead();
     let bytes = text.ahead(0)?;
     let found = encoding::of(bytes, is_all);
+    let mut room = Room::of(budget);
+    let of_byte = found.encoding.map_or(OF_BYTE, |_| OF_DECODED);
+    room.more(of_byte * bytes.len() as u64, "its first lines")?;
     let mut head = decoded(found.encoding, bytes);
     if !is_all {
         let end = head.rfind(['\n', '\r']).map_or(0, |at| at + 1);
@@ -62,6 +71,7 @@ pub(super) fn of(text: &mut CsvText, limit: ReadLimit) -> Result<Head, InputErro
         text: head,
         is_utf8: encoding.is_none(),
         encoding,
+        _room: room,
     })
 }
 

@@ -2,17 +2,25 @@
 
 use std::collections::{HashMap, HashSet};
 
-use mesh_damper_output::error::quoted;
+use mesh_damper_output::error::{InputError, quoted};
 
-use super::lines::Separator;
+use super::lines::{Cells, Separator};
 use super::numbers;
 use super::rows::{Row, RowKind};
+use crate::budget::Budget;
 use crate::columns;
+use crate::room::Room;
+use crate::write::unguarded;
 
 /// Largest number of rows in a header: names, units, and additions of some programs.
 const MOST_ROWS: usize = 4;
 /// Largest number of blank lines between a header and its numbers.
 const MOST_BLANK: usize = 2;
+
+/// Steps of work for a cell that is looked up as a name and as a unit.
+const STEPS_OF_NAME: u64 = 100;
+/// Bytes held for a cell as a text of its own, besides its characters.
+const OF_TEXT: u64 = 2 * size_of::<String>() as u64;
 
 /// The rows above the numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,6 +42,8 @@ pub(super) struct Header {
     pub misfit: Option<(u64, usize)>,
     /// Rows of words below the names that are neither names nor units.
     pub passed: Vec<u64>,
+    /// Number of names that mean a channel.
+    pub named: usize,
     /// The rows of names and units as written.
     written: Vec<Vec<String>>,
 }
@@ -42,11 +52,44 @@ pub(super) struct Header {
 struct Words {
     line: u64,
     cells: Vec<String>,
+    /// Number of cells that mean a channel.
+    named: usize,
+    /// Whether it contains units: only units, or two of three cells and no name.
+    is_of_units: bool,
+}
+
+impl Words {
+    fn of(line: u64, cells: Vec<String>, budget: &Budget) -> Result<Self, InputError> {
+        budget.work(STEPS_OF_NAME * cells.len() as u64, "its names")?;
+        let (mut units, mut all, mut named, mut has_name) = (0, 0, 0, false);
+        for cell in cells.iter().filter(|cell| !cell.is_empty()) {
+            let (is_unit, is_named) = (columns::spelling::is_unit(cell), columns::is_named(cell));
+            all += 1;
+            units += usize::from(is_unit);
+            named += usize::from(is_named);
+            has_name |= is_named && !is_unit;
+        }
+        Ok(Self {
+            line,
+            cells,
+            named,
+            is_of_units: all > 0 && (units == all || (3 * units >= 2 * all && !has_name)),
+        })
+    }
 }
 
 impl Header {
-    /// The header above the row of numbers at `first`, which has this many cells.
-    pub fn above(rows: &[Row], first: usize, cells: usize, separator: Separator) -> Self {
+    /// The header above the row of numbers at `first`, which has this many cells. `room` holds it.
+    ///
+    /// # Errors
+    /// The budget has no room for it.
+    pub fn above(
+        rows: &[Row],
+        first: usize,
+        cells: usize,
+        separator: Separator,
+        room: &mut Room,
+    ) -> Result<Self, InputError> {
         let mut texts: Vec<Words> = Vec::new();
         let mut comments: Vec<Words> = Vec::new();
         let mut misfit = None;
@@ -62,14 +105,16 @@ impl Header {
                 }
                 RowKind::Comment => {
                     if texts.is_empty() && comments.len() < MOST_ROWS {
-                        comments.extend(commented(row, cells, separator));
+                        let words = in_comment(row.text, cells, separator, room)?;
+                        let words = words.map(|words| Words::of(row.line, words, room.budget()));
+                        comments.extend(words.transpose()?);
                     }
                 }
                 RowKind::Cells => {
-                    let words = split(row.text, cells, separator);
+                    let words = split(row.text, cells, separator, room)?;
                     if !is_wordy(&words) {
                         // Some programs write the rate of each column between its name and its unit.
-                        let are_units = texts.iter().all(|row| is_of_units(&row.cells));
+                        let are_units = texts.iter().all(|row| row.is_of_units);
                         if figures.is_some()
                             || texts.is_empty()
                             || !are_units
@@ -87,10 +132,7 @@ impl Header {
                         }
                         break;
                     }
-                    texts.push(Words {
-                        line: row.line,
-                        cells: words,
-                    });
+                    texts.push(Words::of(row.line, words, room.budget())?);
                     if texts.len() == MOST_ROWS {
                         break;
                     }
@@ -105,12 +147,16 @@ impl Header {
             .passed
             .extend(figures.filter(|&line| header.line.is_some_and(|names| names < line)));
         header.misfit = misfit;
-        header
+        // The rows of names and of units are kept as written.
+        let kept = header.written.iter().flatten();
+        let kept = kept.map(|cell| OF_TEXT + cell.len() as u64).sum();
+        room.more(kept, "its names")?;
+        Ok(header)
     }
 
     /// Names and units among rows of words, the nearest to the numbers first.
     fn of(mut rows: Vec<Words>) -> Self {
-        let units = rows.iter().position(|row| is_of_units(&row.cells));
+        let units = rows.iter().position(|row| row.is_of_units);
         // In a single row single letters may be names as well: s and N.
         let is_sure = |index: &usize| {
             let mut cells = rows[*index].cells.iter();
@@ -118,15 +164,9 @@ impl Header {
                 || cells.any(|unit| unit.chars().filter(|c| c.is_alphabetic()).count() > 1)
         };
         let units = units.filter(is_sure);
-        let named = |row: &Words| {
-            row.cells
-                .iter()
-                .filter(|name| columns::is_named(name))
-                .count()
-        };
         let others = (0..rows.len()).filter(|&index| Some(index) != units);
         // The nearest of those with the most known names.
-        let names = others.rev().max_by_key(|&index| named(&rows[index]));
+        let names = others.rev().max_by_key(|&index| rows[index].named);
         let is_below = |index: &usize| names.is_none_or(|names| *index < names);
         let passed = (0..rows.len())
             .rev()
@@ -137,11 +177,12 @@ impl Header {
         let is_second = |index: &usize| Some(*index) != units && Some(*index) != names;
         let second = (0..rows.len()).filter(is_second);
         let second = second
-            .map(|index| &rows[index].cells)
-            .find(|cells| is_of_units(cells))
-            .cloned();
+            .map(|index| &rows[index])
+            .find(|row| row.is_of_units)
+            .map(|row| row.cells.clone());
         let line = |index: Option<usize>| index.map(|index| rows[index].line);
         let (names_line, units_line) = (line(names), line(units));
+        let named = names.map_or(0, |index| rows[index].named);
         let mut taken =
             |index: Option<usize>| index.map(|index| std::mem::take(&mut rows[index].cells));
         let (names, mut units) = (taken(names), taken(units));
@@ -165,15 +206,10 @@ impl Header {
             first_line: names_line.into_iter().chain(units_line).min(),
             units,
             passed,
+            named,
             written,
             ..Self::default()
         }
-    }
-
-    /// Number of columns whose name means a channel.
-    pub fn named(&self) -> usize {
-        let names = self.names.iter();
-        names.filter(|name| columns::is_named(name)).count()
     }
 
     /// Whether the names are in a separate line.
@@ -227,37 +263,53 @@ fn fits(count: usize, cells: usize) -> bool {
     count == cells || count + 1 == cells
 }
 
-/// The cells of a row of words above rows of `cells`, without additional empty ones at the end.
-fn split(text: &str, cells: usize, separator: Separator) -> Vec<String> {
+/// The cells of a row of words above rows of `cells`, without additional empty ones at the end. `room` holds them.
+fn split(
+    text: &str,
+    cells: usize,
+    separator: Separator,
+    room: &mut Room,
+) -> Result<Vec<String>, InputError> {
+    let mut split = Cells::of(room.budget());
+    let words = split.split(separator, text)?;
+    room.more(
+        OF_TEXT * words.len() as u64 + text.len() as u64,
+        "its names",
+    )?;
     let mut words: Vec<String> = match separator {
-        Separator::Blanks => at_blanks(text, cells),
-        Separator::Sign(_) => {
-            let mut words = Vec::new();
-            separator.split(text, &mut words);
-            words.into_iter().map(cleaned).collect()
-        }
+        Separator::Blanks => at_blanks(text, words, cells, room)?,
+        Separator::Sign(_) => words.iter().map(|word| cleaned(word)).collect(),
     };
     let is_more = |word: &String| word.is_empty() || word == super::lvm::REMARK;
     while words.len() > cells && words.last().is_some_and(is_more) {
         words.pop();
     }
-    words
+    Ok(words)
 }
 
 /// A cell in one line, with doubled quotes made single.
 fn cleaned(cell: &str) -> String {
+    let cell = unguarded(cell);
     let words: Vec<&str> = cell.split_whitespace().collect();
     words.join(" ").replace("\"\"", "\"")
 }
 
 /// Names above columns of fixed width. A name is a single word, or has single blanks between its words, or ends with its unit in
 /// brackets, or is a word followed by its unit.
-fn at_blanks(text: &str, cells: usize) -> Vec<String> {
-    let mut words = Vec::new();
-    Separator::Blanks.split(text, &mut words);
+fn at_blanks(
+    text: &str,
+    words: &[&str],
+    cells: usize,
+    room: &Room,
+) -> Result<Vec<String>, InputError> {
+    let all = || words.iter().map(|word| cleaned(word)).collect();
     if words.len() == cells {
-        return words.into_iter().map(cleaned).collect();
+        return Ok(all());
     }
+    // Three more divisions of the text.
+    let mut tried = Room::of(room.budget());
+    let each = OF_TEXT * words.len() as u64 + text.len() as u64;
+    tried.more(3 * each, "its names")?;
     let wide = text.replace('\t', "  ");
     let wide: Vec<String> = wide
         .split("  ")
@@ -265,12 +317,12 @@ fn at_blanks(text: &str, cells: usize) -> Vec<String> {
         .filter(|name| !name.is_empty())
         .collect();
     if wide.len() == cells {
-        return wide;
+        return Ok(wide);
     }
     // A unit in brackets ends a name.
     let mut ended: Vec<String> = Vec::new();
     let mut is_ended = true;
-    for word in &words {
+    for word in words {
         match ended.last_mut() {
             Some(name) if !is_ended => {
                 name.push(' ');
@@ -281,10 +333,10 @@ fn at_blanks(text: &str, cells: usize) -> Vec<String> {
         is_ended = word.ends_with([']', ')', '>', '}']);
     }
     if is_ended && ended.len() == cells {
-        return ended;
+        return Ok(ended);
     }
     let mut joined: Vec<String> = Vec::new();
-    for word in &words {
+    for word in words {
         match joined.last_mut() {
             Some(name) if word.starts_with(['[', '(', '<', '{', '/']) => {
                 name.push(' ');
@@ -293,24 +345,35 @@ fn at_blanks(text: &str, cells: usize) -> Vec<String> {
             _ => joined.push((*word).to_owned()),
         }
     }
-    if joined.len() == cells {
-        return joined;
-    }
-    words.into_iter().map(cleaned).collect()
-}
-
-fn commented(row: &Row, cells: usize, separator: Separator) -> Option<Words> {
-    Some(Words {
-        line: row.line,
-        cells: in_comment(row.text, cells, separator)?,
+    Ok(match joined.len() == cells {
+        true => joined,
+        false => all(),
     })
 }
 
-/// The names in a comment, whose separator may differ from that of the numbers.
-pub(super) fn in_comment(text: &str, cells: usize, separator: Separator) -> Option<Vec<String>> {
-    let separators = [separator].into_iter().chain(Separator::ALL);
-    let mut split = separators.map(|separator| split(text, cells, separator));
-    split.find(|words| words.len() == cells && is_wordy(words))
+/// The names in a comment, whose separator may differ from that of the numbers. `room` holds them.
+///
+/// # Errors
+/// The budget has no room for them.
+pub(super) fn in_comment(
+    text: &str,
+    cells: usize,
+    separator: Separator,
+    room: &mut Room,
+) -> Result<Option<Vec<String>>, InputError> {
+    // A cell takes a sign or a separator.
+    if text.len() + 1 < cells {
+        return Ok(None);
+    }
+    for separator in [separator].into_iter().chain(Separator::ALL) {
+        let mut tried = Room::of(room.budget());
+        let words = split(text, cells, separator, &mut tried)?;
+        if words.len() == cells && is_wordy(&words) {
+            room.take(tried);
+            return Ok(Some(words));
+        }
+    }
+    Ok(None)
 }
 
 fn is_wordy(cells: &[String]) -> bool {
@@ -323,21 +386,6 @@ fn is_wordy(cells: &[String]) -> bool {
         }
     }
     words > figures
-}
-
-/// Whether a row contains units: only units, or two of three cells and no name.
-fn is_of_units(cells: &[String]) -> bool {
-    let full = cells.iter().filter(|cell| !cell.is_empty());
-    let (mut units, mut all, mut named) = (0, 0, false);
-    for cell in full {
-        all += 1;
-        if columns::spelling::is_unit(cell) {
-            units += 1;
-        } else {
-            named |= columns::is_named(cell);
-        }
-    }
-    all > 0 && (units == all || (3 * units >= 2 * all && !named))
 }
 
 /// A name for each column: nameless columns are named by their index, and equal names are distinguished by a number.
@@ -380,12 +428,16 @@ pub(super) fn distinct(names: &[String], guesses: &mut Vec<String>) -> Vec<Strin
 
 #[cfg(test)]
 mod tests {
-    use super::super::rows::rows;
+    use super::super::rows;
     use super::*;
+    use crate::read_limit::ReadLimit;
 
     fn above(text: &str, cells: usize, separator: Separator) -> Header {
-        let rows = rows(text, separator);
-        Header::above(&rows, rows.len() - 1, cells, separator)
+        let budget = Budget::new("a.txt", ReadLimit::default());
+        let mut room = Room::of(&budget);
+        let lines = rows::lines(text, &mut room).unwrap();
+        let rows = rows::rows(text, &lines, separator, &mut room).unwrap();
+        Header::above(&rows, rows.len() - 1, cells, separator, &mut room).unwrap()
     }
 
     #[test]

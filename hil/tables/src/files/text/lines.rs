@@ -1,10 +1,13 @@
 //! The lines of a text, and the cells of a line.
 
 use std::io::{self, BufRead, BufReader, Read};
+use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
+use crate::budget::Budget;
 use crate::csv_text::{CsvText, found_wrong};
+use crate::room::Room;
 
 /// Largest number of lines in a quoted cell.
 pub(super) const QUOTED_LINES: usize = 16;
@@ -76,10 +79,24 @@ impl Separator {
         }
     }
 
-    /// Whether a quoted cell begins in the line and does not end in it.
-    pub fn is_open(self, line: &str) -> bool {
+    /// The largest number of cells that a line may have.
+    pub fn most_cells(self, line: &str) -> usize {
+        match self {
+            Self::Sign(sign) => 1 + line.matches(sign).count(),
+            Self::Blanks => line.split_whitespace().count(),
+        }
+    }
+
+    /// Whether a quoted cell begins in the line and does not end in it; or, if one `was_open` before it, whether it is open after it.
+    pub fn is_open(self, line: &str, was_open: bool) -> bool {
         let Self::Sign(sign) = self else { return false };
         let mut rest = line;
+        if was_open {
+            match closing(line) {
+                Some(end) => rest = &line[end + 1..],
+                None => return true,
+            }
+        }
         loop {
             let Some(at) = rest.find('"') else {
                 return false;
@@ -131,13 +148,62 @@ fn split_at_blanks<'t>(line: &'t str, cells: &mut Vec<&'t str>) {
     }
 }
 
+/// The cells of one line after the other.
+pub(super) struct Cells<'t, 'b> {
+    cells: Vec<&'t str>,
+    room: Room<'b>,
+}
+
+/// Bytes of a line up to which its cells are not charged: they are less than a buffer of the file.
+const SHORT: usize = 1 << 12;
+/// Bytes held for a cell of a line.
+pub(super) const OF_CELL: u64 = size_of::<&str>() as u64;
+/// Bytes held for a byte of a row, in a buffer that doubles as it grows.
+const OF_LINE: u64 = 2;
+/// Steps of work for a cell that is examined, and for a line.
+const STEPS_OF_CELL: u64 = 2;
+const STEPS_OF_LINE: u64 = 4;
+
+impl<'t, 'b> Cells<'t, 'b> {
+    pub fn of(budget: &'b Budget) -> Self {
+        Self {
+            cells: Vec::new(),
+            room: Room::of(budget),
+        }
+    }
+
+    /// The cells of a line, which are examined.
+    ///
+    /// # Errors
+    /// The budget has no room for them.
+    pub fn split(&mut self, separator: Separator, line: &'t str) -> Result<&[&'t str], InputError> {
+        if line.len() > SHORT {
+            let most = separator.most_cells(line);
+            let part = "the cells of its longest row";
+            self.room.at_least(OF_CELL * most as u64, part)?;
+            self.cells.clear();
+            self.cells.reserve_exact(most);
+        }
+        separator.split(line, &mut self.cells);
+        let steps = STEPS_OF_LINE + STEPS_OF_CELL * self.cells.len() as u64;
+        self.room
+            .budget()
+            .work(steps, "the cells of its first rows")?;
+        Ok(&self.cells)
+    }
+}
+
 /// The lines of a text, one after the other.
 pub(super) struct Lines<R> {
     from: BufReader<R>,
+    budget: Rc<Budget>,
     /// Number of lines so far.
     count: u64,
     after_return: bool,
     bytes: Vec<u8>,
+    /// Bytes held for the longest line so far, and for the cells of the longest row.
+    of_line: u64,
+    of_cells: u64,
 }
 
 /// A line that was read.
@@ -161,15 +227,31 @@ impl<'a> Lines<CsvText<'a>> {
             return Ok(None);
         };
         let mut more = 1;
-        while text.contains('"') && separator.is_open(text) && more < QUOTED_LINES {
+        let mut is_open = text.contains('"') && separator.is_open(text, false);
+        while is_open && more < QUOTED_LINES {
             text.push('\n');
+            let begin = text.len();
             match self.next(text)? {
                 Some(next) => line.has_end = next.has_end,
                 None => break,
             }
+            is_open = separator.is_open(&text[begin..], true);
             more += 1;
         }
+        self.charge(separator, text)?;
         Ok(Some(line))
+    }
+
+    /// Charges for the cells of a row, if it is the longest so far.
+    fn charge(&mut self, separator: Separator, row: &str) -> Result<(), InputError> {
+        if row.len() > SHORT {
+            // A vector of them doubles as it grows.
+            let takes = 2 * OF_CELL * separator.most_cells(row) as u64;
+            let more = takes.saturating_sub(self.of_cells);
+            self.of_cells += more;
+            self.budget.hold(more, "the cells of its longest row")?;
+        }
+        Ok(())
     }
 
     fn next(&mut self, text: &mut String) -> Result<Option<Line>, InputError> {
@@ -200,12 +282,15 @@ impl<'a> Lines<CsvText<'a>> {
 }
 
 impl<R: Read> Lines<R> {
-    pub fn of(from: R) -> Self {
+    pub fn of(from: R, budget: Rc<Budget>) -> Self {
         Self {
             from: BufReader::with_capacity(1 << 16, from),
+            budget,
             count: 0,
             after_return: false,
             bytes: Vec::new(),
+            of_line: 0,
+            of_cells: 0,
         }
     }
 
@@ -231,6 +316,13 @@ impl<R: Read> Lines<R> {
             self.bytes.extend_from_slice(buffer);
             let taken = buffer.len() + usize::from(has_end);
             self.from.consume(taken);
+            let long = text.len() + 2 * self.bytes.len();
+            if long > SHORT {
+                let takes = OF_LINE * long as u64;
+                let more = takes.saturating_sub(self.of_line);
+                self.of_line += more;
+                (self.budget.hold(more, "its longest row")).map_err(io::Error::other)?;
+            }
         }
         if self.bytes.is_empty() && !has_end {
             return Ok(None);
@@ -248,6 +340,7 @@ impl<R: Read> Lines<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read_limit::ReadLimit;
 
     fn split(separator: Separator, line: &str) -> Vec<&str> {
         let mut cells = Vec::new();
@@ -271,14 +364,19 @@ mod tests {
             split(Separator::Blanks, "  1.5\t 2 \"a b\" "),
             ["1.5", "2", "a b"]
         );
-        assert!(comma.is_open("1,\"a"));
-        assert!(!comma.is_open("5\" x,2"));
-        assert!(!comma.is_open("\"a\"\"b\",2"));
+        assert!(comma.is_open("1,\"a", false));
+        assert!(!comma.is_open("5\" x,2", false));
+        assert!(!comma.is_open("\"a\"\"b\",2", false));
+        // The next lines of a quoted cell.
+        assert!(comma.is_open("b\"\"", true));
+        assert!(!comma.is_open("b\",2", true));
+        assert!(comma.is_open("b\",\"2", true));
     }
 
     #[test]
     fn each_line_end_ends_one_line() {
-        let mut lines = Lines::of(&b"a\r\nb\rc\n\nd"[..]);
+        let budget = Budget::new("a.csv", ReadLimit::default());
+        let mut lines = Lines::of(&b"a\r\nb\rc\n\nd"[..], Rc::new(budget));
         let mut all = Vec::new();
         let mut text = String::new();
         while let Some(line) = lines.read(&mut text).unwrap() {

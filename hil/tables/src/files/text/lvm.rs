@@ -1,8 +1,11 @@
 //! LabVIEW measurement files: a header of the file, one per segment, and rows of numbers.
 
-use super::lines::Separator;
+use mesh_damper_output::error::InputError;
+
+use super::lines::{Cells, Separator};
 use super::numbers::{Cell, Numbers};
 use super::rows::{Row, RowKind};
+use crate::budget::Budget;
 use crate::files::table::{Clock, Column};
 
 /// The end of a header.
@@ -26,25 +29,38 @@ pub(super) struct Segment {
     /// Start and step of each channel, as written.
     starts: Vec<String>,
     steps: Vec<String>,
-    /// Lines that must be the same in all segments.
+    /// Lines that must be the same in all segments. Of different lines with one first cell there are two, which no line can equal.
     pub fixed: Vec<Vec<String>>,
 }
 
+/// Bytes held for a cell of a line, besides its characters, in one list and in another.
+const OF_TEXT: u64 = 2 * size_of::<String>() as u64;
+
 impl Segment {
     /// The segment whose names are in line `header`.
-    pub fn of(rows: &[Row], header: Option<u64>, separator: Separator) -> Self {
+    ///
+    /// # Errors
+    /// The budget has no room for its lines.
+    pub fn of(
+        rows: &[Row],
+        header: Option<u64>,
+        separator: Separator,
+        budget: &Budget,
+    ) -> Result<Self, InputError> {
         let header = header.unwrap_or(u64::MAX);
         let mut segment = Self {
             is_over_time: true,
             has_x: true,
             ..Self::default()
         };
+        let mut split = Cells::of(budget);
         for row in rows.iter().take_while(|row| row.line < header) {
             if row.kind != RowKind::Cells {
                 continue;
             }
-            let mut cells = Vec::new();
-            separator.split(row.text, &mut cells);
+            let cells = split.split(separator, row.text)?;
+            let kept = OF_TEXT * cells.len() as u64 + 2 * row.text.len() as u64;
+            budget.hold(kept, "the header of its first segment")?;
             let values =
                 || -> Vec<String> { cells[1..].iter().map(|cell| (*cell).to_owned()).collect() };
             match cells[0] {
@@ -60,13 +76,15 @@ impl Segment {
                 _ => {}
             }
             if FIXED.contains(&cells[0]) {
-                let bare = super::header::bare(&cells);
-                segment
-                    .fixed
-                    .push(bare.iter().map(|cell| (*cell).to_owned()).collect());
+                let bare = super::header::bare(cells);
+                let known = || segment.fixed.iter().filter(|known| known[0] == cells[0]);
+                if known().count() < 2 && known().all(|known| known != bare) {
+                    let bare = bare.iter().map(|cell| (*cell).to_owned());
+                    segment.fixed.push(bare.collect());
+                }
             }
         }
-        segment
+        Ok(segment)
     }
 
     /// Adds the header's statements to the columns. Returns, of several columns of times, those that must equal the first.

@@ -2,14 +2,16 @@
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
-use super::lines::Separator;
+use super::lines::{Cells, Separator};
 use super::numbers::{Cell, Numbers};
 use super::rows::{Row, RowKind};
+use crate::budget::Budget;
 use crate::files::table::Clock;
+use crate::room::Room;
 
-/// Largest part of a preamble that is kept. Convention: a description of a test is not longer.
-const MOST_COMMENTS: usize = 400;
-const LONGEST: usize = 400;
+/// Bytes held for a line of a preamble, and for a byte of it while it is divided and put together again.
+const OF_COMMENT: u64 = 2 * size_of::<Comment>() as u64;
+const OF_BYTE: u64 = 4;
 
 /// A line of a preamble.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,45 +102,64 @@ const SECONDS: [(&str, f64); 9] = [
 ];
 
 /// The statements of the rows above the header, or above the numbers at `first`.
+///
+/// # Errors
+/// The budget has no room for them.
 pub(super) fn of(
     rows: &[Row],
     header: Option<u64>,
     first: usize,
     separator: Separator,
-) -> Vec<Comment> {
+    budget: &Budget,
+) -> Result<Vec<Comment>, InputError> {
+    const PART: &str = "its comments";
     let above = rows[..first]
         .iter()
         .take_while(|row| header.is_none_or(|line| row.line < line));
-    let said = above.filter_map(|row| {
-        let text = match row.kind {
-            RowKind::Blank => return None,
-            RowKind::Comment => row.text.to_owned(),
-            RowKind::Cells => declared(row.text, separator)?,
+    let mut comments = Vec::new();
+    for row in above {
+        let mut room = Room::of(budget);
+        room.more(OF_BYTE * row.text.len() as u64, PART)?;
+        let said = match row.kind {
+            RowKind::Blank => None,
+            RowKind::Comment => Some(row.text.to_owned()),
+            RowKind::Cells => {
+                let mut cells = Cells::of(budget);
+                declared(row.text, cells.split(separator, row.text)?, separator)
+            }
         };
-        let text: Vec<&str> = text.split_whitespace().collect();
-        let text: String = text.join(" ").chars().take(LONGEST).collect();
-        (!text.is_empty()).then_some(Comment {
-            line: row.line,
-            text: text.trim().to_owned(),
-        })
-    });
-    said.take(MOST_COMMENTS).collect()
+        let Some(said) = said else { continue };
+        let mut text = String::with_capacity(said.len());
+        for word in said.split_whitespace() {
+            text.extend((!text.is_empty()).then_some(' '));
+            text.push_str(word);
+        }
+        if !text.is_empty() {
+            budget.hold(OF_COMMENT + text.len() as u64, PART)?;
+            let line = row.line;
+            comments.push(Comment { line, text });
+        }
+    }
+    Ok(comments)
 }
 
 /// A key and its value, in separate cells or with a sign between them.
-fn declared(text: &str, separator: Separator) -> Option<String> {
-    let mut cells = Vec::new();
-    separator.split(text, &mut cells);
-    cells.retain(|cell| !cell.is_empty());
+fn declared(text: &str, cells: &[&str], separator: Separator) -> Option<String> {
+    let mut cells = cells.iter().copied().filter(|cell| !cell.is_empty());
     let is_key =
         |key: &str| key.chars().any(char::is_alphabetic) && (1..=60).contains(&key.chars().count());
     if separator != Separator::Blanks
-        && let [key, values @ ..] = &cells[..]
-        && !values.is_empty()
+        && let Some(key) = cells.next()
+        && let Some(value) = cells.next()
     {
         let key = key.trim_end_matches([':', '=']).trim();
         if is_key(key) && !key.contains([':', '=']) {
-            return Some(format!("{key}: {}", values.join(" ")));
+            let mut said = format!("{key}: {value}");
+            for more in cells {
+                said.push(' ');
+                said.push_str(more);
+            }
+            return Some(said);
         }
     }
     let text = text.trim().trim_matches('"');
@@ -271,7 +292,10 @@ mod tests {
             ("\"Rate\",\"10\"", ',', Some("Rate: 10")),
             ("a title", ';', None),
         ] {
-            let found = declared(text, Separator::Sign(separator));
+            let separator = Separator::Sign(separator);
+            let mut cells = Vec::new();
+            separator.split(text, &mut cells);
+            let found = declared(text, &cells, separator);
             assert_eq!(found.as_deref(), is, "{text}");
         }
     }

@@ -19,12 +19,15 @@ mod own;
 mod rows;
 mod stamps;
 
-use std::io::Cursor;
+pub(super) use decimals::Evidence;
+
 use std::path::Path;
+use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
 use super::{Format, Reading, Source, Tables};
+use crate::budget::Budget;
 use crate::csv_text::CsvText;
 
 /// Rows of cells with a separator, gzipped or not.
@@ -48,22 +51,23 @@ impl Format for Text {
         source: Source<'a>,
         reading: &Reading,
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
-        let (path, limit) = (source.path().to_owned(), source.limit());
-        let mut text = CsvText::of(&path, source.stream(), limit)?;
-        let head = head::of(&mut text, limit)?;
+        let (path, budget) = (source.path().to_owned(), source.budget());
+        let mut text = CsvText::of(&path, source.stream(), Rc::clone(&budget))?;
+        let head = head::of(&mut text, &budget)?;
         let is_own = own::is_own(&head.text)
-            && !own::is_loose(&head.text)
-            && !own::lacks_times(&head.text, reading)
+            && !own::is_loose(&head.text, &budget)?
+            && !own::lacks_times(&head.text, reading, &budget)?
             && reading.decimal != Some(',');
         if is_own || !head.has_lines() {
             return Ok(Box::new(own::OwnTable::open(text, &head, reading)?));
         }
-        let layout = layout::find(&text.name(), &head, reading)?;
+        let layout = layout::find(&text.name(), &head, reading, &budget)?;
         Ok(Box::new(foreign::ForeignTable::open(text, layout)))
     }
 }
 
-/// The rows of a workbook's sheet, as lines of cells separated by tabs, read like a text of the same rows.
+/// The rows of a workbook's sheet, as lines of cells separated by tabs, read like a text of the same rows. `budget` is that of the
+/// workbook, whose bytes are counted already.
 ///
 /// # Errors
 /// As for a text.
@@ -71,15 +75,16 @@ pub(super) fn of_sheet<'a>(
     path: &Path,
     rows: Vec<u8>,
     reading: &Reading,
+    budget: &Rc<Budget>,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
-    let mut text = CsvText::of(path, Cursor::new(rows), reading.limit)?;
-    let head = head::of(&mut text, reading.limit)?;
+    let mut text = CsvText::made(path, rows, Rc::clone(budget));
+    let head = head::of(&mut text, budget)?;
     let declared = declared::Declared {
         separator: Some(TAB),
         is_sheet: true,
         ..declared::Declared::default()
     };
-    let layout = layout::find_as(&text.name(), &head, reading, declared)?;
+    let layout = layout::find_as(&text.name(), &head, reading, declared, budget)?;
     Ok(Box::new(foreign::ForeignTable::open(text, layout)))
 }
 
@@ -88,16 +93,12 @@ pub(super) fn is_number(cell: &str) -> bool {
     numbers::is_number(cell, true)
 }
 
-/// The decimal sign of numbers stored as texts in a workbook, each with its row, counted from 1.
+/// The decimal sign of numbers stored as texts in a workbook.
 ///
 /// # Errors
 /// The sign is ambiguous.
-pub(super) fn decimal_of(file: &str, cells: &[(u64, &str)]) -> Result<char, InputError> {
-    let rows: Vec<(u64, Vec<&str>)> = cells
-        .iter()
-        .map(|(row, cell)| (*row, vec![*cell]))
-        .collect();
-    let numbers = decimals::of(&rows, TAB).map_err(|asked| asked.refused(file))?;
+pub(super) fn decimal_of(file: &str, signs: Evidence) -> Result<char, InputError> {
+    let numbers = signs.decided(TAB).map_err(|asked| asked.refused(file))?;
     Ok(numbers.decimal)
 }
 

@@ -3,18 +3,27 @@
 //! It is read strictly and fast. A text with our own names that has anything of another program's form, such as dates or a rate in
 //! a comment, is left to the reader of those forms.
 
+use std::rc::Rc;
+
 use mesh_damper_output::error::{InputError, Place};
 
 use super::blocks::Again;
 use super::head::Head;
 use super::header;
-use super::lines::Separator;
+use super::layout::STEPS_OF_LOOK;
+use super::lines::{Cells, Separator};
 use super::numbers;
 use super::stamps::Stamp;
+use crate::budget::Budget;
 use crate::columns::{self, spelling};
 use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
 use crate::files::{Column, Kept, Reading, Table, Tables, Values, Wanted};
+use crate::room::Room;
 use crate::rows::{RowLines, TextRows};
+use crate::write::unguarded;
+
+/// Bytes held for a column, besides its name and its first values: with its place among the names known.
+const OF_COLUMN: u64 = size_of::<Column>() as u64 + 64;
 
 /// Whether a text has our own format: of the names in its first line, at least two, or all, are names of channels with their units.
 pub(super) fn is_own(head: &str) -> bool {
@@ -31,15 +40,18 @@ pub(super) fn is_own(head: &str) -> bool {
 
 /// Whether the first row below a header of our own names has another program's form: with units, times of day, thousands, or a
 /// separator at its end; or whether several columns have no name, as a sheet's empty columns.
-pub(super) fn is_loose(head: &str) -> bool {
+///
+/// # Errors
+/// The budget has no room for its names.
+pub(super) fn is_loose(head: &str, budget: &Budget) -> Result<bool, InputError> {
     let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
     let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let (Some(header), Some(row)) = (lines.next(), lines.next()) else {
-        return false;
+        return Ok(false);
     };
-    let (mut names, mut cells) = (Vec::new(), Vec::new());
-    Separator::Sign(',').split(header, &mut names);
-    Separator::Sign(',').split(row, &mut cells);
+    let (mut names, mut cells) = (Cells::of(budget), Cells::of(budget));
+    let names = names.split(Separator::Sign(','), header)?;
+    let cells = cells.split(Separator::Sign(','), row)?;
     let is_strict = |cell: &str| number(cell).is_ok() || is_blank(cell);
     let is_other = |(name, cell): (&&str, &&str)| {
         columns::is_own(name)
@@ -50,36 +62,50 @@ pub(super) fn is_loose(head: &str) -> bool {
     };
     let more = cells.get(names.len()..).unwrap_or_default();
     let nameless = names.iter().filter(|name| name.is_empty()).count();
-    nameless > 1
+    Ok(nameless > 1
         || (!more.is_empty() && more.iter().all(|cell| cell.is_empty()))
-        || names.iter().zip(&cells).any(is_other)
+        || names.iter().zip(cells).any(is_other))
 }
 
 /// Whether no column of numbers can have the times and the user gives no rate: then dates below any name, or a rate in a comment,
 /// may give them.
-pub(super) fn lacks_times(head: &str, reading: &Reading) -> bool {
+///
+/// # Errors
+/// The budget has no room for its columns.
+pub(super) fn lacks_times(
+    head: &str,
+    reading: &Reading,
+    budget: &Budget,
+) -> Result<bool, InputError> {
     let lines = head.lines().map(|line| line.trim_start_matches('\u{feff}'));
     let mut lines = lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let Some(header) = lines.next().filter(|_| reading.rate.is_none()) else {
-        return false;
+        return Ok(false);
     };
-    let mut names = Vec::new();
-    Separator::Sign(',').split(header, &mut names);
-    let mut columns = columns_of(names.into_iter(), &mut Vec::new());
+    let mut names = Cells::of(budget);
+    let names = names.split(Separator::Sign(','), header)?;
+    let mut room = Room::of(budget);
+    room.more(
+        OF_COLUMN * names.len() as u64 + header.len() as u64,
+        "its columns",
+    )?;
+    let mut columns = columns_of(names.iter().copied(), &mut Vec::new());
     let mut said = reading.channels.iter().filter(|(of, _)| of == "time");
     let said = said.next().map(|(_, name)| name);
     // A word below one of our own names is an error, which the strict reader shows.
     let is_ours = |column: &Column| columns::is_own(&column.name);
     if said.is_none() && (columns.iter()).any(|each| is_ours(each) && columns::may_be_time(each)) {
-        return false;
+        return Ok(false);
     }
-    look(&mut columns, head);
-    match said {
+    look(&mut columns, head, &mut room)?;
+    let looked = STEPS_OF_LOOK * columns.len() as u64;
+    budget.work(looked, "the names of its columns")?;
+    Ok(match said {
         Some(name) => {
             (columns.iter()).any(|each| each.name == *name && !each.is_numeric && !is_ours(each))
         }
         None => !(columns.iter()).any(|each| each.is_numeric && columns::may_be_time(each)),
-    }
+    })
 }
 
 /// Columns whose values are not examined yet. One without a name gets a name that the user can type.
@@ -93,11 +119,16 @@ fn columns_of<'h>(
         ..Column::default()
     };
     if header.clone().any(str::is_empty) {
-        let names: Vec<String> = header.map(str::to_owned).collect();
+        let names: Vec<String> = header.map(name_in).collect();
         let names = header::distinct(&names, guesses);
         return names.into_iter().map(column).collect();
     }
-    header.map(str::to_owned).map(column).collect()
+    header.map(name_in).map(column).collect()
+}
+
+/// The name in a cell of the header.
+fn name_in(cell: &str) -> String {
+    unguarded(cell).into_owned()
 }
 
 /// Rows of words after the numbers.
@@ -174,11 +205,12 @@ pub(super) struct OwnTable<'a> {
     is_utf8: bool,
     /// Whether the times come from a rate.
     has_clock: bool,
+    budget: Rc<Budget>,
 }
 
 impl<'a> OwnTable<'a> {
     pub fn open(text: CsvText<'a>, head: &Head, reading: &Reading) -> Result<Self, InputError> {
-        let name = text.name();
+        let (name, budget) = (text.name(), Rc::clone(text.budget()));
         let mut rows = text.rows();
         let mut header = csv::StringRecord::new();
         match rows.read_record(&mut header) {
@@ -206,7 +238,10 @@ impl<'a> OwnTable<'a> {
             )
             .at(Place::Line(line)));
         }
-        if let Some((column, first, second)) = doubled(&header) {
+        let named = header.as_slice().len() as u64;
+        budget.hold(OF_COLUMN * header.len() as u64 + named, "its columns")?;
+        let names = header.iter().map(name_in).collect();
+        if let Some((column, first, second)) = doubled(&names) {
             let (first, second) = (first + 1, second + 1);
             return Err(InputError::new(
                 name,
@@ -217,7 +252,10 @@ impl<'a> OwnTable<'a> {
         }
         let mut guesses: Vec<String> = head.encoding.iter().cloned().collect();
         let mut columns = columns_of(header.iter(), &mut guesses);
-        look(&mut columns, &head.text);
+        // They are held as long as the file.
+        let mut room = Room::of(&budget);
+        look(&mut columns, &head.text, &mut room)?;
+        room.keep();
         let table = Table {
             columns,
             guesses,
@@ -231,6 +269,7 @@ impl<'a> OwnTable<'a> {
             tables: [table],
             is_utf8: head.is_utf8,
             has_clock: reading.rate.is_some(),
+            budget,
         })
     }
 }
@@ -253,6 +292,7 @@ impl Tables for OwnTable<'_> {
             tables: [table],
             is_utf8,
             has_clock,
+            budget,
         } = *self;
         let mut columns = vec![Some(Vec::new()); wanted.len()];
         let mut cells = (kept == Kept::Cells).then(TextRows::default);
@@ -294,16 +334,16 @@ impl Tables for OwnTable<'_> {
             for (value, column) in values.iter().zip(&mut columns) {
                 match (value, &mut *column) {
                     (Some(value), Some(values)) => {
-                        grow(values);
+                        grow(values, &budget)?;
                         values.push(*value);
                     }
                     _ => *column = None,
                 }
             }
             if let Some(cells) = &mut cells {
-                cells.push(&row);
+                keep(cells, &row, &budget)?;
             }
-            lines.push(line);
+            lines.push_within(line, &budget)?;
         }
         let text = rows.into_inner();
         let guessed_from = text.guessed_from();
@@ -323,30 +363,59 @@ impl Tables for OwnTable<'_> {
             comments: text.comments(),
             lines,
             is_cut: cut,
-            cells: cells.map(|cells| (header, cells)),
+            cells: cells.map(|cells| (header.iter().map(name_in).collect(), cells)),
         })
     }
 }
 
 /// Reserves memory for one more value: a quarter more than present. Doubling, as a vector does by itself, would use the whole limit
 /// of a file of short rows.
-pub(super) fn grow(values: &mut Vec<f64>) {
+///
+/// # Errors
+/// The budget has no room for it.
+pub(super) fn grow(values: &mut Vec<f64>, budget: &Budget) -> Result<(), InputError> {
     if values.len() == values.capacity() {
-        values.reserve_exact((values.len() / 4).max(1024));
+        let more = (values.len() / 4).max(1024);
+        budget.hold((more * size_of::<f64>()) as u64, "its values")?;
+        values.reserve_exact(more);
     }
+    Ok(())
+}
+
+/// Keeps the cells of a row as written.
+///
+/// # Errors
+/// The budget has no room for it.
+pub(super) fn keep(
+    rows: &mut TextRows,
+    row: &csv::StringRecord,
+    budget: &Budget,
+) -> Result<(), InputError> {
+    rows.reserve(row, |bytes| budget.hold(bytes, "its cells as written"))?;
+    rows.push(row);
+    Ok(())
 }
 
 /// Examines the first rows below the header. Columns of channels are numbers whatever they contain; a cell that is not a number is
-/// rejected there.
-fn look(columns: &mut [Column], head: &str) {
+/// rejected there. `room` holds their first values.
+///
+/// # Errors
+/// The budget has no room for it.
+fn look(columns: &mut [Column], head: &str, room: &mut Room) -> Result<(), InputError> {
     let lines = head
         .lines()
         .filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
-    let mut cells = Vec::new();
+    let mut cells = Cells::of(room.budget());
     let mut words = vec![0_usize; columns.len()];
     for line in lines.skip(1).take(Column::FIRST) {
-        Separator::Sign(',').split(line, &mut cells);
-        for ((column, words), cell) in columns.iter_mut().zip(&mut words).zip(&cells) {
+        let cells = cells.split(Separator::Sign(','), line)?;
+        let both = cells.len().min(columns.len());
+        // The vectors double as they grow.
+        room.more(
+            (2 * size_of::<f64>() * both) as u64,
+            "the first values of its columns",
+        )?;
+        for ((column, words), cell) in columns.iter_mut().zip(&mut words).zip(cells) {
             let value = number(cell).ok();
             *words += usize::from(value.is_none() && !is_blank(cell));
             column.first.push(value.unwrap_or(f64::NAN));
@@ -355,4 +424,5 @@ fn look(columns: &mut [Column], head: &str) {
     for (column, words) in columns.iter_mut().zip(words) {
         column.is_numeric = 2 * words <= column.first.len();
     }
+    Ok(())
 }

@@ -1,6 +1,9 @@
 //! A text's head consists of rows: cells, comments and blank lines.
 
+use mesh_damper_output::error::InputError;
+
 use super::lines::{QUOTED_LINES, Separator};
+use crate::room::Room;
 
 /// A row of the head.
 pub(super) struct Row<'t> {
@@ -18,19 +21,62 @@ pub(super) enum RowKind {
     Cells,
 }
 
-/// The rows of the head. A quoted cell may span several lines.
-pub(super) fn rows(text: &str, separator: Separator) -> Vec<Row<'_>> {
-    let lines = physical(text);
-    let mut rows = Vec::new();
+/// Steps of work for a line of the head.
+const STEPS: u64 = 4;
+
+/// The lines of the head: begin and end of each. `room` holds them.
+///
+/// # Errors
+/// The budget has no room for them.
+pub(super) fn lines(text: &str, room: &mut Room) -> Result<Vec<(usize, usize)>, InputError> {
+    let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+    let most = 1 + text.bytes().filter(|byte| is_end(byte)).count();
+    let size = size_of::<(usize, usize)>();
+    room.more((size * most) as u64, "its first lines")?;
+    let bytes = text.as_bytes();
+    let mut lines = Vec::with_capacity(most);
+    let mut start = 0;
+    let mut at = 0;
+    while at < bytes.len() {
+        if is_end(&bytes[at]) {
+            lines.push((start, at));
+            at += usize::from(bytes[at] == b'\r' && bytes.get(at + 1) == Some(&b'\n'));
+            start = at + 1;
+        }
+        at += 1;
+    }
+    if start < bytes.len() {
+        lines.push((start, bytes.len()));
+    }
+    Ok(lines)
+}
+
+/// The rows of these lines of `text`. A quoted cell may span several lines. `room` holds the rows.
+///
+/// # Errors
+/// The budget has no room for them.
+pub(super) fn rows<'t>(
+    text: &'t str,
+    lines: &[(usize, usize)],
+    separator: Separator,
+    room: &mut Room,
+) -> Result<Vec<Row<'t>>, InputError> {
+    let part = "its first lines";
+    room.more((size_of::<Row>() * lines.len()) as u64, part)?;
+    (room.budget()).work(STEPS * lines.len() as u64, part)?;
+    let mut rows = Vec::with_capacity(lines.len());
     let mut index = 0;
     while index < lines.len() {
         let (start, end) = lines[index];
         let mut last = index;
-        if text[start..end].contains('"') && separator.is_open(&text[start..end]) {
+        if text[start..end].contains('"') && separator.is_open(&text[start..end], false) {
             let upto = lines.len().min(index + QUOTED_LINES);
-            let closed =
-                (index + 1..upto).find(|&last| !separator.is_open(&text[start..lines[last].1]));
+            let closed = (index + 1..upto)
+                .find(|&last| !separator.is_open(&text[lines[last].0..lines[last].1], true));
             last = closed.unwrap_or(index);
+            // Without an end of the quotes, the lines are passed again one by one.
+            let passed = lines[closed.unwrap_or(upto - 1)].1 - start;
+            (room.budget()).work(passed as u64, "its quoted cells")?;
         }
         let whole = &text[start..lines[last].1];
         let (text, kind) = kind_of(whole, separator);
@@ -41,27 +87,7 @@ pub(super) fn rows(text: &str, separator: Separator) -> Vec<Row<'_>> {
         });
         index = last + 1;
     }
-    rows
-}
-
-/// Begin and end of each line.
-fn physical(text: &str) -> Vec<(usize, usize)> {
-    let bytes = text.as_bytes();
-    let mut lines = Vec::new();
-    let mut start = 0;
-    let mut at = 0;
-    while at < bytes.len() {
-        if matches!(bytes[at], b'\n' | b'\r') {
-            lines.push((start, at));
-            at += usize::from(bytes[at] == b'\r' && bytes.get(at + 1) == Some(&b'\n'));
-            start = at + 1;
-        }
-        at += 1;
-    }
-    if start < bytes.len() {
-        lines.push((start, bytes.len()));
-    }
-    lines
+    Ok(rows)
 }
 
 /// Whether a line is blank or a comment, and its text.

@@ -1,6 +1,6 @@
 //! A column holds numbers, stamps of time or words: most of its cells in the head decide.
 
-use mesh_damper_output::error::quoted;
+use mesh_damper_output::error::{InputError, quoted};
 
 use super::super::header::{self, Header};
 use super::super::numbers::{Cell, Numbers};
@@ -25,7 +25,12 @@ impl Found<'_> {
         samples: &[(u64, Vec<&str>)],
         numbers: Numbers,
         guesses: &mut Vec<String>,
-    ) -> Vec<Column> {
+    ) -> Result<Vec<Column>, InputError> {
+        let first_values = samples.len().min(Column::FIRST) as u64 * size_of::<f64>() as u64;
+        let texts = header.names.iter().chain(header.units.iter().flatten());
+        let texts: u64 = texts.map(|text| text.len() as u64).sum();
+        let of_columns = (size_of::<Column>() as u64 + first_values) * header.names.len() as u64;
+        self.budget.hold(of_columns + texts, "its columns")?;
         let names = header::distinct(&header.names, guesses);
         let each = names.into_iter().enumerate().map(|(index, name)| {
             let kind = kinds.get(index).copied().unwrap_or(Kind::Words);
@@ -55,7 +60,7 @@ impl Found<'_> {
                 ..Column::default()
             }
         });
-        each.collect()
+        Ok(each.collect())
     }
 }
 

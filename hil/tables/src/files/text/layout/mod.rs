@@ -14,16 +14,23 @@ use super::decimals;
 use super::declared::Declared;
 use super::head::Head;
 use super::header::Header;
-use super::lines::Separator;
+use super::lines::{Cells, OF_CELL, Separator};
 use super::lvm;
 use super::metadata;
 use super::numbers::Numbers;
-use super::rows::{Row, RowKind, rows};
+use super::rows::{Row, RowKind, lines, rows};
+use crate::budget::Budget;
 use crate::columns;
 use crate::files::{Reading, Table};
+use crate::room::Room;
 use block::{Block, block, lvm_block};
 use kinds::kinds;
 use refused::no_table;
+
+/// Bytes held for a column while its text is read: its name in the header, among the names known, and as it may be written again.
+const OF_COLUMN: u64 = 256;
+/// Steps of work for the look whether a column may hold the times.
+pub(super) const STEPS_OF_LOOK: u64 = 200;
 
 /// Layout of a text.
 pub(super) struct Layout {
@@ -55,9 +62,15 @@ pub(super) struct Layout {
 /// Determines the layout of a text.
 ///
 /// # Errors
-/// The text has no table of numbers, an ambiguous decimal sign, or a comma as separator and decimal sign.
-pub(super) fn find(name: &str, head: &Head, reading: &Reading) -> Result<Layout, InputError> {
-    find_as(name, head, reading, Declared::of(&head.text))
+/// The text has no table of numbers, an ambiguous decimal sign, or a comma as separator and decimal sign; or the budget has no room for
+/// what it holds.
+pub(super) fn find(
+    name: &str,
+    head: &Head,
+    reading: &Reading,
+    budget: &Budget,
+) -> Result<Layout, InputError> {
+    find_as(name, head, reading, Declared::of(&head.text), budget)
 }
 
 /// [`find`] for a text whose declarations are known.
@@ -69,32 +82,36 @@ pub(super) fn find_as(
     head: &Head,
     reading: &Reading,
     declared: Declared,
+    budget: &Budget,
 ) -> Result<Layout, InputError> {
+    let mut room = Room::of(budget);
+    let lines = lines(&head.text, &mut room)?;
     let separators: Vec<Separator> = match declared.separator {
         Some(separator) => vec![separator],
         None => Separator::ALL.to_vec(),
     };
-    let mut best: Option<(Separator, Vec<Row>, Block)> = None;
+    let mut best: Option<(Separator, Vec<Row>, Block, Room)> = None;
     for separator in separators {
-        let rows = rows(&head.text, separator);
+        let mut room = Room::of(budget);
+        let rows = rows(&head.text, &lines, separator, &mut room)?;
         let block = if declared.is_lvm {
-            lvm_block(&rows, separator)
+            lvm_block(&rows, separator, &mut room)?
         } else {
-            block(&rows, separator)
+            block(&rows, separator, &mut room)?
         };
         let Some(block) = block else {
             continue;
         };
-        let is_better = best.as_ref().is_none_or(|(_, _, known)| {
+        let is_better = best.as_ref().is_none_or(|(_, _, known, _)| {
             // Fewer words among the numbers are better; then more rows.
             let (mine, other) = (block.words * known.all, known.words * block.all);
             mine < other || (mine == other && block.rows.len() > known.rows.len())
         });
         if is_better {
-            best = Some((separator, rows, block));
+            best = Some((separator, rows, block, room));
         }
     }
-    let Some((separator, rows, block)) = best else {
+    let Some((separator, rows, block, _room)) = best else {
         return Err(no_table(name, &declared));
     };
     let found = Found {
@@ -105,6 +122,7 @@ pub(super) fn find_as(
         separator,
         rows: &rows,
         block: &block,
+        budget,
     };
     found.layout()
 }
@@ -112,23 +130,27 @@ pub(super) fn find_as(
 /// Findings about a text.
 struct Found<'f> {
     name: &'f str,
-    head: &'f Head,
+    head: &'f Head<'f>,
     declared: &'f Declared,
     reading: &'f Reading,
     separator: Separator,
     rows: &'f [Row<'f>],
     block: &'f Block,
+    budget: &'f Budget,
 }
 
 impl Found<'_> {
     fn layout(&self) -> Result<Layout, InputError> {
+        let mut room = Room::of(self.budget);
+        room.more(OF_COLUMN * self.block.cells as u64, "its columns")?;
         let mut header = Header::above(
             self.rows,
             self.block.first,
             self.block.cells,
             self.separator,
-        );
-        let samples = self.samples();
+            &mut room,
+        )?;
+        let samples = self.samples(&mut room)?;
         let is_empty = |column: usize| {
             let mut cells = samples.iter().map(|(_, row)| row.get(column));
             cells.all(|cell| cell.is_none_or(|cell| cell.is_empty()))
@@ -137,12 +159,12 @@ impl Found<'_> {
         self.check_header(&header, &samples)?;
         let numbers = self.numbers(&samples)?;
         let kinds = kinds(&samples, self.block.cells, numbers);
-        let lvm = self
-            .declared
-            .is_lvm
-            .then(|| lvm::Segment::of(self.rows, header.line, self.separator));
+        let lvm = match self.declared.is_lvm {
+            true => Some(self.segment(&header)?),
+            false => None,
+        };
         let mut guesses: Vec<String> = self.head.encoding.iter().cloned().collect();
-        let mut columns = self.columns(&header, &kinds, &samples, numbers, &mut guesses);
+        let mut columns = self.columns(&header, &kinds, &samples, numbers, &mut guesses)?;
         let mut same = Vec::new();
         if let Some(lvm) = &lvm {
             same = lvm.apply(&mut columns);
@@ -152,13 +174,16 @@ impl Found<'_> {
             header.first_line,
             self.block.first,
             self.separator,
-        );
+            self.budget,
+        )?;
         let mut table = Table {
             header_line: Some(header.line.unwrap_or(self.data_line())),
             is_nameless: header.line.is_none(),
             columns,
             ..Table::default()
         };
+        let looked = STEPS_OF_LOOK * table.columns.len() as u64;
+        self.budget.work(looked, "the names of its columns")?;
         let has_times = self.reading.channels.iter().any(|(of, _)| of == "time")
             || (table.columns.iter()).any(columns::may_be_time);
         if self.reading.rate.is_none() && !has_times {
@@ -214,15 +239,23 @@ impl Found<'_> {
     }
 
     /// The rows of numbers with their lines.
-    fn samples(&self) -> Vec<(u64, Vec<&str>)> {
-        let rows = self.block.rows.iter().map(|&index| {
+    fn samples(&self, room: &mut Room) -> Result<Vec<(u64, Vec<&str>)>, InputError> {
+        let count = self.block.rows.len();
+        let of_row = size_of::<(u64, Vec<&str>)>() as u64 + OF_CELL * self.block.cells as u64;
+        room.more(of_row * count as u64, "the cells of its first rows")?;
+        let mut split = Cells::of(self.budget);
+        let mut samples = Vec::with_capacity(count);
+        for &index in &self.block.rows {
             let row = &self.rows[index];
-            let mut cells = Vec::new();
-            self.separator.split(row.text, &mut cells);
-            cells.truncate(self.block.cells);
-            (row.line, cells)
-        });
-        rows.collect()
+            let cells = split.split(self.separator, row.text)?;
+            let cells = &cells[..cells.len().min(self.block.cells)];
+            samples.push((row.line, cells.to_vec()));
+        }
+        Ok(samples)
+    }
+
+    fn segment(&self, header: &Header) -> Result<lvm::Segment, InputError> {
+        lvm::Segment::of(self.rows, header.line, self.separator, self.budget)
     }
 
     fn numbers(&self, samples: &[(u64, Vec<&str>)]) -> Result<Numbers, InputError> {

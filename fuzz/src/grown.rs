@@ -1,0 +1,105 @@
+//! Files that cost much: many or deep things of a few bytes each, in each format.
+//!
+//! The other checks damage good files, whose structure stays what a program wrote. Here it grows: by a seed, up to 4 MB of file and
+//! 64 MB of what it unpacks to. Reading such a file, right or not, takes bounded memory and time.
+
+mod arrow;
+mod bytes;
+mod draw;
+mod hdf5;
+mod json;
+mod mat;
+mod mdf;
+#[cfg(test)]
+mod memory;
+mod parquet;
+#[cfg(test)]
+mod run;
+mod tdms;
+mod text;
+mod xlsx;
+
+use std::path::Path;
+
+use mesh_damper_recording::Recording;
+use mesh_damper_tables::columns::{Meanings, choose};
+use mesh_damper_tables::files::{self, Needs, Reading, Source, Wanted};
+
+use draw::Draw;
+pub use draw::Size;
+
+/// Makes a file in which one structure grows.
+type Grow = fn(&mut Draw) -> Vec<u8>;
+
+/// The formats, and the structures that grow in each.
+pub const FORMATS: [(&str, &[(&str, Grow)]); 9] = [
+    ("text", text::STRUCTURES),
+    ("JSON", json::STRUCTURES),
+    ("MATLAB 5", mat::STRUCTURES),
+    ("HDF5", hdf5::STRUCTURES),
+    ("MDF4", mdf::STRUCTURES),
+    ("TDMS", tdms::STRUCTURES),
+    ("Parquet", parquet::STRUCTURES),
+    ("Arrow", arrow::STRUCTURES),
+    ("Excel", xlsx::STRUCTURES),
+];
+
+/// The file of a structure that a seed draws.
+pub fn file(grow: Grow, seed: u64, size: Size) -> Vec<u8> {
+    let bytes = grow(&mut Draw::of(seed, size));
+    assert!(bytes.len() <= size.file, "{} bytes", bytes.len());
+    bytes
+}
+
+/// What reading a file took.
+#[derive(Debug, Default)]
+pub struct Looked {
+    /// Whether it has a table that was read.
+    pub is_read: bool,
+    /// Whether it was refused because the budget was used up.
+    pub is_refused: bool,
+    /// The steps of work that were done, if it was refused too.
+    pub steps: u64,
+}
+
+/// Number of columns that are read of a table.
+const COLUMNS: usize = 64;
+
+/// Reads a file as `hil inspect` does: its tables and what they may be, the values of one, and the recording in it.
+pub fn look(bytes: &[u8]) -> Looked {
+    let name = Path::new("grown");
+    let reading = Reading::default();
+    let mut looked = Looked::default();
+    let Ok(source) = Source::of(name, bytes, reading.limit) else {
+        return looked;
+    };
+    let budget = source.budget();
+    if let Ok((_, file)) = files::opened(source, &reading) {
+        let tables = file.tables();
+        let meanings = Meanings::of(tables);
+        let columns = tables.iter().enumerate();
+        let columns = columns
+            .flat_map(|(index, table)| (0..table.columns.len()).map(move |column| (index, column)));
+        let described: Vec<Option<String>> = columns
+            .map(|(table, column)| meanings.described(table, column))
+            .collect();
+        let chosen = choose("grown", tables, &reading, &Needs::default());
+        let table = chosen.map_or(0, |chosen| chosen.table);
+        let numeric = tables[table].columns.iter().enumerate();
+        let numeric = numeric.filter(|(_, column)| column.is_numeric);
+        let wanted: Vec<Wanted> = (numeric.take(COLUMNS))
+            .map(|(column, _)| Wanted {
+                column,
+                must_be_numeric: false,
+            })
+            .collect();
+        drop(meanings);
+        let mut look = |_: usize, _: &[f64]| looked.is_read = true;
+        let _ = file.look(table, &wanted, &mut look);
+        drop(described);
+    }
+    looked.steps = budget.used().1;
+    looked.is_refused = budget.is_used_up();
+    let _ = Recording::from_bytes(name, bytes.to_vec());
+    looked
+}

@@ -1,0 +1,57 @@
+//! The bytes of a packed file: those that it has, and those that come out of its parts.
+
+use std::io::{self, Read};
+use std::rc::Rc;
+
+use mesh_damper_output::error::InputError;
+
+use crate::budget::Budget;
+
+/// A file that is held while its parts are unpacked.
+pub(super) struct Packed {
+    budget: Rc<Budget>,
+    size: u64,
+}
+
+impl Packed {
+    /// Of a file of this size, which is held.
+    ///
+    /// # Errors
+    /// The budget has no room for it.
+    pub fn of(size: usize, budget: Rc<Budget>) -> Result<Self, InputError> {
+        let size = size as u64;
+        budget.read(size)?;
+        budget.hold(size, "its bytes")?;
+        Ok(Self { budget, size })
+    }
+
+    pub fn budget(&self) -> &Rc<Budget> {
+        &self.budget
+    }
+}
+
+impl Drop for Packed {
+    fn drop(&mut self) {
+        self.budget.release(self.size);
+    }
+}
+
+/// A part of a packed file that is unpacked while it is read, with this number of steps of work for each byte.
+pub(super) struct Part<'p, R> {
+    pub from: R,
+    pub packed: &'p Packed,
+    pub steps: u64,
+}
+
+impl<R: Read> Read for Part<'_, R> {
+    /// An error of the budget comes out as an [`InputError`] within it.
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let count = self.from.read(to)?;
+        let budget = &self.packed.budget;
+        let charged = budget
+            .unpacked(count as u64)
+            .and_then(|()| budget.work(self.steps * count as u64, "its unpacked parts"));
+        charged.map_err(io::Error::other)?;
+        Ok(count)
+    }
+}
