@@ -21,8 +21,11 @@ use evaluate::evaluate;
 
 /// Newtons in a kilonewton, the unit of models.
 const N_PER_KN: f64 = 1e3;
-/// Largest distance of a time from a tick, in ticks: the rounding of a master's sums of steps.
+/// Largest distance of a step from whole ticks, in ticks: a step that is written with few digits.
 const ROUNDED: f64 = 1e-3;
+/// Roundings, in units of the last place, of the point of a step: of a master's sum and of ours, and of the difference that gives
+/// its size.
+const ROUNDINGS: f64 = 4.0;
 /// Most ticks of one step: a day at 10 kHz.
 const MOST_TICKS: f64 = 1e9;
 
@@ -95,6 +98,7 @@ impl Instance {
             start: 0.0,
             stop: None,
             ticks: 0,
+            reached: 0.0,
             inputs,
             slopes: [[0.0; 2]; INPUTS],
             amplitude,
@@ -158,6 +162,7 @@ impl Instance {
             }
         }
         self.state.start = start;
+        self.state.reached = start;
         self.state.stop = stop;
         self.state.is_set_up = true;
         Ok(())
@@ -225,16 +230,19 @@ impl Instance {
         finite("currentCommunicationPoint", point)?;
         finite("communicationStepSize", size)?;
         let rate = self.contents.settings.tick_rate;
-        let now = self.time();
-        if (point - now).abs() * rate > ROUNDED {
+        let reached = self.state.reached;
+        // One rounding of the master's time, in ticks.
+        let rounding = f64::EPSILON * point.abs().max(reached.abs()) * rate;
+        let allowed = ROUNDED + ROUNDINGS * rounding;
+        if (point - reached).abs() * rate > allowed {
             return Err(Refusal::new(
                 "currentCommunicationPoint",
                 format_args!("{point} s"),
-                format_args!("the last step ended at {now} s"),
+                format_args!("the last step ended at {reached} s"),
                 "give that, or restore a state of the other time",
             ));
         }
-        let ticks = (now + size - self.state.start) * rate - self.state.ticks as f64;
+        let ticks = size * rate;
         let whole = ticks.round();
         let refused = |problem: String, remedy: &str| {
             Err(Refusal::new(
@@ -244,7 +252,7 @@ impl Instance {
                 remedy,
             ))
         };
-        if whole < 1.0 || (ticks - whole).abs() > ROUNDED {
+        if whole < 1.0 || (ticks - whole).abs() > allowed {
             return refused(
                 format!(
                     "{ticks} ticks of {} s, and a step is a whole number of them, 1 or more",
@@ -259,14 +267,21 @@ impl Instance {
                 "give shorter steps",
             );
         }
+        // A master that adds up its steps makes a rounding with each, and a step has a tick at least.
+        let end = self.time() + whole / rate;
+        let added = ROUNDED + (self.state.ticks as f64 + whole) * rounding;
+        let drift = (point + size - end) * rate;
+        if drift.abs() > added {
+            return refused(
+                format!("with the steps before it adds up to {drift} ticks beside whole ones"),
+                "give a multiple of the tick with all its digits",
+            );
+        }
         if let Some(stop) = self.state.stop
-            && (now + size - stop) * rate > ROUNDED
+            && (end - stop) * rate > added
         {
             return refused(
-                format!(
-                    "it ends at {} s, after the stop time of {stop} s",
-                    now + size
-                ),
+                format!("it ends at {end} s, after the stop time of {stop} s"),
                 "end there, or give a later stopTime to fmi2SetupExperiment",
             );
         }
@@ -275,6 +290,7 @@ impl Instance {
             self.tick(tick as f64 / rate);
         }
         self.state.ticks += whole as u64;
+        self.state.reached = point + size;
         self.state.slopes = [[0.0; 2]; INPUTS];
         Ok(())
     }

@@ -34,6 +34,8 @@ pub struct State {
     pub(crate) stop: Option<f64>,
     /// Since the start.
     pub(crate) ticks: u64,
+    /// End of the last step by the master's clock, s. Its roundings add up, those of [`State::ticks`] do not.
+    pub(crate) reached: f64,
     /// As set, in the units of their variables.
     pub(crate) inputs: [f64; INPUTS],
     /// Their first and second derivatives over time, for the next step.
@@ -47,7 +49,7 @@ pub struct State {
 }
 
 /// First bytes of a state.
-const MAGIC: &[u8; 8] = b"MDFMUst1";
+const MAGIC: &[u8; 8] = b"MDFMUst2";
 /// Bytes of the checksum.
 const CHECKSUM: usize = 8;
 

@@ -46,6 +46,47 @@ fn a_step_is_a_whole_number_of_ticks_from_where_the_last_one_ended() {
     master.refused(master.step(1.0, tick), &["after the stop time"]);
 }
 
+/// A master that adds up `t += h` from `start`, for `steps` of one tick of 0.1 ms.
+fn adds_up(start: f64, steps: u32) {
+    let tick = 1e-4;
+    let unpacked = Unpacked::new(MODEL_WITH_HISTORY, 1e4);
+    let master = unpacked.instance();
+    master.set_up(start);
+    master.well(fmi2ExitInitializationMode(master.handle));
+    let mut time = start;
+    for _ in 0..steps {
+        master.well(master.step(time, tick));
+        time += tick;
+    }
+    // What is no rounding is refused all the same: the tenth of a tick, or steps of a little more than one.
+    master.refused(master.step(time + 1e-5, tick), &["the last step ended at"]);
+    let long = 1.0009 * tick;
+    let add_up = |_| {
+        let status = master.step(time, long);
+        time += long;
+        status == Status::Ok
+    };
+    let most = 2.0 + 2.0 * f64::from(steps) * f64::EPSILON * start.abs().max(1e3) / tick / 9e-4;
+    let taken = (0..2 * most as u32).map(add_up).take_while(|&is_ok| is_ok);
+    assert!(
+        (taken.count() as f64) <= most,
+        "steps that are no whole ticks added up"
+    );
+}
+
+#[test]
+fn a_master_may_add_up_its_steps_at_any_time_of_day() {
+    for start in [0.0, 86_400.0, 1e6, -1e6] {
+        adds_up(start, 100_000);
+    }
+}
+
+#[test]
+#[ignore = "half a minute: in the full tier"]
+fn a_master_may_add_up_its_steps_for_a_thousand_seconds() {
+    adds_up(0.0, 10_000_000);
+}
+
 /// Ten ticks with derivatives equal ten steps with the same inputs one by one.
 #[test]
 fn derivatives_of_the_inputs_act_for_one_step() {
