@@ -4,6 +4,8 @@
 //! 64 MB of what it unpacks to. Reading such a file, right or not, takes bounded memory and time.
 
 mod arrow;
+#[cfg(test)]
+mod blocks;
 mod bytes;
 mod draw;
 mod hdf5;

@@ -134,7 +134,7 @@ fn schema_of(names: &[String], dictionary: bool) -> Vec<u8> {
     message(to, MessageHeader::Schema, header, 0)
 }
 
-/// A batch of so many arrays, all with these rows and these bytes; what is packed states its size.
+/// A batch of this number of arrays, all with these rows and these bytes; what is packed states its size.
 fn batch(
     arrays: usize,
     rows: i64,
@@ -212,7 +212,7 @@ fn columns(draw: &mut Draw) -> Vec<u8> {
     cut(draw, stream)
 }
 
-/// A schema in which many fields are the same, or have the same name or the same texts, in so many bytes.
+/// A schema in which many fields are the same, or have the same name or the same texts, in this number of bytes.
 pub fn shared_schema(draw: &mut Draw, room: usize) -> Vec<u8> {
     let mut to = Builder::new();
     let long = draw.count(room / 2);

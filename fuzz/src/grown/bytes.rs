@@ -39,7 +39,7 @@ impl Bytes {
         self.put(&value.to_le_bytes())
     }
 
-    /// Zeros up to a multiple of so many bytes.
+    /// Zeros up to a multiple of this number of bytes.
     pub fn pad(&mut self, multiple: usize) -> &mut Self {
         let length = self.len().next_multiple_of(multiple);
         self.0.resize(length, 0);

@@ -72,7 +72,7 @@ impl Draw {
         (high + self.below(high)).clamp(1, most)
     }
 
-    /// The number of things of so many bytes that a file has.
+    /// The number of things of this size in bytes that a file has.
     pub fn fit(&mut self, each: usize) -> usize {
         let most = self.size.file / each.max(1);
         self.count(most - most / 8)

@@ -178,7 +178,7 @@ fn float() -> Message {
     (3, float_type())
 }
 
-/// A text of so many bytes.
+/// A text of this length in bytes.
 fn text_type(bytes: usize) -> Vec<u8> {
     let mut kind = Bytes::default();
     kind.put(&[0x13, 0, 0, 0]).u32(bytes as u32);
@@ -198,7 +198,7 @@ fn compact(data: &[u8]) -> Message {
     (8, message.0)
 }
 
-/// One packed chunk of so many rows, each of `sizes`.
+/// One packed chunk of these sizes, of elements of `bytes` bytes.
 fn one_chunk(at: u64, packed: usize, sizes: &[u64], bytes: usize) -> [Message; 2] {
     let filters = vec![2, 1, 1, 0, 0, 0, 1, 0, 6, 0, 0, 0];
     let mut layout = Bytes::default();

@@ -101,7 +101,7 @@ impl File {
         self.block("##CN", &links, &data.0)
     }
 
-    /// Groups of channels with so many rows of so many bytes, as a group of data.
+    /// Groups of channels with this number of rows of this size in bytes, as a group of data.
     fn group(&mut self, next: u64, first: u64, rows: u64, bytes: u32, data: u64) -> u64 {
         let mut of_group = Bytes::default();
         of_group

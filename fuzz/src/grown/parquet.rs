@@ -75,7 +75,7 @@ fn structure(fields: &[(i64, Value)]) -> Vec<u8> {
     bytes.0
 }
 
-/// A field of the schema: a column of this type, or a group of so many fields.
+/// A field of the schema: a column of this type, or a group of this number of fields.
 fn field(name: &str, kind: i64, children: i64) -> Vec<u8> {
     let name = (4, Value::Binary(name.into()));
     match children {

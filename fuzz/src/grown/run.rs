@@ -106,7 +106,7 @@ fn once(name: &str, grow: Grow, seed: u64, size: Size, wrong: &Mutex<Vec<String>
     }
 }
 
-/// Reads so many files of each structure of a format, on every processor.
+/// Reads `files` files of each structure of a format, on every processor.
 fn run(format: &str, files: u64, size: Size) {
     let (_, structures) = FORMATS
         .iter()

@@ -126,6 +126,20 @@ impl Group {
         let cell = self.first + node * self.apart;
         [cell, BACK + cell]
     }
+
+    /// By how much a force for falling displacement is above one for rising displacement between which a cycle may lead: those of
+    /// the next node, or of one before it. `bounds` keeps the least and the largest of these; the first node begins them.
+    #[inline(always)]
+    fn drives<R: Real>(&self, bounds: &mut [R; 2], is_first: bool, [rises, falls]: [R; 2]) -> R {
+        let [rising, falling] = bounds;
+        if self.is_each_alone || self.is_stretch || is_first || rises < *rising {
+            *rising = rises;
+        }
+        if self.is_each_alone || is_first || falls > *falling {
+            *falling = falls;
+        }
+        *falling - *rising
+    }
 }
 
 impl<R: Real> ResidualTable<R> {
@@ -272,15 +286,8 @@ impl<R: Real> ResidualTable<R> {
             } else {
                 R::ZERO
             };
-            let (rises, falls) = (rises + against, falls - against);
-            let [rising, falling] = bounds;
-            if group.is_each_alone || group.is_stretch || node == 0 || rises < *rising {
-                *rising = rises;
-            }
-            if group.is_each_alone || node == 0 || falls > *falling {
-                *falling = falls;
-            }
-            let drives = *falling - *rising;
+            let forces = [rises + against, falls - against];
+            let drives = group.drives(bounds, node == 0, forces);
             if drives > worst {
                 worst = drives;
             }
@@ -311,21 +318,19 @@ impl<R: Real> ResidualTable<R> {
             let alone = if group.is_each_alone { 1 } else { NODES };
             for from in (0..group.count).step_by(alone) {
                 let nodes = from..group.count.min(from + alone);
-                let (mut rising, mut falling, mut drives) = (f64::MAX, f64::MIN, 0.0_f64);
+                let (mut bounds, mut drives) = ([0.0; 2], 0.0_f64);
                 for node in nodes.clone() {
-                    let [rises, falls] = sides(&self.cells, node);
-                    rising = if group.is_stretch {
-                        rises
-                    } else {
-                        rising.min(rises)
-                    };
-                    falling = falling.max(falls);
-                    drives = drives.max(falling - rising);
+                    let forces = sides(&self.cells, node);
+                    drives = drives.max(group.drives(&mut bounds, node == from, forces));
                 }
                 if drives <= 0.0 {
                     continue;
                 }
-                let mut below = if group.is_stretch { f64::MIN } else { falling };
+                let mut below = if group.is_stretch {
+                    f64::MIN
+                } else {
+                    bounds[1]
+                };
                 for node in nodes {
                     let [up, down] = group.cells(node);
                     below = below.max(sides(&self.cells, node)[1]);

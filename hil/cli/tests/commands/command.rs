@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+#[cfg(unix)]
+use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// No step takes nearly this long.
@@ -19,6 +21,18 @@ pub fn hil(directory: &Path, arguments: &[&str]) -> String {
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {error}");
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// `script` in a `shell` of its own, in `directory`, with the command as `$HIL`.
+#[cfg(unix)]
+pub fn shell(shell: &str, directory: &Path, script: &str) -> Output {
+    Command::new(shell)
+        .args(["-c", script])
+        .env("HIL", env!("CARGO_BIN_EXE_hil"))
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap()
 }
 
 /// Waits for `seen` to return a value, and returns it.

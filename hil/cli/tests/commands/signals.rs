@@ -4,10 +4,10 @@ use std::fs::{self, File, OpenOptions};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 
 use crate::bad_input::MODEL;
-use crate::command::{record, wait_for};
+use crate::command::{record, shell, wait_for};
 
 /// The signals with the codes that a shell gives for them.
 pub const SIGNALS: [(&str, i32); 2] = [("INT", 130), ("TERM", 143)];
@@ -198,17 +198,6 @@ fn a_signal_that_a_command_was_started_to_ignore_stays_ignored() {
     assert_eq!(running.ended_by("TERM").0, 143);
 }
 
-/// `script` in bash, in `directory`, with the command as `$HIL`.
-fn shell(directory: &Path, script: &str) -> Output {
-    Command::new("bash")
-        .args(["-c", script])
-        .env("HIL", env!("CARGO_BIN_EXE_hil"))
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
-}
-
 /// The code is that of the work; 2 where results are lost.
 #[test]
 fn an_output_that_takes_nothing_is_no_crash() {
@@ -247,7 +236,7 @@ fn an_output_that_takes_nothing_is_no_crash() {
             ("2>&1 | true; exit ${PIPESTATUS[0]}", own),
             ("2>&1 | head -c 1; exit ${PIPESTATUS[0]}", own),
         ] {
-            let output = shell(root.path(), &format!("\"$HIL\" {arguments} {to}"));
+            let output = shell("bash", root.path(), &format!("\"$HIL\" {arguments} {to}"));
             let said = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(code), "{arguments} {to}: {said}");
             assert!(!said.contains("panicked"), "{arguments} {to}: {said}");

@@ -112,6 +112,14 @@ pub(super) fn arranged<S: Clone>(
     Ok((tables, sources))
 }
 
+/// Adds what a file has besides its tables to the first of them; a file without one gets an empty one.
+pub(super) fn say_skipped(tables: &mut Vec<Table>, skipped: Vec<String>) {
+    if tables.is_empty() {
+        tables.push(Table::default());
+    }
+    tables[0].skipped.extend(skipped);
+}
+
 /// The first times of a table, from which its rate follows.
 fn first_times<S>(
     table: &mut Table,

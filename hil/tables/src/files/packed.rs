@@ -3,8 +3,6 @@
 use std::io::{self, Read};
 use std::rc::Rc;
 
-use mesh_damper_output::error::InputError;
-
 use crate::budget::Budget;
 
 /// A file that is held while its parts are unpacked.
@@ -14,15 +12,10 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    /// Of a file of this size, which is held.
-    ///
-    /// # Errors
-    /// The budget has no room for it.
-    pub fn of(size: usize, budget: Rc<Budget>) -> Result<Self, InputError> {
+    /// Of a file of this size, which is charged as held.
+    pub fn of(size: usize, budget: Rc<Budget>) -> Self {
         let size = size as u64;
-        budget.read(size)?;
-        budget.hold(size, "its bytes")?;
-        Ok(Self { budget, size })
+        Self { budget, size }
     }
 
     pub fn budget(&self) -> &Rc<Budget> {
@@ -44,7 +37,7 @@ pub(super) struct Part<'p, R> {
 }
 
 impl<R: Read> Read for Part<'_, R> {
-    /// An error of the budget comes out as an [`InputError`] within it.
+    /// An error of the budget comes out as an [`InputError`](mesh_damper_output::error::InputError) within it.
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         let count = self.from.read(to)?;
         let budget = &self.packed.budget;

@@ -218,7 +218,7 @@ impl<'t> Tree<'t> {
         })
     }
 
-    /// Charges a run of this many members, whose name has so many bytes.
+    /// Charges a run of this number of members, whose name has this length in bytes.
     fn charge(&self, members: usize, name: usize) -> Result<(), InputError> {
         let bytes = of_list::<usize>(members) + of_text(name);
         let budget = self.groups.budget();

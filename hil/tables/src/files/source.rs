@@ -66,7 +66,7 @@ impl<'a> Source<'a> {
         self.budget.limit()
     }
 
-    /// What reading it may cost. Its bytes are charged by the one who reads them.
+    /// What reading it may cost. Who reads its bytes as a stream charges them.
     pub fn budget(&self) -> Rc<Budget> {
         Rc::clone(&self.budget)
     }
@@ -81,19 +81,19 @@ impl<'a> Source<'a> {
         io::Cursor::new(self.head).chain(self.rest)
     }
 
-    /// All bytes at once.
+    /// All bytes at once. They are charged as read and held.
     ///
     /// # Errors
     /// An error of the file system, or a file beyond the limit.
     pub fn bytes(self) -> Result<Vec<u8>, InputError> {
-        let (path, limit) = (self.path.clone(), self.limit());
+        let (path, budget) = (self.path.clone(), self.budget());
         let mut bytes = Vec::new();
-        (self.stream().take(limit.file().saturating_add(1)))
+        (self.stream().take(budget.limit().file().saturating_add(1)))
             .read_to_end(&mut bytes)
             .map_err(|error| InputError::io(&path, "read", &error))?;
-        if bytes.len() as u64 > limit.file() {
-            return Err(limit.exceeded(&path.display().to_string()));
-        }
+        let read = bytes.len() as u64;
+        budget.read(read)?;
+        budget.hold(read, "the file")?;
         // They came with room for twice as many.
         bytes.shrink_to_fit();
         Ok(bytes)

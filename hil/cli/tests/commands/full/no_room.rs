@@ -4,23 +4,15 @@
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
-/// `script` in a separate shell in `directory`, with the command as `$HIL`.
-fn shell(directory: &Path, script: &str) -> Output {
-    Command::new("sh")
-        .args(["-c", script])
-        .env("HIL", env!("CARGO_BIN_EXE_hil"))
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
-}
+use crate::command::shell;
 
 /// `script` with separate file systems; `None`, with a message, if they cannot be mounted.
 fn with_mounts(directory: &Path, script: &str) -> Option<Output> {
     const UNSHARE: &str = "exec unshare --user --map-root-user --mount sh -c";
     let tried = shell(
+        "sh",
         directory,
         &format!("{UNSHARE} 'mount -t tmpfs tmpfs {}'", directory.display()),
     );
@@ -33,7 +25,7 @@ fn with_mounts(directory: &Path, script: &str) -> Option<Output> {
         said.unwrap();
         return None;
     }
-    Some(shell(directory, &format!("{UNSHARE} '{script}'")))
+    Some(shell("sh", directory, &format!("{UNSHARE} '{script}'")))
 }
 
 #[track_caller]
@@ -108,7 +100,7 @@ fn a_folder_without_permission_is_said() {
         .unwrap();
         return;
     }
-    let output = shell(root.path(), &format!("{RUN} --out closed/run-out"));
+    let output = shell("sh", root.path(), &format!("{RUN} --out closed/run-out"));
     said_once(
         &output,
         "permission denied; check the permissions of the file and its directory",
@@ -120,7 +112,11 @@ fn a_folder_without_permission_is_said() {
 fn a_file_that_may_not_grow_is_said() {
     let root = tempfile::tempdir().unwrap();
     // In blocks of 512 bytes. The signal for the limit is ignored, which children of the shell inherit.
-    let output = shell(root.path(), &format!("trap '' XFSZ; ulimit -f 8; {RUN}"));
+    let output = shell(
+        "sh",
+        root.path(),
+        &format!("trap '' XFSZ; ulimit -f 8; {RUN}"),
+    );
     said_once(
         &output,
         "the file would exceed the largest size that the system allows",
@@ -132,7 +128,7 @@ fn a_full_device_is_said() {
     let root = tempfile::tempdir().unwrap();
     // The recorded data exist, so the folder accepts another run.
     for to in ["--json /dev/full", "--json - > /dev/full"] {
-        let output = shell(root.path(), &format!("{RUN} --out out {to}"));
+        let output = shell("sh", root.path(), &format!("{RUN} --out out {to}"));
         said_once(&output, "no space left on the device");
         assert!(root.path().join("out/recording.csv.gz").is_file());
     }
@@ -142,22 +138,26 @@ fn a_full_device_is_said() {
 #[test]
 fn standard_output_that_takes_nothing_is_said() {
     let root = tempfile::tempdir().unwrap();
-    let made = shell(root.path(), &format!("{RUN} --out made"));
+    let made = shell("sh", root.path(), &format!("{RUN} --out made"));
     assert_eq!(made.status.code(), Some(0));
     for command in [
         "characterize made/recording.csv.gz --dynamic",
         "design --stiffness 4 --loss-factor 0.3",
     ] {
-        let output = shell(root.path(), &format!("\"$HIL\" {command} > /dev/full"));
+        let output = shell(
+            "sh",
+            root.path(),
+            &format!("\"$HIL\" {command} > /dev/full"),
+        );
         said_once(&output, "no space left on the device");
     }
     // A user who closes standard output wants no text. A user who requests the JSON there gets an error.
-    let output = shell(root.path(), &format!("{RUN} --json - >&-"));
+    let output = shell("sh", root.path(), &format!("{RUN} --json - >&-"));
     said_once(&output, "standard output is closed");
-    let output = shell(root.path(), &format!("{RUN} --out said >&-"));
+    let output = shell("sh", root.path(), &format!("{RUN} --out said >&-"));
     assert_eq!(output.status.code(), Some(0));
     // A reader of one line may close the pipe.
-    let output = shell(root.path(), &format!("{RUN} --out piped | head -n 1"));
+    let output = shell("sh", root.path(), &format!("{RUN} --out piped | head -n 1"));
     assert_eq!(output.status.code(), Some(0));
     assert!(
         output.stderr.is_empty(),

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
+use crate::command::shell;
 use crate::refusal::{hil, refuses};
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -287,16 +287,6 @@ fn what_a_broken_off_run_left_is_kept() {
     }
 }
 
-/// `script` in a shell in `directory`, with the command as `$HIL`.
-fn shell(directory: &Path, script: &str) -> std::process::Output {
-    Command::new("sh")
-        .args(["-c", script])
-        .env("HIL", env!("CARGO_BIN_EXE_hil"))
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
-
 #[test]
 fn a_file_that_standard_output_goes_to_is_an_output_like_any_other() {
     let root = root_with_recording();
@@ -315,7 +305,7 @@ fn a_file_that_standard_output_goes_to_is_an_output_like_any_other() {
             "x: would be written twice",
         ),
     ] {
-        let output = shell(root.path(), script);
+        let output = shell("sh", root.path(), script);
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert_eq!(error.lines().count(), 1, "{error}");
@@ -335,7 +325,7 @@ fn devices_and_pipes_are_written_as_they_are() {
         format!("{predict} --out /dev/null --json /dev/fd/3 3>x && grep -q nrmse x && rm x"),
         format!("{predict} --out /dev/stdout > x && grep -q predicted_force_kN x && rm x"),
     ] {
-        let output = shell(root.path(), &script);
+        let output = shell("sh", root.path(), &script);
         assert!(
             output.status.success(),
             "{script}: {}",

@@ -1,7 +1,7 @@
 //! A file's bytes, from which the library reads single blocks.
 //!
 //! The library would follow every link of a file, and keep what it finds. So it is asked for one block or one tree of blocks after the
-//! other, and each time it may look at so many bytes only that what it makes of them stays within the budget.
+//! other, and each time the bytes that it may look at are limited, so that the result stays within the budget.
 
 use std::cell::Cell;
 use std::io::Read as _;

@@ -4,6 +4,7 @@ mod attributes;
 mod cells;
 mod data;
 mod file;
+mod grid;
 mod links;
 mod lzf;
 mod matlab;
@@ -15,10 +16,10 @@ use std::rc::Rc;
 use hdf5_reader::error::Error;
 use mesh_damper_output::error::InputError;
 
-use super::arrays::arranged;
+use super::arrays::{arranged, say_skipped};
 use super::guard::{damaged, guarded};
 use super::opened::Opened;
-use super::{Format, Reading, Source, Table, Tables};
+use super::{Format, Reading, Source, Tables};
 use crate::budget::Budget;
 use cells::Datasets;
 use file::{File, Refused, innermost};
@@ -53,8 +54,6 @@ impl Format for Hdf5 {
         let (name, budget) = (source.name(), source.budget());
         let is_matlab = source.head().starts_with(b"MATLAB");
         let bytes = source.bytes()?;
-        budget.read(bytes.len() as u64)?;
-        budget.hold(bytes.len() as u64, "the file")?;
         guarded(NAME, &name, || {
             let opened = open(&name, bytes, budget, is_matlab, reading);
             opened.map_err(|why| said(&name, why))
@@ -84,10 +83,7 @@ fn open<'a>(
         values.map_err(|why| said(name, why))
     };
     let (mut tables, places) = arranged(&found.groups, found.arrays, beside, &mut values)?;
-    if tables.is_empty() {
-        tables.push(Table::default());
-    }
-    tables[0].skipped.extend(found.skipped);
+    say_skipped(&mut tables, found.skipped);
     let owned = name.to_owned();
     let read = move |table: usize, column: usize| {
         guarded(NAME, &owned, || {

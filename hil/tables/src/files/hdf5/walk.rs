@@ -9,7 +9,7 @@ use hdf5_reader::{Attribute, Datatype};
 
 use super::attributes::{Texts, held, number, text};
 use super::cells::{Cell, Place as Cells, cell};
-use super::data::{Data, is_dataset};
+use super::data::{Data, is_dataset, is_of_group};
 use super::file::{File, Refused};
 use super::links::Links;
 use crate::budget::of_text;
@@ -542,15 +542,11 @@ impl<'f> Stated<'f> {
 /// Whether an object that is no data set is a group.
 fn is_group(header: &[HdfMessage]) -> bool {
     let says_so = |message: &HdfMessage| {
-        matches!(
-            message,
-            HdfMessage::SymbolTable(_)
-                | HdfMessage::Link(_)
-                | HdfMessage::LinkInfo(_)
-                | HdfMessage::GroupInfo(_)
-                | HdfMessage::Attribute(_)
-                | HdfMessage::AttributeInfo(_)
-        )
+        is_of_group(message)
+            || matches!(
+                message,
+                HdfMessage::Attribute(_) | HdfMessage::AttributeInfo(_)
+            )
     };
     header.iter().any(says_so)
 }

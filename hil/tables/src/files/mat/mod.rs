@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use mesh_damper_output::error::InputError;
 
-use super::arrays::arranged;
+use super::arrays::{arranged, say_skipped};
 use super::guard::damaged;
 use super::opened::Opened;
 use super::unpack::{Unpacked, inflated};
@@ -51,8 +51,6 @@ impl Format for Mat {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = Arc::new(source.bytes()?);
-        budget.read(bytes.len() as u64)?;
-        budget.hold(bytes.len() as u64, "the file")?;
         let is_little = bytes[126] == b'I';
         let mut tree = Tree::new(Rc::clone(&budget));
         let mut rest = Bytes::new(bytes, HEADER, is_little);
@@ -109,16 +107,8 @@ pub(super) fn opened<'a>(
         Ok(values.all())
     };
     let (mut tables, sources) = arranged(&groups, arrays, beside, &mut values)?;
-    if let Some(table) = tables.first_mut() {
-        table.skipped.extend(skipped);
-        super::Table::note_in_all(&mut tables, &guesses, &budget)?;
-    } else {
-        let skipped = super::Table {
-            skipped,
-            ..super::Table::default()
-        };
-        tables.push(skipped);
-    }
+    super::Table::note_in_all(&mut tables, &guesses, &budget)?;
+    say_skipped(&mut tables, skipped);
     let read = move |table: usize, column: usize| values(&sources[table][column]).map(Some);
     Ok(Box::new(Opened::new(budget, name, tables, comments, read)?))
 }

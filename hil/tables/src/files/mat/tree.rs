@@ -325,7 +325,7 @@ impl Tree {
         Ok(())
     }
 
-    /// Notes what is not read. Its path is charged, and so many bytes are not.
+    /// Notes what is not read. Its path is charged already, `more` bytes are not.
     fn skip(&mut self, what: String, more: usize) -> Done {
         self.budget().hold(of_text(more), UNREAD)?;
         self.skipped.push(what);

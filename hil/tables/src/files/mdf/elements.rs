@@ -168,7 +168,7 @@ impl Elements {
         self.groups.get(usize::try_from(place).ok()?).copied()
     }
 
-    /// Whether all of them lie within a record of so many bytes.
+    /// Whether all of them lie within a record of this length in bytes.
     pub fn fit(&self, record: usize) -> bool {
         let farthest = self.levels.iter().fold(self.field.at, |at, level| {
             let last = level.count().saturating_sub(1) as usize;

@@ -16,7 +16,7 @@ use falcon_mdf::blocks::IdBlock;
 use falcon_mdf::{Mf4Error, Mf4Version};
 use mesh_damper_output::error::InputError;
 
-use super::arrays::{Array, MOST_OF_ARRAY, arranged, name_of};
+use super::arrays::{Array, MOST_OF_ARRAY, arranged, name_of, say_skipped};
 use super::beside::Beside;
 use super::groups::{Group as Inside, Groups};
 use super::guard::{damaged, guarded};
@@ -53,8 +53,6 @@ impl Format for Mdf {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = source.bytes()?;
-        budget.read(bytes.len() as u64)?;
-        budget.hold(bytes.len() as u64, "the file")?;
         guarded(NAME, &name, || {
             let opened = open(&name, bytes, budget);
             opened.map_err(|why| said(&name, why))
@@ -100,10 +98,7 @@ fn open<'a>(
     let (arrays, skipped) = mdf.arrays(&mut groups)?;
     let mut values = |place: &Place| mdf.values(*place).map_err(|why| said(name, why));
     let (mut tables, places) = arranged(&groups, arrays, Beside::default(), &mut values)?;
-    if tables.is_empty() {
-        tables.push(Table::default());
-    }
-    tables[0].skipped.extend(skipped);
+    say_skipped(&mut tables, skipped);
     if is_unfinished {
         let note = "the file was never finalized; what had been written to it is read";
         Table::note_in_all(&mut tables, &[note.to_owned()], &budget)?;

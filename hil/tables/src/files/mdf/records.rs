@@ -137,6 +137,20 @@ pub(super) fn list(
     Ok(list)
 }
 
+impl Block {
+    /// One that is not packed.
+    fn plain(at: usize, stored: usize) -> Self {
+        Self {
+            at,
+            stored,
+            size: stored as u64,
+            is_packed: false,
+            columns: None,
+            invalid: None,
+        }
+    }
+}
+
 /// The block of records at a link.
 fn one(blocks: &Blocks, link: u64) -> Result<Block, Refused> {
     let head = blocks.head(link)?;
@@ -144,14 +158,7 @@ fn one(blocks: &Blocks, link: u64) -> Result<Block, Refused> {
     match &head.block_type {
         b"##DT" | b"##SD" | b"##RD" | b"##DV" | b"##DI" => {
             let stored = head.length as usize - BLOCK_HEADER_SIZE;
-            Ok(Block {
-                at,
-                stored,
-                size: stored as u64,
-                is_packed: false,
-                columns: None,
-                invalid: None,
-            })
+            Ok(Block::plain(at, stored))
         }
         b"##DZ" => {
             let packed: DzBlock = blocks.block(link)?;
@@ -402,17 +409,6 @@ mod tests {
         )
     }
 
-    fn plain(at: usize, stored: usize) -> Block {
-        Block {
-            at,
-            stored,
-            size: stored as u64,
-            is_packed: false,
-            columns: None,
-            invalid: None,
-        }
-    }
-
     #[test]
     fn blocks_are_put_together_with_what_is_invalid() {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
@@ -424,22 +420,22 @@ mod tests {
             size: 4,
             is_packed: true,
             columns: Some(2),
-            ..plain(6, packed.len())
+            ..Block::plain(6, packed.len())
         };
         let made = |list: &[Block]| {
             let stream = stream(&file, list, LAYOUT)?;
             Ok::<_, Refused>(stream.bytes(&file).to_vec())
         };
-        assert_eq!(made(&[plain(0, 4)]).unwrap(), [1, 2, 3, 4]);
+        assert_eq!(made(&[Block::plain(0, 4)]).unwrap(), [1, 2, 3, 4]);
         assert_eq!(
             made(std::slice::from_ref(&transposed)).unwrap(),
             [7, 8, 5, 6]
         );
-        let all = [plain(0, 4), transposed.clone()];
+        let all = [Block::plain(0, 4), transposed.clone()];
         assert_eq!(made(&all).unwrap(), [1, 2, 3, 4, 7, 8, 5, 6]);
         let apart = Block {
-            invalid: Some(Box::new(plain(4, 2))),
-            ..plain(0, 4)
+            invalid: Some(Box::new(Block::plain(4, 2))),
+            ..Block::plain(0, 4)
         };
         assert_eq!(size(std::slice::from_ref(&apart)), 6);
         assert_eq!(made(&[apart]).unwrap(), [1, 2, 0, 3, 4, 1]);

@@ -53,7 +53,7 @@ impl Format for Arrow {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = source.bytes()?;
-        let packed = Packed::of(bytes.len(), budget)?;
+        let packed = Packed::of(bytes.len(), budget);
         guarded(NAME, &name, || {
             let decoded = if bytes.starts_with(MARK) {
                 file(bytes.into(), &packed)

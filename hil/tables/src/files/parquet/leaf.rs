@@ -244,7 +244,7 @@ const OF_VALUE: u64 = 2;
 
 /// The places of a column's values in an array.
 enum Places {
-    /// Every so many, from the first on.
+    /// Every `step`th, from the first on.
     Strided {
         first: usize,
         step: usize,
@@ -255,7 +255,7 @@ enum Places {
 }
 
 impl<'p> Gathered<'p> {
-    /// Memory for the values of so many rows.
+    /// Memory for the values of this number of rows.
     ///
     /// # Errors
     /// The budget has no room for them.

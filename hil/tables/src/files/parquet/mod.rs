@@ -60,7 +60,7 @@ impl Format for Parquet {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = Bytes::from(source.bytes()?);
-        let packed = Packed::of(bytes.len(), budget)?;
+        let packed = Packed::of(bytes.len(), budget);
         guarded(NAME, &name, || open(&name, bytes, packed))
     }
 }

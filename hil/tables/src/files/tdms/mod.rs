@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
-use super::arrays::{Array, arranged};
+use super::arrays::{Array, arranged, say_skipped};
 use super::beside::Beside;
 use super::groups::{Group, Groups};
 use super::guard::damaged;
@@ -69,8 +69,6 @@ impl Format for Tdms {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = source.bytes()?;
-        budget.read(bytes.len() as u64)?;
-        budget.hold(bytes.len() as u64, "the file")?;
         let said = |why: Refused| match why {
             Refused::Broken(why) => damaged(NAME, &name, why),
             Refused::Said(error) => error,
@@ -99,10 +97,7 @@ impl Format for Tdms {
                 ));
             }
         }
-        if tables.is_empty() {
-            tables.push(Table::default());
-        }
-        tables[0].skipped.extend(channels.skipped);
+        say_skipped(&mut tables, channels.skipped);
         if is_cut {
             let note = "its end was cut; the samples that it has in whole are read";
             channels.guesses.push(note.into());

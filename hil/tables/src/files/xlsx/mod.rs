@@ -48,7 +48,7 @@ impl Format for Xlsx {
         let (path, name) = (source.path().to_owned(), source.name());
         let budget = source.budget();
         let bytes = source.bytes()?;
-        let packed = Packed::of(bytes.len(), budget)?;
+        let packed = Packed::of(bytes.len(), budget);
         guarded(NAME, &name, || open(&path, &bytes, &packed, reading))
     }
 }

@@ -1,56 +1,15 @@
 //! Files of blocks that refer to each other, in which few bytes say much: what they take, and that they are read right or refused.
-#![cfg(feature = "formats")]
 
 mod hdf5;
 mod mdf;
 mod tdms;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::path::Path;
 
 use mesh_damper_tables::files::{self, Kept, Reading, Source, Table, Wanted};
 use mesh_damper_tables::read_limit::ReadLimit;
 
-thread_local! {
-    static TAKEN: Cell<isize> = const { Cell::new(0) };
-    static MOST: Cell<isize> = const { Cell::new(0) };
-}
-
-fn count(bytes: isize) {
-    // A thread that ends has lost its counts, and needs them no more.
-    let _ = TAKEN.try_with(|taken| {
-        taken.set(taken.get() + bytes);
-        let _ = MOST.try_with(|most| most.set(most.get().max(taken.get())));
-    });
-}
-
-struct Counting;
-
-// SAFETY: all is passed on to the system's.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(memory, layout) }
-    }
-
-    // The system moves pages without a second copy of them.
-    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as isize - layout.size() as isize);
-        // SAFETY: the caller's promise.
-        unsafe { System.realloc(memory, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
+use super::memory;
 
 /// The limit of a file: an eighth of it may be held, and as many steps done, before a byte is read.
 const LIMIT: u64 = 16 << 20;
@@ -104,32 +63,35 @@ impl Seen {
 /// Opens a file that unpacks to `unpacked` bytes, and reads its first table; asserts that it takes no more than the budget allows.
 fn seen(bytes: &[u8], unpacked: u64) -> Seen {
     let reading = Reading::from(ReadLimit::new(LIMIT));
-    let at_first = TAKEN.get();
-    MOST.set(at_first);
-    let source = Source::of(Path::new("grown"), bytes, reading.limit).unwrap();
-    let budget = source.budget();
-    let mut values = Vec::new();
-    let tables = files::opened(source, &reading).and_then(|(_, file)| {
-        let tables = file.tables().to_vec();
-        let columns = 0..tables[0].columns.len().min(4);
-        let wanted: Vec<Wanted> = columns
-            .map(|column| Wanted {
-                column,
-                must_be_numeric: false,
-            })
-            .collect();
-        let read = file.read(0, &wanted, Kept::Channels)?;
-        values = read.columns.into_iter().flatten().collect();
-        Ok(tables)
-    });
-    let taken = (MOST.get() - at_first) as u64;
-    let used = budget.used();
+    let read = || {
+        let source = Source::of(Path::new("grown"), bytes, reading.limit).unwrap();
+        let budget = source.budget();
+        let opened = files::opened(source, &reading).and_then(|(_, file)| {
+            let tables = file.tables().to_vec();
+            let columns = 0..tables[0].columns.len().min(4);
+            let wanted: Vec<Wanted> = columns
+                .map(|column| Wanted {
+                    column,
+                    must_be_numeric: false,
+                })
+                .collect();
+            let read = file.read(0, &wanted, Kept::Channels)?;
+            Ok((tables, read.columns.into_iter().flatten().collect()))
+        });
+        (opened, budget.used())
+    };
+    let ((opened, used), taken) = memory::most(read);
+    let taken = taken as u64;
+    let (tables, values) = match opened {
+        Ok((tables, values)) => (Ok(tables), values),
+        Err(error) => (Err(error.to_string()), Vec::new()),
+    };
     let read = bytes.len() as u64 + unpacked;
     let [held, steps] = PER_BYTE.map(|each| LIMIT / 8 + each * read);
     assert!(taken <= held + SLACK, "{taken} bytes taken, {held} allowed");
     assert!(used.1 <= steps, "{} steps of {steps}", used.1);
     Seen {
-        tables: tables.map_err(|error| error.to_string()),
+        tables,
         values,
         used,
         taken,
