@@ -84,35 +84,48 @@ impl<R: Real> Yielding<R> {
         self.drag
     }
 
+    /// x + C, mm: what the reach is at least.
+    fn least(&self) -> R {
+        self.yield_stretch + self.drag + self.slip
+    }
+
     /// x/tanh u at the root u for b = x.
     fn reached(&self) -> R {
-        let least = self.yield_stretch + self.drag + self.slip;
-        let start = self.yield_stretch / least;
+        let start = self.yield_stretch / self.least();
         // A step adds about 1 where C is a small part of x, and at 20 tanh is 1 in f64 too.
         self.reach_of(self.risen::<24>(start, self.yield_stretch))
     }
 
-    /// Checks that the reach is that of the root for b = x: a search that starts from it finds a root that solves the equation, and
-    /// leads back to it. A start above the root would stay where it is, and one too far below would not arrive.
+    /// Checks that the reach is that of the root for b = x, in the steps of one search: a search that starts from it finds a root
+    /// that solves the equation, and leads back to it. A start above the root would stay where it is, and one too far below would
+    /// not arrive; the reach is then too small or too large.
     #[inline(never)]
     fn check_reach(&self) -> Result<(), ConfigError> {
         // Far above the rounding of both in f32, 1e-6, and too little to matter to a search.
         let close = R::from_f64(1e-5);
-        let x = self.yield_stretch;
-        let root = self.root(x);
-        let missing = x - x * tanh(root) - (self.drag + self.slip) * root;
-        let found = self.reach_of(root);
-        if missing.abs() <= close * x && (self.reach - found).abs() <= close * found {
-            return Ok(());
-        }
-        let reached = self.reached();
-        let [low, high] = [reached - close * reached, reached + close * reached];
-        compare("reach", self.reach, low, high).map(|_| ())
+        let [x, reach, least] = [self.yield_stretch, self.reach, self.least()];
+        let about = |right: R| [right - close * right, right + close * right];
+        let [low, high] = if x < R::from_f64(1e-3) * least {
+            // The root has too few digits where it is practically 0. The reach is within u²/3 of its lower bound.
+            about(least)
+        } else {
+            let root = self.root(x);
+            let missing = x - x * tanh(root) - (self.drag + self.slip) * root;
+            if missing.abs() <= close * x {
+                about(self.reach_of(root))
+            } else if missing < R::ZERO {
+                // Its upper bound, because u/tanh u is at most 1 + u.
+                [reach + close * reach, least + x]
+            } else {
+                [least, reach - close * reach]
+            }
+        };
+        compare("reach", reach, low, high).map(|_| ())
     }
 
     /// x/tanh u at the root u for b = x.
     fn reach_of(&self, root: R) -> R {
-        let least = self.yield_stretch + self.drag + self.slip;
+        let least = self.least();
         let reach = self.yield_stretch / tanh(root);
         // Where the root is practically 0, the reach is the lower bound.
         if reach > least && reach.is_finite() {
@@ -358,5 +371,33 @@ mod tests {
         let (single, double) = (error::<f32>(), error::<f64>());
         assert!(double < 3e-10, "{double}");
         assert!(single < 2.4e-7, "{single}");
+    }
+
+    /// Whatever its parameters are, an honest branch passes its own check, and one with another reach does not.
+    fn only_the_right_reach_passes<R: Real>() {
+        let mut checked = 0;
+        for stretch in [0.0, 1e-38, 1e-20, 1e-9, 1e-4, 0.04, 1.0, 77.0, 1e4] {
+            for rate in [RATE[0], 1e-5, 0.3, 40.0, RATE[1]] {
+                for time in [0.0, 1e-12, 1e-3, 0.02, 3.0, TIME] {
+                    for tick in [TICK[0], 1e-4, 0.01, TICK[1]] {
+                        let [k, x, v, t, dt] = [1.0, stretch, rate, time, tick].map(R::from_f64);
+                        let honest = Yielding::new(k, x, v, t, dt).unwrap();
+                        for part in [-1.0, 0.0, 0.5, 0.99, 0.9999, 1.0001, 1.01, 2.0, 1e9] {
+                            let reach = honest.reach * R::from_f64(part);
+                            let forged = Yielding { reach, ..honest };
+                            assert!(forged.check().is_err(), "{forged:?}");
+                        }
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(checked, 1080);
+    }
+
+    #[test]
+    fn an_honest_reach_passes_and_no_other() {
+        only_the_right_reach_passes::<f32>();
+        only_the_right_reach_passes::<f64>();
     }
 }

@@ -134,16 +134,13 @@ fn schema_of(names: &[String], dictionary: bool) -> Vec<u8> {
     message(to, MessageHeader::Schema, header, 0)
 }
 
-/// A batch of this number of arrays, all with these rows and these bytes; what is packed states its size.
-fn batch(
-    arrays: usize,
-    rows: i64,
-    places: &dyn Fn(usize) -> (i64, i64),
-    body: &[u8],
-    is_packed: bool,
-) -> Vec<u8> {
+/// Where the values of an array begin, and their bytes; `None` for a structure, which has none of its own.
+type Place = Option<(i64, i64)>;
+
+/// A batch of these arrays, all with these rows and in these bytes; what is packed states its size.
+fn batch(arrays: &[Place], rows: i64, body: &[u8], is_packed: bool) -> Vec<u8> {
     let mut to = Builder::new();
-    let header = arrays_of(&mut to, arrays, rows, places, is_packed).as_union_value();
+    let header = arrays_of(&mut to, arrays, rows, is_packed).as_union_value();
     framed(
         &message(to, MessageHeader::RecordBatch, header, body.len()),
         body,
@@ -152,17 +149,16 @@ fn batch(
 
 fn arrays_of(
     to: &mut Builder,
-    arrays: usize,
+    arrays: &[Place],
     rows: i64,
-    places: &dyn Fn(usize) -> (i64, i64),
     is_packed: bool,
 ) -> WIPOffset<arrow_ipc::RecordBatch<'static>> {
-    let nodes = vec![FieldNode::new(rows, 0); arrays];
+    let nodes = vec![FieldNode::new(rows, 0); arrays.len()];
     let nodes = to.create_vector(&nodes);
-    let buffers: Vec<Buffer> = (0..arrays)
-        .flat_map(|index| {
-            let (at, length) = places(index);
-            [Buffer::new(0, 0), Buffer::new(at, length)]
+    let buffers: Vec<Buffer> = (arrays.iter())
+        .flat_map(|place| {
+            let values = place.map(|(at, length)| Buffer::new(at, length));
+            [Some(Buffer::new(0, 0)), values].into_iter().flatten()
         })
         .collect();
     let buffers = to.create_vector(&buffers);
@@ -202,58 +198,103 @@ fn columns(draw: &mut Draw) -> Vec<u8> {
     let body = vec![0; 8 * rows];
     let size = body.len() as i64;
     let mut stream = framed(&schema_of(&names, false), &[]);
-    stream.extend(batch(
-        names.len(),
-        rows as i64,
-        &|_| (0, size),
-        &body,
-        false,
-    ));
+    let arrays = vec![Some((0, size)); names.len()];
+    stream.extend(batch(&arrays, rows as i64, &body, false));
     cut(draw, stream)
 }
 
-/// A schema in which many fields are the same, or have the same name or the same texts, in this number of bytes.
-pub fn shared_schema(draw: &mut Draw, room: usize) -> Vec<u8> {
+/// A schema in which many fields are the same, or have the same name or the same texts, in this number of bytes; and their number.
+pub fn shared_schema(draw: &mut Draw, room: usize) -> (Vec<u8>, usize) {
     let mut to = Builder::new();
-    let long = draw.count(room / 2);
-    let name = text(&mut to, &"n".repeat(long));
     let count = draw.count(room / 2 / 100);
+    let entries = draw.count(1000);
+    // A reader may believe a schema that is a few times its size when its parts are counted where they are used.
+    let times = draw.one_of(&[1, 4, room]);
+    let long = draw.count((times * room / 2 / count).min(room / 2));
+    let said = draw.count((times * room / 4 / entries).min(room / 8));
+    let name = text(&mut to, &"n".repeat(long));
     let is_one = draw.chance();
     let one = field(&mut to, name, None);
     let mut fields = vec![one; count];
     if !is_one {
         fields = (0..count).map(|_| field(&mut to, name, None)).collect();
     }
-    let entries = draw.count(1000);
-    let header = schema(&mut to, &fields, entries, long / 4);
-    message(to, MessageHeader::Schema, header, 0)
+    let header = schema(&mut to, &fields, entries, said);
+    (message(to, MessageHeader::Schema, header, 0), count)
 }
 
 fn shared(draw: &mut Draw) -> Vec<u8> {
-    let room = draw.size.file - 4096;
-    let stream = framed(&shared_schema(draw, room), &[]);
+    // With a batch, which takes 48 bytes for a field.
+    let room = draw.size.file / 4 * 3;
+    let (schema, count) = shared_schema(draw, room);
+    let mut stream = framed(&schema, &[]);
+    stream.extend(batch(&vec![Some((0, 24)); count], 3, &[0; 24], false));
     cut(draw, stream)
 }
 
-/// Fields in fields, each twice.
+/// Fields in fields.
+struct Nested {
+    name: WIPOffset<&'static str>,
+    wide: usize,
+    /// Whether the fields of a structure are one.
+    is_shared: bool,
+}
+
+impl Nested {
+    /// A field with others in it to this depth, whose arrays are added.
+    fn field(
+        &self,
+        to: &mut Builder,
+        deep: usize,
+        arrays: &mut Vec<Place>,
+    ) -> WIPOffset<Field<'static>> {
+        let Some(deep) = deep.checked_sub(1) else {
+            arrays.push(Some((0, 24)));
+            return field(to, self.name, None);
+        };
+        arrays.push(None);
+        let inner = if self.is_shared {
+            let mut of_one = Vec::new();
+            let one = self.field(to, deep, &mut of_one);
+            // Of more fields, no reader looks for the arrays.
+            let times = if of_one.len() < 10_000 { self.wide } else { 1 };
+            arrays.extend(of_one.repeat(times));
+            vec![one; self.wide]
+        } else {
+            (0..self.wide)
+                .map(|_| self.field(to, deep, arrays))
+                .collect()
+        };
+        let kind = Struct_Builder::new(to).finish().as_union_value();
+        let children = to.create_vector(&inner);
+        let mut outer = FieldBuilder::new(to);
+        outer.add_name(self.name);
+        outer.add_type_type(Type::Struct_);
+        outer.add_type_(kind);
+        outer.add_children(children);
+        outer.finish()
+    }
+}
+
 fn depth(draw: &mut Draw) -> Vec<u8> {
     let mut to = Builder::new();
     let long = draw.count(1 << 12);
     let name = text(&mut to, &"n".repeat(long));
-    let mut inner = field(&mut to, name, None);
-    let (deep, wide) = (draw.count(60), draw.count(3));
-    for _ in 0..deep {
-        let kind = Struct_Builder::new(&mut to).finish().as_union_value();
-        let children = to.create_vector(&vec![inner; wide]);
-        let mut outer = FieldBuilder::new(&mut to);
-        outer.add_name(name);
-        outer.add_type_type(Type::Struct_);
-        outer.add_type_(kind);
-        outer.add_children(children);
-        inner = outer.finish();
+    let (wide, is_shared) = (draw.count(3), draw.chance());
+    let mut deep = draw.count(60);
+    if !is_shared && wide > 1 {
+        deep = deep.min((draw.size.file / 500).ilog(wide) as usize);
     }
-    let header = schema(&mut to, &[inner], 0, 0);
-    let stream = framed(&message(to, MessageHeader::Schema, header, 0), &[]);
+    let mut arrays = Vec::new();
+    let nested = Nested {
+        name,
+        wide,
+        is_shared,
+    };
+    let top = nested.field(&mut to, deep, &mut arrays);
+    let header = schema(&mut to, &[top], 0, 0);
+    let mut stream = framed(&message(to, MessageHeader::Schema, header, 0), &[]);
+    stream.extend(batch(&arrays, 3, &[0; 24], false));
     cut(draw, stream)
 }
 
@@ -265,7 +306,8 @@ fn batches(draw: &mut Draw) -> Vec<u8> {
     let body = vec![0; 8 * rows as usize];
     let size = body.len() as i64;
     let mut stream = framed(&schema_of(&names, false), &[]);
-    let one = batch(names.len(), rows, &|_| (0, size), &body, false);
+    let arrays = vec![Some((0, size)); names.len()];
+    let one = batch(&arrays, rows, &body, false);
     for _ in 0..count {
         if stream.len() + one.len() > draw.size.file {
             break;
@@ -281,7 +323,8 @@ fn blocks(draw: &mut Draw) -> Vec<u8> {
     let names = all_names(Names::Short, columns);
     let body = vec![0; 8 * rows];
     let size = body.len() as i64;
-    let one = batch(names.len(), rows as i64, &|_| (0, size), &body, false);
+    let arrays = vec![Some((0, size)); names.len()];
+    let one = batch(&arrays, rows as i64, &body, false);
     let head = one.len() - body.len();
     let mut bytes = Bytes::default();
     bytes.put(b"ARROW1\0\0").put(&one).pad(8);
@@ -323,7 +366,7 @@ fn dictionaries(draw: &mut Draw) -> Vec<u8> {
     let size = body.len() as i64;
     let dictionary = |id: usize, is_delta: bool| {
         let mut to = Builder::new();
-        let data = arrays_of(&mut to, 1, values as i64, &|_| (0, size), false);
+        let data = arrays_of(&mut to, &[Some((0, size))], values as i64, false);
         let mut dictionary = DictionaryBatchBuilder::new(&mut to);
         dictionary.add_id(id as i64);
         dictionary.add_data(data);
@@ -339,8 +382,10 @@ fn dictionaries(draw: &mut Draw) -> Vec<u8> {
         stream.extend(dictionary(id, false));
     }
     let rows = [0; 8];
-    let place = |index: usize| if index < 3 { (0, 8) } else { (0, 1) };
-    let one = batch(names.len(), 1, &place, &rows, false);
+    let arrays: Vec<Place> = (0..names.len())
+        .map(|index| Some((0, if index < 3 { 8 } else { 1 })))
+        .collect();
+    let one = batch(&arrays, 1, &rows, false);
     let more = dictionary(3, is_delta);
     while stream.len() + one.len() + more.len() < draw.size.file {
         stream.extend(&one);
@@ -361,13 +406,8 @@ fn buffers(draw: &mut Draw) -> Vec<u8> {
     let shift = draw.one_of(&[0, 1]);
     let size = 8 * rows as i64;
     let mut stream = framed(&schema_of(&names, false), &[]);
-    stream.extend(batch(
-        names.len(),
-        rows as i64,
-        &|_| (shift, size),
-        &body,
-        false,
-    ));
+    let arrays = vec![Some((shift, size)); names.len()];
+    stream.extend(batch(&arrays, rows as i64, &body, false));
     cut(draw, stream)
 }
 
@@ -381,12 +421,7 @@ fn statements(draw: &mut Draw) -> Vec<u8> {
     let length = if draw.chance() { large } else { 64 };
     let is_packed = draw.chance();
     let mut stream = framed(&schema_of(&names, false), &[]);
-    stream.extend(batch(
-        names.len(),
-        rows,
-        &|_| (0, length),
-        &body.0,
-        is_packed,
-    ));
+    let arrays = vec![Some((0, length)); names.len()];
+    stream.extend(batch(&arrays, rows, &body.0, is_packed));
     stream
 }

@@ -1,282 +1,31 @@
-//! HDF5, and MATLAB 7.3 in it: links, groups, fields, attributes and chunks. Written by hand, as tests run without another program.
+//! HDF5, and MATLAB 7.3 in it: links, groups, fields, attributes and chunks.
+
+mod file;
 
 use super::Grow;
 use super::bytes::{Bytes, deflated};
 use super::draw::{Draw, Names};
+use file::{
+    File, Message, attribute, class, compact, contiguous, float, float_type, link, one_chunk,
+    references_at, soft, space, text_type,
+};
 
 pub const STRUCTURES: &[(&str, Grow)] = &[
     ("links", links),
     ("groups", groups),
     ("depth", depth),
     ("shared groups", shared_groups),
+    ("paths", paths),
+    ("references", references),
     ("fields", fields),
     ("attributes", attributes),
+    ("dense", dense),
     ("chunks", chunks),
     ("thin chunks", thin_chunks),
     ("shared times", shared_times),
     ("labels", labels),
     ("matrices", matrices),
 ];
-
-const UNDEFINED: u64 = u64::MAX;
-/// Place of the address of the first group, in a superblock of version 0 and of version 2.
-const ROOT: [usize; 2] = [64, 36];
-
-/// A file under construction: objects, each after those that it links to.
-struct File {
-    bytes: Bytes,
-    is_new: bool,
-}
-
-/// A message of an object's header: its type and its contents.
-type Message = (u16, Vec<u8>);
-
-impl File {
-    fn new(is_new: bool) -> Self {
-        let mut bytes = Bytes::default();
-        bytes.put(b"\x89HDF\r\n\x1a\n");
-        if is_new {
-            bytes
-                .put(&[2, 8, 8, 0])
-                .u64(0)
-                .u64(UNDEFINED)
-                .u64(0)
-                .u64(0)
-                .u32(0);
-        } else {
-            bytes.put(&[0, 0, 0, 0, 0, 8, 8, 0, 4, 0, 16, 0, 0, 0, 0, 0]);
-            bytes
-                .u64(0)
-                .u64(UNDEFINED)
-                .u64(0)
-                .u64(UNDEFINED)
-                .u64(0)
-                .u64(0)
-                .u64(0)
-                .u64(0)
-                .u64(0);
-        }
-        Self { bytes, is_new }
-    }
-
-    fn put(&mut self, bytes: &[u8]) -> u64 {
-        let at = self.bytes.pad(8).len() as u64;
-        self.bytes.put(bytes);
-        at
-    }
-
-    /// An object with these messages.
-    fn object(&mut self, messages: &[Message]) -> u64 {
-        let mut all = Bytes::default();
-        for (kind, message) in messages {
-            if self.is_new {
-                all.u8(*kind as u8)
-                    .u16(message.len() as u16)
-                    .u8(0)
-                    .put(message);
-            } else {
-                let size = message.len().next_multiple_of(8);
-                all.u16(*kind).u16(size as u16).u32(0).put(message).pad(8);
-            }
-        }
-        let mut header = Bytes::default();
-        if self.is_new {
-            header
-                .put(b"OHDR")
-                .put(&[2, 2])
-                .u32(all.len() as u32)
-                .put(&all.0);
-            let sum = checksum(&header.0);
-            header.u32(sum);
-        } else {
-            header
-                .put(&[1, 0])
-                .u16(messages.len().min(0xffff) as u16)
-                .u32(1);
-            header.u32(all.len() as u32).u32(0).put(&all.0);
-        }
-        self.put(&header.0)
-    }
-
-    fn group(&mut self, links: &[(String, u64)], more: &[Message]) -> u64 {
-        let links = links.iter().map(|(name, at)| link(name, *at));
-        let messages: Vec<Message> = links.chain(more.iter().cloned()).collect();
-        self.object(&messages)
-    }
-
-    /// A column of numbers.
-    fn column(&mut self, values: &[f64], more: &[Message]) -> u64 {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
-        let at = self.put(&bytes);
-        let messages = [
-            space(&[values.len() as u64]),
-            float(),
-            contiguous(at, bytes.len()),
-        ];
-        self.object(&[&messages[..], more].concat())
-    }
-
-    fn table(&mut self) -> Vec<(String, u64)> {
-        let each = ["time_s", "displacement_mm", "force_kN"].iter().enumerate();
-        let each = each.map(|(index, name)| {
-            let values = [0.0, 1.0, 2.0].map(|row| row * (index + 1) as f64);
-            ((*name).to_owned(), self.column(&values, &[]))
-        });
-        each.collect()
-    }
-
-    fn ended(mut self, draw: &Draw, root: u64) -> Vec<u8> {
-        let end = self.bytes.len() as u64;
-        self.bytes.set_u64(ROOT[usize::from(self.is_new)], root);
-        if self.is_new {
-            self.bytes.set_u64(28, end);
-            let sum = checksum(&self.bytes.0[..44]);
-            self.bytes.0[44..48].copy_from_slice(&sum.to_le_bytes());
-        } else {
-            self.bytes.set_u64(40, end);
-        }
-        self.bytes.0.truncate(draw.size.file);
-        self.bytes.0
-    }
-
-    fn is_full(&self, draw: &Draw) -> bool {
-        self.bytes.len() > draw.size.file - (1 << 14)
-    }
-}
-
-fn link(name: &str, at: u64) -> Message {
-    let mut message = Bytes::default();
-    // With a length of one byte, or of four.
-    if name.len() < 256 {
-        message.put(&[1, 0, name.len() as u8]);
-    } else {
-        message.put(&[1, 2]).u32(name.len() as u32);
-    }
-    message.put(name.as_bytes()).u64(at);
-    (6, message.0)
-}
-
-fn space(sizes: &[u64]) -> Message {
-    let mut message = Bytes::default();
-    message.put(&[1, sizes.len() as u8, 0, 0, 0, 0, 0, 0]);
-    sizes.iter().for_each(|size| _ = message.u64(*size));
-    (1, message.0)
-}
-
-/// A float of eight bytes.
-fn float_type() -> Vec<u8> {
-    let mut kind = Bytes::default();
-    kind.put(&[0x11, 0x20, 0x3f, 0, 8, 0, 0, 0, 0, 0, 64, 0, 52, 11, 0, 52])
-        .u32(1023);
-    kind.0
-}
-
-fn float() -> Message {
-    (3, float_type())
-}
-
-/// A text of this length in bytes.
-fn text_type(bytes: usize) -> Vec<u8> {
-    let mut kind = Bytes::default();
-    kind.put(&[0x13, 0, 0, 0]).u32(bytes as u32);
-    kind.0
-}
-
-fn contiguous(at: u64, bytes: usize) -> Message {
-    let mut message = Bytes::default();
-    message.put(&[3, 1]).u64(at).u64(bytes as u64);
-    (8, message.0)
-}
-
-/// Data in the header itself.
-fn compact(data: &[u8]) -> Message {
-    let mut message = Bytes::default();
-    message.put(&[3, 0]).u16(data.len() as u16).put(data);
-    (8, message.0)
-}
-
-/// One packed chunk of these sizes, of elements of `bytes` bytes.
-fn one_chunk(at: u64, packed: usize, sizes: &[u64], bytes: usize) -> [Message; 2] {
-    let filters = vec![2, 1, 1, 0, 0, 0, 1, 0, 6, 0, 0, 0];
-    let mut layout = Bytes::default();
-    layout.put(&[4, 2, 2, 1 + sizes.len() as u8, 4]);
-    sizes.iter().for_each(|size| _ = layout.u32(*size as u32));
-    layout
-        .u32(bytes as u32)
-        .u8(1)
-        .u64(packed as u64)
-        .u32(0)
-        .u64(at);
-    [(0xb, filters), (8, layout.0)]
-}
-
-fn attribute(name: &str, kind: &[u8], data: &[u8]) -> Message {
-    let mut message = Bytes::default();
-    let space = [1, 0, 0, 0, 0, 0, 0, 0];
-    message
-        .put(&[1, 0])
-        .u16(name.len() as u16 + 1)
-        .u16(kind.len() as u16)
-        .u16(8);
-    message
-        .put(name.as_bytes())
-        .u8(0)
-        .pad(8)
-        .put(kind)
-        .pad(8)
-        .put(&space)
-        .put(data);
-    (0xc, message.0)
-}
-
-/// The attribute by which MATLAB tells what an object is.
-fn class(name: &str) -> Message {
-    attribute("MATLAB_class", &text_type(name.len()), name.as_bytes())
-}
-
-/// The checksum of the format, lookup3 of Jenkins.
-fn checksum(bytes: &[u8]) -> u32 {
-    let begin = 0xdead_beef_u32.wrapping_add(bytes.len() as u32);
-    let [mut a, mut b, mut c] = [begin; 3];
-    let word = |bytes: &[u8]| {
-        let each = bytes.iter().enumerate();
-        each.fold(0, |sum, (place, byte)| {
-            sum | u32::from(*byte) << (8 * place)
-        })
-    };
-    let mut rest = bytes;
-    while rest.len() > 12 {
-        a = a.wrapping_add(word(&rest[..4]));
-        b = b.wrapping_add(word(&rest[4..8]));
-        c = c.wrapping_add(word(&rest[8..12]));
-        for turn in [[4, 6, 8], [16, 19, 4]] {
-            a = a.wrapping_sub(c) ^ c.rotate_left(turn[0]);
-            c = c.wrapping_add(b);
-            b = b.wrapping_sub(a) ^ a.rotate_left(turn[1]);
-            a = a.wrapping_add(c);
-            c = c.wrapping_sub(b) ^ b.rotate_left(turn[2]);
-            b = b.wrapping_add(a);
-        }
-        rest = &rest[12..];
-    }
-    if rest.is_empty() {
-        return c;
-    }
-    let part = |from: usize| word(rest.get(from..rest.len().min(from + 4)).unwrap_or_default());
-    a = a.wrapping_add(part(0));
-    b = b.wrapping_add(part(4));
-    c = c.wrapping_add(part(8));
-    c = (c ^ b).wrapping_sub(b.rotate_left(14));
-    a = (a ^ c).wrapping_sub(c.rotate_left(11));
-    b = (b ^ a).wrapping_sub(a.rotate_left(25));
-    c = (c ^ b).wrapping_sub(b.rotate_left(16));
-    a = (a ^ c).wrapping_sub(c.rotate_left(4));
-    b = (b ^ a).wrapping_sub(a.rotate_left(14));
-    (c ^ b).wrapping_sub(b.rotate_left(24))
-}
 
 /// Many names of one set of data, or of many.
 fn links(draw: &mut Draw) -> Vec<u8> {
@@ -398,6 +147,61 @@ fn shared_groups(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, root)
 }
 
+/// Links to paths that lead on through other paths, back, or in circles.
+fn paths(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new(draw.chance());
+    let (deep, wide) = (draw.count(200), draw.count(50));
+    let around = format!("{}n", "./".repeat(draw.count(2000)));
+    let deeper = format!("{}y", "n/".repeat(deep.min(2000)));
+    let path = draw.one_of(&["n", "n/a", "n/a/a/a/a", "/", "/top/a", &around, &deeper]);
+    let mut inner = file.column(&[1.0, 2.0, 3.0], &[]);
+    for level in 0..deep {
+        if file.is_full(draw) {
+            break;
+        }
+        let paths: Vec<Message> = (0..wide)
+            .map(|index| soft(&Names::Short.of(index), path))
+            .collect();
+        let name = if level == 0 { "y" } else { "n" };
+        inner = file.group(&[(name.to_owned(), inner)], &paths);
+    }
+    let mut all = file.table();
+    all.push(("top".into(), inner));
+    let root = file.group(&all, &[soft("p", "/q"), soft("q", "/p"), soft("r", path)]);
+    file.ended(draw, root)
+}
+
+/// Cells of MATLAB, each of which refers to the one before many times, or fields that do.
+fn references(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new(draw.chance());
+    let values = vec![1.0; draw.count(1 << 14)];
+    let mut inner = file.column(&values, &[class("double")]);
+    let (deep, wide) = (draw.count(60), draw.count(4000));
+    let names = draw.names();
+    let mut all = file.table();
+    let mut cells = Vec::new();
+    for level in 0..deep {
+        if file.is_full(draw) {
+            break;
+        }
+        let to = file.put(&inner.to_le_bytes().repeat(wide));
+        inner = file.object(&references_at(to, wide, &[class("cell")]));
+        cells.push((format!("c{level}"), inner));
+        if draw.chance() {
+            let of_fields = file.object(&references_at(to, wide, &[]));
+            let fields: Vec<(String, u64)> = (0..draw.count(100))
+                .map(|index| (names.of(index), of_fields))
+                .collect();
+            let structure = file.group(&fields, &[class("struct")]);
+            all.push((format!("s{level}"), structure));
+        }
+    }
+    all.push(("#refs#".into(), file.group(&cells, &[])));
+    all.push(("top".into(), inner));
+    let root = file.group(&all, &[]);
+    file.ended(draw, root)
+}
+
 /// A compound of many fields.
 fn fields(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new(draw.chance());
@@ -464,6 +268,37 @@ fn attributes(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, root)
 }
 
+/// Attributes or links that lie in a heap, some of them listed many times.
+fn dense(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new(draw.chance());
+    let (names, is_links) = (draw.names(), draw.chance());
+    let long = draw.count(1 << 10);
+    let text = "v".repeat(long);
+    let column = file.column(&[1.0, 2.0, 3.0], &[]);
+    let most = (draw.size.file - (1 << 14)) / (names.longest() + long + 80);
+    let objects: Vec<Vec<u8>> = (0..draw.count(most.min(60_000)))
+        .map(|index| match is_links {
+            true => link(&names.of(index), column).1,
+            false => attribute(&names.of(index), &text_type(long), text.as_bytes()).1,
+        })
+        .collect();
+    let times = if draw.chance() { draw.count(1000) } else { 1 };
+    let heap = file.heap(&objects, times, is_links);
+    let mut all = file.table();
+    for index in 0..draw.count(1000) {
+        if file.is_full(draw) {
+            break;
+        }
+        let one = match is_links {
+            true => file.group(&[], std::slice::from_ref(&heap)),
+            false => file.column(&[1.0, 2.0, 3.0], std::slice::from_ref(&heap)),
+        };
+        all.push((format!("d{index}"), one));
+    }
+    let root = file.group(&all, &[]);
+    file.ended(draw, root)
+}
+
 /// Packed chunks that many links share.
 fn chunks(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new(draw.chance());
@@ -491,7 +326,6 @@ fn chunks(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, root)
 }
 
-/// Labels of columns, as pandas keeps them, that many tables share.
 /// A chunk that is wider than its data in the last of many dimensions, so that each value is copied alone.
 fn thin_chunks(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new(draw.chance());
@@ -534,6 +368,7 @@ fn shared_times(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, root)
 }
 
+/// Labels of columns, as pandas keeps them, that many tables share.
 fn labels(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new(draw.chance());
     let long = draw.count(64);

@@ -17,8 +17,29 @@ pub const STRUCTURES: &[(&str, Grow)] = &[
 
 const TABLE: &str = r#""time_s":[0,1,2],"displacement_mm":[0,1,0],"force_kN":[0,2,1]"#;
 
-fn object(members: impl Iterator<Item = String>) -> String {
-    format!("{{{}}}", members.collect::<Vec<_>>().join(","))
+/// As many of the parts as have room in a file, each after a comma.
+fn joined(room: usize, parts: impl Iterator<Item = String>) -> String {
+    let mut text = String::new();
+    for part in parts {
+        if text.len() + part.len() + 1 > room {
+            break;
+        }
+        if !text.is_empty() {
+            text.push(',');
+        }
+        text.push_str(&part);
+    }
+    text
+}
+
+/// An object with as many of these members as have room in a file.
+fn object(draw: &Draw, members: impl Iterator<Item = String>) -> String {
+    format!("{{{}}}", joined(draw.size.file - 4, members))
+}
+
+/// The members of a table, before others.
+fn table() -> impl Iterator<Item = String> {
+    [TABLE.to_owned()].into_iter()
 }
 
 fn columns(draw: &mut Draw) -> Vec<u8> {
@@ -34,7 +55,7 @@ fn columns(draw: &mut Draw) -> Vec<u8> {
     ]);
     let count = draw.fit(names.longest() + value.len() + 4);
     let many = (0..count).map(|index| format!("\"{}\":{value}", names.of(index)));
-    object(many.chain([TABLE.to_owned()])).into_bytes()
+    object(draw, table().chain(many)).into_bytes()
 }
 
 /// Records of the same fields, in one order or another.
@@ -52,9 +73,10 @@ fn records(draw: &mut Draw) -> Vec<u8> {
             };
             format!("\"{}\":{value}", names.of(place))
         };
-        object((0..fields).map(field))
+        object(draw, (0..fields).map(field))
     };
-    format!("[{}]", (0..count).map(record).collect::<Vec<_>>().join(",")).into_bytes()
+    let records = joined(draw.size.file - 2, (0..count).map(record));
+    format!("[{records}]").into_bytes()
 }
 
 fn rows(draw: &mut Draw) -> Vec<u8> {
@@ -92,9 +114,7 @@ fn groups(draw: &mut Draw) -> Vec<u8> {
         let inner = inner.replace('#', &index.to_string());
         format!("\"{}{index}\":{{{inner}}}", names.of(index))
     };
-    let mut text = object((0..count).map(group).chain([TABLE.to_owned()]));
-    text.truncate(draw.size.file.max(text.len()));
-    text.into_bytes()
+    object(draw, table().chain((0..count).map(group))).into_bytes()
 }
 
 /// Runs of one test, and arrays that all of them share.
@@ -103,11 +123,7 @@ fn runs(draw: &mut Draw) -> Vec<u8> {
     let shared = draw.fit(16);
     let run = |index: usize| format!("\"r{index}\":{{\"a\":[1,2],\"b\":[1,2]}}");
     let array = |index: usize| format!("\"c{index}\":[1,2]");
-    let text = object((0..count).map(run).chain((0..shared).map(array)));
-    if text.len() <= draw.size.file {
-        return text.into_bytes();
-    }
-    object((0..count).map(run).chain((0..shared / 2).map(array))).into_bytes()
+    object(draw, (0..count).map(run).chain((0..shared).map(array))).into_bytes()
 }
 
 /// Numbers and texts beside the columns.
@@ -124,18 +140,10 @@ fn statements(draw: &mut Draw) -> Vec<u8> {
     let (columns, count) = (draw.count(30_000), draw.fit(said.len() + 16));
     let said = |index: usize| said.replace('#', &index.to_string());
     let column = |index: usize| format!("\"c{index}\":[1,2,3]");
-    let has_times = draw.chance();
-    let table = has_times.then(|| TABLE.to_owned());
-    let mut text = object(
-        (0..count)
-            .map(said)
-            .chain((0..columns).map(column))
-            .chain(table),
-    );
-    if text.len() > draw.size.file {
-        text = object((0..count / 2).map(said).chain([TABLE.to_owned()]));
-    }
-    text.into_bytes()
+    let times = draw.chance().then(table).into_iter().flatten();
+    let said = (0..count).map(said);
+    let members = times.chain((0..columns).map(column)).chain(said);
+    object(draw, members).into_bytes()
 }
 
 fn depth(draw: &mut Draw) -> Vec<u8> {
@@ -157,11 +165,7 @@ fn lengths(draw: &mut Draw) -> Vec<u8> {
     let most = (draw.size.file as f64).sqrt() as usize;
     let count = draw.count(most);
     let array = |index: usize| format!("\"c{index}\":[{}]", vec!["1"; index + 2].join(","));
-    let mut text = object((0..count).map(array));
-    if text.len() > draw.size.file {
-        text = object((0..count / 2).map(array));
-    }
-    text.into_bytes()
+    object(draw, (0..count).map(array)).into_bytes()
 }
 
 /// A record in each line.

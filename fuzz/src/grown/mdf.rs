@@ -1,8 +1,11 @@
 //! MDF4: channels, groups, texts, conversions and lists of data.
 
+mod file;
+
 use super::Grow;
-use super::bytes::{Bytes, deflated};
+use super::bytes::Bytes;
 use super::draw::Draw;
+use file::{Channel, File, HEADER, TIMES, VALUES, VIRTUAL, link};
 
 pub const STRUCTURES: &[(&str, Grow)] = &[
     ("channels", channels),
@@ -11,157 +14,13 @@ pub const STRUCTURES: &[(&str, Grow)] = &[
     ("marks", marks),
     ("conversions", conversions),
     ("compositions", compositions),
+    ("arrays", arrays),
+    ("virtual times", virtual_times),
+    ("unsorted records", unsorted),
     ("data lists", data_lists),
     ("packed groups", packed_groups),
     ("cycles", cycles),
 ];
-
-const HEADER: u64 = 64;
-/// Place in a block of its link with this number.
-fn link(block: u64, number: usize) -> usize {
-    block as usize + 24 + 8 * number
-}
-
-/// A file under construction: blocks, each after those that it links to.
-struct File(Bytes);
-
-/// A channel's parts that others may share.
-#[derive(Clone, Copy, Default)]
-struct Channel {
-    name: u64,
-    unit: u64,
-    conversion: u64,
-    composition: u64,
-    comment: u64,
-    is_time: bool,
-    at: u32,
-}
-
-impl File {
-    fn new() -> Self {
-        let mut bytes = Bytes::default();
-        bytes
-            .put(b"MDF     4.10    grown   ")
-            .u32(0)
-            .u16(410)
-            .pad(64);
-        let mut file = Self(bytes);
-        let mut start = Bytes::default();
-        start.u64(0).u64(0).u64(0).u64(0);
-        file.block("##HD", &[0; 6], &start.0);
-        file
-    }
-
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn block(&mut self, id: &str, links: &[u64], data: &[u8]) -> u64 {
-        let at = self.0.pad(8).len() as u64;
-        let length = 24 + 8 * links.len() + data.len();
-        self.0
-            .put(id.as_bytes())
-            .u32(0)
-            .u64(length as u64)
-            .u64(links.len() as u64);
-        links.iter().for_each(|link| _ = self.0.u64(*link));
-        self.0.put(data);
-        at
-    }
-
-    fn text(&mut self, text: &str) -> u64 {
-        let mut data = Bytes::default();
-        data.put(text.as_bytes()).u8(0).pad(8);
-        self.block("##TX", &[], &data.0)
-    }
-
-    /// A channel of floats of eight bytes, after which comes `next`.
-    fn channel(&mut self, next: u64, of: Channel) -> u64 {
-        let links = [
-            next,
-            of.composition,
-            of.name,
-            0,
-            of.conversion,
-            0,
-            of.unit,
-            of.comment,
-        ];
-        let kind = if of.is_time { [2, 1] } else { [0, 0] };
-        let mut data = Bytes::default();
-        data.put(&kind)
-            .u8(4)
-            .u8(0)
-            .u32(of.at)
-            .u32(64)
-            .u32(0)
-            .u32(0)
-            .u32(0);
-        (0..6).for_each(|_| _ = data.u64(0));
-        self.block("##CN", &links, &data.0)
-    }
-
-    /// Groups of channels with this number of rows of this size in bytes, as a group of data.
-    fn group(&mut self, next: u64, first: u64, rows: u64, bytes: u32, data: u64) -> u64 {
-        let mut of_group = Bytes::default();
-        of_group
-            .u64(0)
-            .u64(rows)
-            .u16(0)
-            .u16(0)
-            .u32(0)
-            .u32(bytes)
-            .u32(0);
-        let group = self.block("##CG", &[0, first, 0, 0, 0, 0], &of_group.0);
-        self.block("##DG", &[next, group, data, 0], &[0; 8])
-    }
-
-    /// A group with a table.
-    fn table(&mut self, next: u64) -> u64 {
-        let mut channels = 0;
-        for (index, name) in ["force_kN", "displacement_mm", "time_s"].iter().enumerate() {
-            let name = self.text(name);
-            let of = Channel {
-                name,
-                is_time: index == 2,
-                at: 8 * (2 - index as u32),
-                ..Channel::default()
-            };
-            channels = self.channel(channels, of);
-        }
-        let mut data = Bytes::default();
-        for row in 0..3 {
-            (0..3).for_each(|column| _ = data.f64(f64::from(row * (column + 1))));
-        }
-        let data = self.block("##DT", &[], &data.0);
-        self.group(next, channels, 3, 24, data)
-    }
-
-    fn packed(&mut self, records: &[u8]) -> u64 {
-        let packed = deflated(records);
-        let mut data = Bytes::default();
-        data.put(b"DT")
-            .u8(0)
-            .u8(0)
-            .u32(0)
-            .u64(records.len() as u64)
-            .u64(packed.len() as u64);
-        data.put(&packed).pad(8);
-        self.block("##DZ", &[], &data.0)
-    }
-
-    /// The file, whose groups begin with `first`.
-    fn ended(mut self, draw: &Draw, first: u64) -> Vec<u8> {
-        self.0.set_u64(link(HEADER, 0), first);
-        self.0.pad(8);
-        self.0.0.truncate(draw.size.file);
-        self.0.0
-    }
-
-    fn is_full(&self, draw: &Draw) -> bool {
-        self.len() > draw.size.file - (1 << 14)
-    }
-}
 
 fn channels(draw: &mut Draw) -> Vec<u8> {
     let names = draw.names();
@@ -209,7 +68,7 @@ fn groups(draw: &mut Draw) -> Vec<u8> {
     let name = file.text(&names.of(1));
     let of = Channel {
         name,
-        is_time: draw.chance(),
+        kind: draw.one_of(&[VALUES, TIMES]),
         ..Channel::default()
     };
     let shared = file.channel(0, of);
@@ -362,6 +221,116 @@ fn compositions(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, table)
 }
 
+/// Channels of arrays of many dimensions, which consist of arrays again.
+fn arrays(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new();
+    let elements = draw.count(2000);
+    let (rank, deep) = (draw.count(1000), draw.count(60));
+    let mut inner = 0;
+    for _ in 0..deep {
+        let mut about = Bytes::default();
+        about.u8(0).u8(0).u16(rank as u16).u32(0).u32(8).u32(0);
+        about.u64(elements as u64);
+        (1..rank).for_each(|_| _ = about.u64(1));
+        inner = file.block("##CA", &[inner], &about.0);
+        if draw.chance() || file.is_full(draw) {
+            break;
+        }
+    }
+    let names = draw.names();
+    let mut next = 0;
+    for index in 0..draw.fit(200 + names.longest()) {
+        if file.is_full(draw) {
+            break;
+        }
+        let of = Channel {
+            name: file.text(&names.of(index)),
+            composition: inner,
+            ..Channel::default()
+        };
+        next = file.channel(next, of);
+    }
+    let bytes = 8 * elements;
+    let data = file.packed(&vec![0; 4 * bytes]);
+    let group = file.group(0, next, 4, bytes as u32, data);
+    let table = file.table(group);
+    file.ended(draw, table)
+}
+
+/// Groups whose times are computed, with values in records or with none.
+fn virtual_times(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new();
+    let rows = draw.count(draw.size.unpacked / 8);
+    let data = match draw.chance() {
+        true => file.packed(&vec![0; 8 * rows]),
+        false => 0,
+    };
+    let rows = if data > 0 {
+        rows as u64
+    } else {
+        draw.one_of(&[1000, 1 << 20, 1 << 40])
+    };
+    let name = file.text("t");
+    let mut next = 0;
+    for _ in 0..draw.fit(500) {
+        if file.is_full(draw) {
+            break;
+        }
+        let values = match data {
+            0 => 0,
+            _ => file.channel(
+                0,
+                Channel {
+                    name,
+                    ..Channel::default()
+                },
+            ),
+        };
+        let times = Channel {
+            name,
+            kind: VIRTUAL,
+            ..Channel::default()
+        };
+        let times = file.channel(values, times);
+        next = file.group(next, times, rows, if data > 0 { 8 } else { 0 }, data);
+    }
+    let table = file.table(next);
+    file.ended(draw, table)
+}
+
+/// Records of many groups in one piece, each with the number of its group before it.
+fn unsorted(draw: &mut Draw) -> Vec<u8> {
+    let mut file = File::new();
+    let names = draw.names();
+    let count = draw.count(255);
+    let size = draw.one_of(&[0, 8]);
+    let mut groups = 0;
+    for number in 0..count {
+        let mut first = 0;
+        for index in 0..draw.count(20) {
+            let name = file.text(&names.of(index));
+            first = file.channel(
+                first,
+                Channel {
+                    name,
+                    ..Channel::default()
+                },
+            );
+        }
+        groups = file.channels(groups, number as u64, first, 0, size);
+    }
+    let record = 1 + size as usize;
+    let rows = draw.count(draw.size.unpacked / record);
+    let mut records = vec![0; rows * record];
+    for (row, record) in records.chunks_exact_mut(record).enumerate() {
+        record[0] = (row % count) as u8;
+    }
+    let records = file.packed(&records);
+    let data = file.data(0, groups, records, 1);
+    let table = file.table(data);
+    file.ended(draw, table)
+}
+
 /// Lists of the same data again and again, packed or not.
 fn data_lists(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new();
@@ -398,7 +367,6 @@ fn data_lists(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, table)
 }
 
-/// Links that lead back.
 /// Groups of the same packed records, which are unpacked for the times of each and for its values.
 fn packed_groups(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new();
@@ -427,7 +395,7 @@ fn packed_groups(draw: &mut Draw) -> Vec<u8> {
             value,
             Channel {
                 name: time,
-                is_time: true,
+                kind: TIMES,
                 ..Channel::default()
             },
         );
@@ -437,6 +405,7 @@ fn packed_groups(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, table)
 }
 
+/// Links that lead back.
 fn cycles(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new();
     let name = file.text(&draw.names().of(3));

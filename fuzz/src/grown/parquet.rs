@@ -422,7 +422,7 @@ fn metadata(draw: &mut Draw) -> Vec<u8> {
 /// A schema of Arrow in the footer, whose parts are shared; and columns of texts.
 fn schemas(draw: &mut Draw) -> Vec<u8> {
     let pages = plain(&[0.0, 1.0, 2.0]);
-    let message = arrow::shared_schema(draw, draw.size.file / 2);
+    let (message, _) = arrow::shared_schema(draw, draw.size.file / 2);
     let text = base_64(&message);
     let entry = structure(&[
         (1, Value::Binary(b"ARROW:schema".to_vec())),

@@ -5,7 +5,7 @@
 //! grows with the bytes that were read, so that an honest file of any size is read, and a small one can cost only little.
 
 use std::cell::{Cell, RefCell};
-use std::collections::HashSet;
+use std::collections::BTreeMap;
 
 use mesh_damper_output::error::InputError;
 
@@ -25,7 +25,7 @@ const STEPS_PER_BYTE: u64 = 8;
 const TEXT: u64 = 48;
 /// What a list takes beside its entries, the same way.
 const LIST: u64 = 48;
-/// What the place of a packed part takes in a set, which doubles as it grows.
+/// What the place of a packed part takes in a map.
 const OF_PART: u64 = 32;
 
 /// Bytes that a text of this many takes when it is held.
@@ -48,8 +48,8 @@ pub struct Budget {
     limit: ReadLimit,
     read: Cell<u64>,
     unpacked: Cell<u64>,
-    /// Where the packed parts begin that were unpacked.
-    parts: RefCell<HashSet<usize>>,
+    /// Where the packed parts begin and end that were unpacked, in memory.
+    parts: RefCell<BTreeMap<usize, usize>>,
     held: Cell<u64>,
     steps: Cell<u64>,
     is_used_up: Cell<bool>,
@@ -92,15 +92,21 @@ impl Budget {
         self.grown(&self.unpacked, bytes)
     }
 
-    /// Whether a packed part that begins at this place in memory is unpacked for the first time: what comes out of it counts once.
+    /// Whether no byte of a packed part, by its place in memory, was unpacked before: what comes out of a byte counts once, however
+    /// many things in the file share it.
     ///
     /// # Errors
     /// The budget has no room for its place.
     pub fn is_new(&self, part: &[u8]) -> Result<bool, InputError> {
         let mut parts = self.parts.borrow_mut();
-        let is_new = parts.insert(part.as_ptr().addr());
+        let place = part.as_ptr_range();
+        let (start, end) = (place.start.addr(), place.end.addr());
+        // Parts that are known do not overlap, so that the last one before the end reaches farthest.
+        let before = parts.range(..end).next_back();
+        let is_new = before.is_none_or(|(_, known)| *known <= start);
         if is_new {
             self.hold(OF_PART, "the places of its packed parts")?;
+            parts.insert(start, end);
         }
         Ok(is_new)
     }
@@ -235,6 +241,20 @@ mod tests {
         assert!(budget.read(1).is_err() && budget.unpacked(1).is_err());
         let more = Budget::new("a.mat", ReadLimit::new(16000));
         more.hold(2000, "its names").unwrap();
+    }
+
+    #[test]
+    fn a_packed_part_is_new_once_and_one_that_overlaps_it_is_not() {
+        let budget = Budget::new("a.mf4", ReadLimit::new(8000));
+        let bytes = [0; 100];
+        let is_new = |from: usize, to: usize| budget.is_new(&bytes[from..to]).unwrap();
+        assert!(is_new(20, 30));
+        for (from, to) in [(20, 30), (0, 100), (25, 27), (10, 21), (29, 40)] {
+            assert!(!is_new(from, to), "{from}..{to}");
+        }
+        assert!(is_new(30, 40) && is_new(10, 20) && is_new(60, 100));
+        assert!(!is_new(0, 11) && !is_new(39, 61) && is_new(40, 60));
+        assert_eq!(budget.used().0, 5 * OF_PART);
     }
 
     #[test]

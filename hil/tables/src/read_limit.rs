@@ -41,8 +41,8 @@ pub struct ReadLimit {
 }
 
 impl Default for ReadLimit {
-    /// Derived from memory: reading a recording takes two bytes of memory for each byte of the file, and at most twelve, if a row
-    /// has no more than six. This is 1 GiB and at most 6. At 10 kHz and 40 bytes per row it is 22 minutes.
+    /// Derived from memory: reading a recording takes about two bytes of memory for each byte of the file, and its budget allows six.
+    /// This is 1 GiB, and at most 3. At 10 kHz and 40 bytes per row it is 22 minutes.
     fn default() -> Self {
         Self { file: 512 << 20 }
     }

@@ -29,6 +29,18 @@ impl<'b> Room<'b> {
         Ok(())
     }
 
+    /// Adds an entry to a list, whose room is held as it grows.
+    ///
+    /// # Errors
+    /// The budget has no room for it.
+    #[cfg(feature = "formats")]
+    pub fn push<T>(&mut self, list: &mut Vec<T>, entry: T, part: &str) -> Result<(), InputError> {
+        let before = list.capacity();
+        self.budget.push(list, entry, part)?;
+        self.bytes += ((list.capacity() - before) * size_of::<T>()) as u64;
+        Ok(())
+    }
+
     /// Holds at least this many bytes.
     ///
     /// # Errors

@@ -4,8 +4,7 @@
 //! channel with the same times repeated, a variable `t` next to `y` and `F`. There is one rule: arrays of one length with the same
 //! times are a table.
 
-use std::collections::{BTreeSet, HashMap};
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::collections::HashMap;
 
 use super::about::{About, Named};
 use super::beside::Beside;
@@ -14,10 +13,11 @@ pub(super) use super::names::name_of;
 use super::names::tell_apart;
 use super::number::shown;
 use super::runs;
+use super::same_times::{Found, keep_first};
 use super::table::{Clock, StatedStep};
 use super::{Column, Table};
 use crate::budget::{Budget, of_list};
-use crate::columns::{self, of_times};
+use crate::columns;
 use mesh_damper_output::error::{InputError, quoted};
 
 /// The most columns into which one array is split. Convention: an array with more is an image or a spectrum, not channels.
@@ -36,6 +36,12 @@ pub(super) struct Array<S> {
     pub clock: Option<Clock>,
     /// Where its values are.
     pub source: S,
+}
+
+/// Where the values of an array are.
+pub(super) trait Located: Clone {
+    /// What only other places of the same values have.
+    fn key(&self) -> [usize; 4];
 }
 
 impl<S> Array<S> {
@@ -62,7 +68,7 @@ pub(super) type Arranged<S> = (Vec<Table>, Vec<Vec<S>>);
 ///
 /// # Errors
 /// The errors of `values`; a budget that is used up.
-pub(super) fn arranged<S: Clone>(
+pub(super) fn arranged<S: Located>(
     groups: &Groups,
     arrays: Vec<Array<S>>,
     beside: Beside,
@@ -82,20 +88,16 @@ pub(super) fn arranged<S: Clone>(
             None => lengths.push(vec![index]),
         }
     }
-    let count = arrays.len();
     let room = size_of::<Array<S>>() * arrays.capacity();
     let mut arranging = Arranging {
         groups,
         about,
-        found: Found {
-            arrays: arrays.into_iter().map(Some).collect(),
-            members: vec![Member::default(); count],
-        },
+        found: Found::of(arrays),
         tables: Vec::new(),
         sources: Vec::new(),
     };
     for of_length in lengths {
-        for members in arranging.divided(&of_length, values)? {
+        for members in arranging.found.divided(groups, &of_length, values)? {
             arranging.tables_of(members)?;
         }
     }
@@ -137,59 +139,6 @@ fn first_times<S>(
     Ok(())
 }
 
-/// Keeps the first of some times, which were charged as held.
-fn keep_first(column: &mut Column, times: &[f64], budget: &Budget) -> Result<(), InputError> {
-    budget.release(of_list::<f64>(times.len()));
-    if column.first.is_empty() {
-        let first = &times[..times.len().min(Column::FIRST)];
-        budget.hold(of_list::<f64>(first.len()), "the first of its times")?;
-        column.first = first.to_vec();
-    }
-    Ok(())
-}
-
-/// The common property of the arrays of one table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Times {
-    /// The values of an array of times, as a number that other values do not have.
-    Array(u64),
-    /// Start and step of a clock.
-    Clock([u64; 2]),
-    None,
-}
-
-impl Times {
-    fn of(clock: Option<Clock>) -> Self {
-        clock.map_or(Self::None, |Clock { start, step }| {
-            // Zero has two signs.
-            Self::Clock([start, step].map(|value| (value + 0.0).to_bits()))
-        })
-    }
-}
-
-/// The place of an array in its table.
-#[derive(Clone, Copy, Debug, Default)]
-struct Member {
-    /// Whether it may have times.
-    may_be_time: bool,
-    /// Whether it is the table's column of times.
-    is_time: bool,
-    /// Whether its times lie in another group, so that only their number connects them.
-    is_guessed: bool,
-    /// Number of tables that it is still to be a column of.
-    tables: usize,
-}
-
-/// The times in a group and below it.
-#[derive(Clone, Copy, Debug)]
-struct Axes {
-    /// The group of the first of them.
-    group: Group,
-    mark: u64,
-    /// Whether all are the same.
-    are_one: bool,
-}
-
 /// Arrays while they are arranged.
 struct Arranging<'g, S> {
     groups: &'g Groups,
@@ -199,134 +148,7 @@ struct Arranging<'g, S> {
     sources: Vec<Vec<S>>,
 }
 
-/// Arrays by their places in the file.
-struct Found<S> {
-    /// Those that the tables have not taken yet.
-    arrays: Vec<Option<Array<S>>>,
-    members: Vec<Member>,
-}
-
-impl<S> Found<S> {
-    /// An array that is not taken yet.
-    fn array(&self, index: usize) -> Option<&Array<S>> {
-        self.arrays[index].as_ref()
-    }
-
-    /// Some arrays, by their places.
-    fn each<'s>(
-        &'s self,
-        places: &'s [usize],
-    ) -> impl Iterator<Item = (Member, &'s Array<S>)> + Clone {
-        let array = |&index: &usize| Some((self.members[index], self.array(index)?));
-        places.iter().filter_map(array)
-    }
-
-    /// The arrays that are the times of their groups: at most one in each, that which the file marks as such if there is one.
-    fn axes_of_groups(&mut self, arrays: &[usize]) -> BTreeSet<usize> {
-        let mut axes: HashMap<Group, (usize, bool)> = HashMap::new();
-        for &index in arrays {
-            let Some(Array { group, column, .. }) = &self.arrays[index] else {
-                continue;
-            };
-            let of_times = of_times(column);
-            self.members[index].may_be_time = of_times.may_be_time;
-            if column.is_time || of_times.is_time {
-                let known = axes.entry(*group).or_insert((index, column.is_time));
-                if column.is_time && !known.1 {
-                    *known = (index, true);
-                }
-            }
-        }
-        axes.into_values().map(|(index, _)| index).collect()
-    }
-
-    /// Arrays without a repetition of the same times.
-    fn once(&self, mut members: Vec<usize>) -> Vec<usize> {
-        let mut has_time = false;
-        members.retain(|&index| {
-            !self.members[index].is_time || !std::mem::replace(&mut has_time, true)
-        });
-        members
-    }
-}
-
-/// The times nearest to a group, and whether they lie in it or around it; `None` if two are equally near.
-fn nearest(groups: &Groups, group: Group, axes: &HashMap<Group, Axes>) -> Option<(u64, bool)> {
-    let mut upward = groups.upward(group);
-    let (around, near) = upward.find_map(|each| Some((each, axes.get(&each)?)))?;
-    near.are_one.then_some((near.mark, near.group == around))
-}
-
-impl<S: Clone> Arranging<'_, S> {
-    /// Arrays of one length, divided by their times.
-    fn divided(
-        &mut self,
-        arrays: &[usize],
-        values: &mut dyn FnMut(&S) -> Result<Vec<f64>, InputError>,
-    ) -> Result<Vec<Vec<usize>>, InputError> {
-        let times = self.found.axes_of_groups(arrays);
-        let several = times.len() > 1;
-        // In each group, the times in it and below it.
-        let mut axes: HashMap<Group, Axes> = HashMap::new();
-        let mut marks = HashMap::new();
-        for index in times {
-            let Some(array) = &mut self.found.arrays[index] else {
-                continue;
-            };
-            let mark = match several {
-                true => {
-                    let budget = self.groups.budget();
-                    let times = values(&array.source)?;
-                    budget.work(times.len() as u64, "comparing its times")?;
-                    keep_first(&mut array.column, &times, budget)?;
-                    mark(&times)
-                }
-                false => 0,
-            };
-            marks.insert(index, mark);
-            let own = Axes {
-                group: array.group,
-                mark,
-                are_one: true,
-            };
-            for group in self.groups.upward(array.group) {
-                let known = axes.entry(group).or_insert(own);
-                known.are_one &= known.mark == mark;
-            }
-        }
-        let mut divided: Vec<Vec<usize>> = Vec::new();
-        let mut place = HashMap::new();
-        let mut nearest_to = HashMap::new();
-        for &index in arrays {
-            let Some(Array { group, clock, .. }) = self.found.array(index) else {
-                continue;
-            };
-            let mark = marks.get(&index).copied();
-            let mut near = || {
-                let known = nearest_to.entry(*group);
-                *known.or_insert_with(|| nearest(self.groups, *group, &axes))
-            };
-            let (times, is_guessed) = match mark {
-                Some(mark) => (Times::Array(mark), false),
-                None => match near() {
-                    // Times in its own group have precedence over a clock, and a clock over times elsewhere.
-                    Some((mark, true)) => (Times::Array(mark), false),
-                    Some((mark, false)) if clock.is_none() => (Times::Array(mark), true),
-                    _ => (Times::of(*clock), false),
-                },
-            };
-            let member = &mut self.found.members[index];
-            member.is_time = mark.is_some();
-            member.is_guessed = is_guessed;
-            let at = *place.entry(times).or_insert(divided.len());
-            match divided.get_mut(at) {
-                Some(members) => members.push(index),
-                None => divided.push(vec![index]),
-            }
-        }
-        Ok(divided)
-    }
-
+impl<S: Located> Arranging<'_, S> {
     /// Makes the tables of arrays with the same times: one for each run.
     fn tables_of(&mut self, members: Vec<usize>) -> Result<(), InputError> {
         let described = self
@@ -493,22 +315,18 @@ impl<S: Clone> Arranging<'_, S> {
     }
 }
 
-/// A hash of values, which other values share only with a probability of 2⁻⁶⁴, so that many columns of times need not be held at
-/// once.
-fn mark(values: &[f64]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    values
-        .iter()
-        .for_each(|value| value.to_bits().hash(&mut hasher));
-    hasher.finish()
-}
-
 #[cfg(test)]
 mod tests {
     use std::rc::Rc;
 
     use super::*;
     use crate::read_limit::ReadLimit;
+
+    impl Located for Vec<f64> {
+        fn key(&self) -> [usize; 4] {
+            [self.as_ptr().addr(), 0, 0, 0]
+        }
+    }
 
     /// An array by its path.
     #[derive(Clone)]

@@ -34,7 +34,11 @@ mod packed;
 #[cfg(feature = "formats")]
 mod parquet;
 #[cfg(feature = "formats")]
+mod refused;
+#[cfg(feature = "formats")]
 mod runs;
+#[cfg(feature = "formats")]
+mod same_times;
 mod source;
 pub mod table;
 #[cfg(feature = "formats")]

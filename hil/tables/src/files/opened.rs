@@ -5,14 +5,17 @@ use std::rc::Rc;
 
 use mesh_damper_output::error::{InputError, Place};
 
+use super::guard::guarded;
+use super::refused::Refused;
 use super::{Kept, Table, Tables, Values, Wanted};
 use crate::budget::{Budget, of_list};
 
 /// The values of a column of a table, which is asked for once; `None` if they are not numbers.
-type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a;
+type Read<'a> = dyn FnMut(usize, usize) -> Result<Option<Vec<f64>>, Refused> + 'a;
 
 /// A file of any format but text.
 pub(super) struct Opened<'a> {
+    format: &'static str,
     budget: Rc<Budget>,
     name: String,
     tables: Vec<Table>,
@@ -21,16 +24,18 @@ pub(super) struct Opened<'a> {
 }
 
 impl<'a> Opened<'a> {
-    /// A file called `name`; `read` returns the values of a column of a table, and charges them to `budget`.
+    /// A file of `format` called `name`; `read` returns the values of a column of a table, and charges them to `budget`. It may call
+    /// decoders of other authors.
     ///
     /// # Errors
     /// A file without a table.
     pub fn new(
+        format: &'static str,
         budget: Rc<Budget>,
         name: String,
         tables: Vec<Table>,
         comments: Vec<String>,
-        read: impl FnMut(usize, usize) -> Result<Option<Vec<f64>>, InputError> + 'a,
+        read: impl FnMut(usize, usize) -> Result<Option<Vec<f64>>, Refused> + 'a,
     ) -> Result<Self, InputError> {
         if tables.iter().all(|table| table.columns.is_empty()) {
             let skipped: Vec<&str> = tables
@@ -53,6 +58,7 @@ impl<'a> Opened<'a> {
             ));
         }
         Ok(Self {
+            format,
             budget,
             name,
             tables,
@@ -67,7 +73,10 @@ impl Opened<'_> {
     fn values(&mut self, table: usize, wanted: &Wanted) -> Result<Option<Vec<f64>>, InputError> {
         let column = &self.tables[table].columns[wanted.column];
         let values = match column.is_numeric {
-            true => (self.read)(table, wanted.column)?,
+            true => guarded(self.format, &self.name, || {
+                let read = (self.read)(table, wanted.column);
+                read.map_err(|why| why.error(self.format, &self.name))
+            })?,
             false => None,
         };
         let refused = |problem: String, remedy: &str| {

@@ -33,6 +33,8 @@ impl Drop for Packed {
 pub(super) struct Part<'p, R> {
     pub from: R,
     pub packed: &'p Packed,
+    /// Whether its bytes are unpacked for the first time.
+    pub is_new: bool,
     pub steps: u64,
 }
 
@@ -41,8 +43,9 @@ impl<R: Read> Read for Part<'_, R> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         let count = self.from.read(to)?;
         let budget = &self.packed.budget;
+        let new = if self.is_new { count } else { 0 };
         let charged = budget
-            .unpacked(count as u64)
+            .unpacked(new as u64)
             .and_then(|()| budget.work(self.steps * count as u64, "its unpacked parts"));
         charged.map_err(io::Error::other)?;
         Ok(count)

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use flate2::{Decompress, FlushDecompress, Status};
-use mesh_damper_output::error::InputError;
 
+use super::refused::Refused;
 use crate::budget::Budget;
 
 /// Bytes that are unpacked before the next are charged. Convention: more than a usual block, so that it is made at once, and much less
@@ -12,20 +12,6 @@ use crate::budget::Budget;
 const PIECE: usize = 1 << 22;
 /// Bytes that a byte of a zlib stream gives at most, by the format: 258 for two bits.
 pub(super) const RATIO: usize = 1032;
-
-/// Why something is not unpacked.
-pub(super) enum Unpacked {
-    /// The packed bytes are damaged, or hold more than they should; in words.
-    Damaged(String),
-    /// The budget is used up.
-    Refused(InputError),
-}
-
-impl From<InputError> for Unpacked {
-    fn from(error: InputError) -> Self {
-        Self::Refused(error)
-    }
-}
 
 /// The bytes of a zlib stream, at most `most`. They are charged as unpacked and as held, for `part` of the file in words; whoever
 /// takes them releases them.
@@ -37,8 +23,8 @@ pub(super) fn inflated(
     most: usize,
     budget: &Budget,
     part: &str,
-) -> Result<Vec<u8>, Unpacked> {
-    let damaged = |why: &str| Unpacked::Damaged(format!("a packed part {why}"));
+) -> Result<Vec<u8>, Refused> {
+    let damaged = |why: &str| Refused::Damaged(format!("a packed part {why}").into());
     let mut stream = Decompress::new(true);
     let mut bytes = Vec::new();
     budget.work(packed.len() as u64, part)?;
@@ -125,7 +111,7 @@ mod tests {
         // Far less is held than the stream would unpack to.
         let small = Budget::new("a.mf4", ReadLimit::new(1 << 20));
         let done = inflated(&zeros, 1 << 22, &small, "its values");
-        assert!(matches!(done, Err(Unpacked::Refused(_))));
+        assert!(matches!(done, Err(Refused::Said(_))));
         assert_eq!(small.used().0, OF_PLACE);
     }
 
@@ -136,7 +122,7 @@ mod tests {
         let budget = Budget::new("a.mf4", ReadLimit::default());
         let refused = |packed: &[u8], most: usize| {
             let done = inflated(packed, most, &budget, "its values");
-            matches!(done, Err(Unpacked::Damaged(_)))
+            matches!(done, Err(Refused::Damaged(_)))
         };
         assert!(refused(&stream, 999));
         assert!(refused(&stream[..stream.len() / 2], 1000));

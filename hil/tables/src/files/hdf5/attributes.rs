@@ -11,7 +11,8 @@ use hdf5_reader::messages::HdfMessage;
 use hdf5_reader::messages::attribute::{self, AttributeMessage};
 use hdf5_reader::{Attribute, Datatype, StringPadding, StringSize, VarLenKind};
 
-use super::file::{File, Refused, of_index};
+use super::file::{File, of_index};
+use crate::files::refused::Refused;
 use crate::room::Room;
 
 const PART: &str = "its attributes and texts";
@@ -98,7 +99,7 @@ impl<'f> Texts<'f> {
         let mut attribute = Attribute::from_message(message);
         attribute.decoded_strings = match texts {
             // A text that cannot be read is none.
-            Err(Refused::File(_)) => None,
+            Err(Refused::Damaged(_) | Refused::Unread(..)) => None,
             texts => texts?,
         };
         Ok(attribute)

@@ -4,9 +4,11 @@ use hdf5_reader::Datatype;
 use hdf5_reader::error::ByteOrder;
 
 use super::data::{Data, Raw};
-use super::file::{File, Refused};
+use super::file::File;
 use crate::budget::of_list;
+use crate::files::arrays::Located;
 use crate::files::number::Kind;
+use crate::files::refused::Refused;
 
 /// A number in each element of a data set.
 #[derive(Clone, Debug)]
@@ -29,6 +31,12 @@ pub(super) struct Place {
     pub scale: Option<(f64, f64)>,
     /// The number for a missing value.
     pub fill: Option<f64>,
+}
+
+impl Located for Place {
+    fn key(&self) -> [usize; 4] {
+        [self.dataset, self.first, self.step, self.cell.at]
+    }
 }
 
 /// Data sets, the last of which is kept for its next column.

@@ -16,11 +16,13 @@ use hdf5_reader::messages::dataspace::DataspaceType;
 use hdf5_reader::messages::filter_pipeline::FilterDescription;
 use hdf5_reader::messages::layout::{ChunkIndexing, DataLayout};
 
-use super::file::{File, Refused, of_index};
+use super::file::{File, of_index};
 use super::grid::Grid;
 use super::lzf;
 use crate::files::DEEPEST;
+use crate::files::refused::Refused;
 use crate::files::unpack::{held, inflated};
+use crate::room::Room;
 
 const PART: &str = "the values of its data sets";
 /// The most dimensions of a data set, and the most filters of its chunks, by the format.
@@ -281,8 +283,9 @@ impl Data {
                 )
             })?,
         };
-        let held = (found.len() * (size_of::<ChunkEntry>() + 8 * rank)) as u64;
-        file.budget.hold(held, PART)?;
+        let mut room = Room::of(&file.budget);
+        let held = found.len() * (size_of::<ChunkEntry>() + 8 * rank);
+        room.more(held as u64, PART)?;
         let is_tree = matches!(index, Some(ChunkIndexing::BTreeV2));
         for (place, chunk) in found.iter().enumerate() {
             if is_tree && place > 0 && found[place - 1].offsets >= chunk.offsets {
@@ -290,7 +293,6 @@ impl Data {
             }
             take(chunk)?;
         }
-        file.budget.release(held);
         if let Some(whole) = whole {
             return Ok(whole);
         }

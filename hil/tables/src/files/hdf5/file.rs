@@ -16,50 +16,24 @@ use hdf5_reader::messages::HdfMessage;
 use hdf5_reader::object_header::ObjectHeader;
 use hdf5_reader::superblock::Superblock;
 use hdf5_reader::{FilterRegistry, Hdf5File, OpenOptions, Storage, StorageBuffer};
-use mesh_damper_output::error::InputError;
 
 use crate::budget::Budget;
-use crate::files::mat::{self, Bytes};
-use crate::files::unpack::Unpacked;
+use crate::files::mat::Bytes;
+use crate::files::refused::Refused;
 
 /// Steps for a look at some bytes, however few.
 const LOOK: u64 = 16;
 /// Bytes that a header takes in memory for each of its bytes: the smallest message has four, and a list doubles as it grows.
 const OF_HEADER: u64 = (size_of::<HdfMessage>() / 2) as u64;
 
-/// Why a file cannot be read.
-pub(super) enum Refused {
-    /// It is damaged, or has parts that are not read.
-    File(Error),
-    /// Its variables of MATLAB are damaged.
-    Variables(mat::Refused),
-    /// What is to be said is known already.
-    Said(InputError),
-}
-
 impl From<Error> for Refused {
     fn from(error: Error) -> Self {
-        Self::File(error)
-    }
-}
-
-impl From<mat::Refused> for Refused {
-    fn from(why: mat::Refused) -> Self {
-        Self::Variables(why)
-    }
-}
-
-impl From<InputError> for Refused {
-    fn from(error: InputError) -> Self {
-        Self::Said(error)
-    }
-}
-
-impl From<Unpacked> for Refused {
-    fn from(why: Unpacked) -> Self {
-        match why {
-            Unpacked::Damaged(why) => Self::File(Error::InvalidData(why)),
-            Unpacked::Refused(error) => Self::Said(error),
+        match innermost(&error) {
+            Error::UnsupportedFilter(_) => {
+                let otherwise = "write it again with compression=\"gzip\" or without compression";
+                Self::Unread(error.to_string(), otherwise)
+            }
+            _ => Self::Damaged(error.to_string().into()),
         }
     }
 }
@@ -250,7 +224,7 @@ fn filters(left: &Arc<AtomicU64>) -> FilterRegistry {
 }
 
 /// The error without its context.
-pub(super) fn innermost(mut error: &Error) -> &Error {
+fn innermost(mut error: &Error) -> &Error {
     while let Error::Context { source, .. } = error {
         error = source;
     }

@@ -14,8 +14,10 @@ use hdf5_reader::messages::link::{self, LinkMessage, LinkTarget};
 use hdf5_reader::messages::symbol_table_msg::SymbolTableMessage;
 use hdf5_reader::symbol_table::SymbolTableNode;
 
-use super::file::{File, Refused, of_index};
+use super::file::{File, of_index};
 use crate::files::DEEPEST;
+use crate::files::refused::Refused;
+use crate::room::Room;
 
 const PART: &str = "the links of its groups";
 
@@ -104,7 +106,7 @@ impl<'f> Links<'f> {
         let mut place = if is_absolute { self.file.root } else { group };
         for part in path.split('/').filter(|part| !part.is_empty()) {
             let links = match self.of(place) {
-                Err(Refused::File(_)) => return Ok(None),
+                Err(Refused::Damaged(_) | Refused::Unread(..)) => return Ok(None),
                 links => links?,
             };
             let target = links.places.get(part).map(|&index| &links.all[index].1);
@@ -144,8 +146,8 @@ impl<'f> Links<'f> {
                 _ => {}
             }
         }
-        let mut held = (found.len() * size_of::<LinkMessage>()) as u64;
-        self.file.budget.hold(held, PART)?;
+        let mut room = Room::of(&self.file.budget);
+        room.more((found.len() * size_of::<LinkMessage>()) as u64, PART)?;
         if let Some(info) = dense
             && !self.file.is_undefined(info.fractal_heap_address)
         {
@@ -154,8 +156,7 @@ impl<'f> Links<'f> {
                 let (addresses, lengths) = self.file.sizes;
                 let link = link::parse(&mut Cursor::new(object), addresses, lengths, object.len())?;
                 let size = (object.len() + size_of::<LinkMessage>()) as u64;
-                self.file.budget.hold(size, PART)?;
-                held += size;
+                room.more(size, PART)?;
                 found.push(link);
                 Ok(())
             };
@@ -174,7 +175,6 @@ impl<'f> Links<'f> {
             };
             self.add(&mut of_group, link.name.into(), target)?;
         }
-        self.file.budget.release(held);
         Ok(of_group)
     }
 
@@ -270,7 +270,7 @@ impl File {
         let mut found = Ok(Vec::new());
         for index in indexes.iter().filter(|&&index| !self.is_undefined(index)) {
             found = records(index);
-            if !matches!(found, Err(Refused::File(_))) {
+            if !matches!(found, Err(Refused::Damaged(_) | Refused::Unread(..))) {
                 break;
             }
         }
@@ -282,8 +282,8 @@ impl File {
             FractalHeap::parse_at_storage(storage, heap, addresses, lengths)
         })?;
         let mut blocks = FractalHeapDirectBlockCache::default();
-        let mut held = (found.len() * size_of::<BTreeV2Record>()) as u64;
-        self.budget.hold(held, part)?;
+        let mut room = Room::of(&self.budget);
+        room.more((found.len() * size_of::<BTreeV2Record>()) as u64, part)?;
         for record in &found {
             let id = match record {
                 BTreeV2Record::LinkNameHash { heap_id, .. }
@@ -304,12 +304,9 @@ impl File {
                 )
             })?;
             // Blocks that were read for it are kept for the next.
-            let kept = self.looked() - looked;
-            self.budget.hold(kept, part)?;
-            held += kept;
+            room.more(self.looked() - looked, part)?;
             each(&object)?;
         }
-        self.budget.release(held);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! LZF, h5py's own compression.
 
 use crate::budget::Budget;
-use crate::files::unpack::Unpacked;
+use crate::files::refused::Refused;
 
 /// The filter's number among those that are registered with HDF5.
 pub(super) const LZF: u16 = 32000;
@@ -14,12 +14,12 @@ pub(super) fn inflated(
     most: usize,
     budget: &Budget,
     part: &str,
-) -> Result<Vec<u8>, Unpacked> {
+) -> Result<Vec<u8>, Refused> {
     let most = most.min(packed.len().saturating_mul(RATIO));
     budget.hold(most as u64, part)?;
     budget.work((packed.len() + most) as u64, part)?;
     let bytes = unpacked(packed, most);
-    let bytes = bytes.ok_or_else(|| Unpacked::Damaged("LZF: a packed chunk is damaged".into()))?;
+    let bytes = bytes.ok_or("LZF: a packed chunk is damaged")?;
     budget.release((most - bytes.len()) as u64);
     if budget.is_new(packed)? {
         budget.unpacked(bytes.len() as u64)?;

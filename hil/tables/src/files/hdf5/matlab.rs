@@ -9,11 +9,13 @@ use hdf5_reader::messages::HdfMessage;
 use super::attributes::{Texts, text};
 use super::cells::cell;
 use super::data::{Data, Raw};
-use super::file::{File, Refused};
+use super::file::File;
 use super::links::Links;
 use crate::files::DEEPEST;
 use crate::files::groups::Group as Place;
-use crate::files::mat::{self, Broken, Bytes, Numbers, Tree, Value};
+use crate::files::mat::{self, Bytes, Numbers, Tree, Value};
+use crate::files::refused::Refused;
+use crate::room::Room;
 
 const PART: &str = "its variables";
 /// The attribute with a variable's class.
@@ -32,7 +34,6 @@ pub(super) fn wrote(file: &File) -> Result<bool, Refused> {
             break;
         }
     }
-    file.budget.release(reader.held);
     Ok(has_class)
 }
 
@@ -54,7 +55,6 @@ pub(super) fn tree(file: &File) -> Result<Tree, Refused> {
         };
         tree.take(Place::FILE, &name, value)?;
     }
-    file.budget.release(reader.held);
     Ok(tree)
 }
 
@@ -77,7 +77,7 @@ struct Reader<'f> {
     /// Data sets to which references led; those to which a second one led are kept, because all empty cells are one of them.
     referred: HashMap<u64, Option<Rc<Variable>>>,
     /// What the values take until the tree has taken them.
-    held: u64,
+    room: Room<'f>,
     /// Remaining depth of structures and references.
     depth: usize,
 }
@@ -107,7 +107,7 @@ impl<'f> Reader<'f> {
             linked: HashSet::from([file.root]),
             read: HashMap::new(),
             referred: HashMap::new(),
-            held: 0,
+            room: Room::of(&file.budget),
             depth: DEEPEST,
         }
     }
@@ -116,8 +116,8 @@ impl<'f> Reader<'f> {
         &mut self,
         read: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<T, Refused> {
-        let too_deep = mat::Refused::from(Broken("structures are nested too deeply"));
-        self.depth = (self.depth.checked_sub(1)).ok_or(too_deep)?;
+        let deeper = self.depth.checked_sub(1);
+        self.depth = deeper.ok_or("structures are nested too deeply")?;
         let done = read(self);
         self.depth += 1;
         done
@@ -125,9 +125,7 @@ impl<'f> Reader<'f> {
 
     /// Charges what is held until the tree has taken the values.
     fn hold(&mut self, bytes: u64) -> Result<(), Refused> {
-        self.file.budget.hold(bytes, PART)?;
-        self.held += bytes;
-        Ok(())
+        Ok(self.room.more(bytes, PART)?)
     }
 
     fn marks(&self, header: Vec<HdfMessage>) -> Result<Marks, Refused> {
@@ -287,9 +285,7 @@ impl<'f> Reader<'f> {
         let length = bytes.slice().len();
         let numbers = Numbers {
             kind: cell.kind,
-            bytes: bytes
-                .part(length, cell.is_little)
-                .map_err(mat::Refused::from)?,
+            bytes: bytes.part(length, cell.is_little)?,
         };
         let length = length as u64;
         // MATLAB stores columns one after the other, HDF5 rows.
@@ -332,7 +328,7 @@ impl<'f> Reader<'f> {
             Raw::InFile(address, length) => {
                 let length = usize::try_from(length).unwrap_or(usize::MAX);
                 let part = self.file.from(address).part(length, true);
-                part.map_err(mat::Refused::from)?
+                part?
             }
         };
         Ok((bytes, made))

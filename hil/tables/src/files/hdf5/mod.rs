@@ -10,19 +10,18 @@ mod lzf;
 mod matlab;
 mod walk;
 
-use std::fmt::Display;
 use std::rc::Rc;
 
-use hdf5_reader::error::Error;
 use mesh_damper_output::error::InputError;
 
 use super::arrays::{arranged, say_skipped};
-use super::guard::{damaged, guarded};
+use super::guard::guarded;
 use super::opened::Opened;
+use super::refused::Refused;
 use super::{Format, Reading, Source, Tables};
 use crate::budget::Budget;
 use cells::Datasets;
-use file::{File, Refused, innermost};
+use file::File;
 use walk::Walk;
 
 const NAME: &str = "HDF5";
@@ -56,7 +55,7 @@ impl Format for Hdf5 {
         let bytes = source.bytes()?;
         guarded(NAME, &name, || {
             let opened = open(&name, bytes, budget, is_matlab, reading);
-            opened.map_err(|why| said(&name, why))
+            opened.map_err(|why| why.error(NAME, &name))
         })
     }
 }
@@ -70,7 +69,8 @@ fn open<'a>(
 ) -> Result<Box<dyn Tables + 'a>, Refused> {
     let file = File::of(bytes, budget)?;
     if is_matlab || matlab::wrote(&file)? {
-        let tree = matlab::tree(&file)?;
+        let tree = matlab::tree(&file);
+        let tree = tree.map_err(|why| why.error("MATLAB v7.3", name))?;
         return Ok(super::mat::opened(name.to_owned(), tree, reading)?);
     }
     let budget = Rc::clone(&file.budget);
@@ -80,40 +80,21 @@ fn open<'a>(
     let mut datasets = Datasets::new(file, found.data);
     let mut values = |place: &cells::Place| {
         let values = datasets.values(place);
-        values.map_err(|why| said(name, why))
+        values.map_err(|why| why.error(NAME, name))
     };
     let (mut tables, places) = arranged(&found.groups, found.arrays, beside, &mut values)?;
     say_skipped(&mut tables, found.skipped);
-    let owned = name.to_owned();
     let read = move |table: usize, column: usize| {
-        guarded(NAME, &owned, || {
-            let values = datasets.values(&places[table][column]);
-            values.map(Some).map_err(|why| said(&owned, why))
-        })
+        let values = datasets.values(&places[table][column]);
+        values.map(Some)
     };
     let comments = found.comments;
     Ok(Box::new(Opened::new(
+        NAME,
         budget,
         name.to_owned(),
         tables,
         comments,
         read,
     )?))
-}
-
-/// The error of the file `name`.
-fn said(name: &str, why: Refused) -> InputError {
-    let error = match why {
-        Refused::Said(error) => return error,
-        Refused::Variables(why) => return why.error("MATLAB v7.3", name),
-        Refused::File(error) => error,
-    };
-    match innermost(&error) {
-        Error::UnsupportedFilter(_) => InputError::new(
-            name,
-            format!("uses a part of HDF5 that hil does not read: {error}"),
-            "write it again with compression=\"gzip\" or without compression",
-        ),
-        _ => damaged(NAME, name, &error as &dyn Display),
-    }
 }

@@ -10,7 +10,7 @@ use hdf5_reader::{Attribute, Datatype};
 use super::attributes::{Texts, held, number, text};
 use super::cells::{Cell, Place as Cells, cell};
 use super::data::{Data, is_dataset, is_of_group};
-use super::file::{File, Refused};
+use super::file::File;
 use super::links::Links;
 use crate::budget::of_text;
 use crate::columns::is_time;
@@ -20,6 +20,7 @@ use crate::files::arrays::{Array, MOST_OF_ARRAY, name_of};
 use crate::files::beside::Beside;
 use crate::files::groups::{Group as Place, Groups};
 use crate::files::number::shown;
+use crate::files::refused::Refused;
 use crate::room::Room;
 
 const PART: &str = "the names of its columns";
@@ -149,7 +150,7 @@ impl<'f> Walk<'f> {
         });
         match said {
             // The data of a group are of use without its attributes.
-            Err(Refused::File(_)) => {}
+            Err(Refused::Damaged(_) | Refused::Unread(..)) => {}
             said => said?,
         }
         let mut inner = Vec::new();
@@ -353,7 +354,7 @@ impl<'f> Walk<'f> {
         fields: Vec<Field>,
     ) -> Result<(), Refused> {
         let raw = match data.raw(self.file) {
-            Err(Refused::File(_)) => None,
+            Err(Refused::Damaged(_) | Refused::Unread(..)) => None,
             raw => Some(raw?),
         };
         let bytes = match &raw {
@@ -432,7 +433,7 @@ impl<'f> Walk<'f> {
             Some(names) => names.clone(),
             None => {
                 let names = match self.read_labels(address) {
-                    Err(Refused::File(_)) => None,
+                    Err(Refused::Damaged(_) | Refused::Unread(..)) => None,
                     names => names?.map(Rc::from),
                 };
                 self.keep(2 * size_of::<(u64, Option<Rc<[String]>>)>())?;

@@ -9,7 +9,7 @@ use mesh_damper_output::error::InputError;
 use serde::de::{DeserializeSeed as _, IgnoredAny};
 use serde_json::Deserializer;
 
-use super::arrays::{Array, arranged, name_of};
+use super::arrays::{Array, Located, arranged, name_of};
 use super::beside::Beside;
 use super::groups::{Group, Groups};
 use super::guard::damaged;
@@ -89,13 +89,19 @@ impl Format for Json {
             Ok(Some(Rc::unwrap_or_clone(values)))
         };
         Ok(Box::new(Opened::new(
-            charged, name, tables, comments, read,
+            NAME, charged, name, tables, comments, read,
         )?))
     }
 }
 
 /// The values of a column, which the tables of several runs may share.
 type Values = Rc<Vec<f64>>;
+
+impl Located for Values {
+    fn key(&self) -> [usize; 4] {
+        [self.as_ptr().addr(), 0, 0, 0]
+    }
+}
 
 /// Most parts of a file that a message lists. Convention: one line of a terminal, or two.
 const LISTED: usize = 8;

@@ -2,45 +2,10 @@
 
 use std::sync::Arc;
 
-use mesh_damper_output::error::InputError;
-
-use crate::files::guard::damaged;
 use crate::files::number::Kind;
+use crate::files::refused::Refused;
 
-/// The error in a file, in words.
-#[derive(Debug)]
-pub(in crate::files) struct Broken(pub &'static str);
-
-type Parsed<T> = Result<T, Broken>;
-
-/// Why a file is refused.
-#[derive(Debug)]
-pub(in crate::files) enum Refused {
-    Broken(Broken),
-    Budget(InputError),
-}
-
-impl From<Broken> for Refused {
-    fn from(broken: Broken) -> Self {
-        Self::Broken(broken)
-    }
-}
-
-impl From<InputError> for Refused {
-    fn from(error: InputError) -> Self {
-        Self::Budget(error)
-    }
-}
-
-impl Refused {
-    /// The error of a file of this format and name.
-    pub fn error(self, format: &str, name: &str) -> InputError {
-        match self {
-            Self::Broken(Broken(why)) => damaged(format, name, why),
-            Self::Budget(error) => error,
-        }
-    }
-}
+type Parsed<T> = Result<T, Refused>;
 
 /// A run of bytes, and the reading position.
 #[derive(Clone, Debug)]
@@ -108,7 +73,7 @@ impl Bytes {
 
     fn take(&mut self, count: usize) -> Parsed<Self> {
         let end = self.at.checked_add(count).filter(|&end| end <= self.end);
-        let end = end.ok_or(Broken("it ends in the middle of a variable"))?;
+        let end = end.ok_or("it ends in the middle of a variable")?;
         let taken = Self {
             at: self.at,
             end,
@@ -148,7 +113,7 @@ impl Bytes {
             // Up to four bytes are stored in the size field.
             let (code, size) = (first & 0xffff, (first >> 16) as usize);
             if size > 4 {
-                return Err(Broken("a short element is longer than four bytes"));
+                return Err("a short element is longer than four bytes".into());
             }
             let mut place = self.take(4)?;
             (code, place.take(size)?)
@@ -165,12 +130,18 @@ impl Bytes {
     pub fn numbers(&mut self) -> Parsed<Numbers> {
         match self.next()? {
             Some(Element::Numbers(numbers)) => Ok(numbers),
-            _ => Err(Broken("a variable lacks its numbers")),
+            _ => Err("a variable lacks its numbers".into()),
         }
     }
 }
 
 impl Numbers {
+    /// What only other copies of these numbers have: where they are, and how they are read.
+    pub fn key(&self) -> [usize; 2] {
+        let kind = 2 * self.kind as usize + usize::from(self.bytes.is_little);
+        [self.bytes.slice().as_ptr().addr(), kind]
+    }
+
     pub fn len(&self) -> usize {
         self.bytes.slice().len() / self.kind.size()
     }

@@ -10,15 +10,15 @@ use std::sync::Arc;
 use mesh_damper_output::error::InputError;
 
 use super::arrays::{arranged, say_skipped};
-use super::guard::damaged;
 use super::opened::Opened;
-use super::unpack::{Unpacked, inflated};
+use super::refused::Refused;
+use super::unpack::inflated;
 use super::unread::is_mat_5;
 use super::{Format, Reading, Source, Tables};
 use crate::budget::of_list;
 use element::Element;
 
-pub(super) use element::{Broken, Bytes, Numbers, Refused};
+pub(super) use element::{Bytes, Numbers};
 
 use tree::Strided;
 pub(super) use tree::Tree;
@@ -54,26 +54,23 @@ impl Format for Mat {
         let is_little = bytes[126] == b'I';
         let mut tree = Tree::new(Rc::clone(&budget));
         let mut rest = Bytes::new(bytes, HEADER, is_little);
-        let broken = |why: Broken| damaged(NAME, &name, why.0);
-        while let Some(element) = rest.next().map_err(broken)? {
-            let variable = match element {
-                Element::Compressed(packed) => {
-                    let part = "its packed variables";
-                    let bytes = match inflated(packed.slice(), usize::MAX, &budget, part) {
-                        Ok(bytes) => bytes,
-                        Err(Unpacked::Damaged(why)) => return Err(damaged(NAME, &name, why)),
-                        Err(Unpacked::Refused(error)) => return Err(error),
-                    };
-                    let mut inner = Bytes::new(Arc::new(bytes), 0, is_little);
-                    inner.next().map_err(broken)?
+        let mut read = || {
+            while let Some(element) = rest.next()? {
+                let variable = match element {
+                    Element::Compressed(packed) => {
+                        let part = "its packed variables";
+                        let bytes = inflated(packed.slice(), usize::MAX, &budget, part)?;
+                        Bytes::new(Arc::new(bytes), 0, is_little).next()?
+                    }
+                    other => Some(other),
+                };
+                if let Some(Element::Matrix(matrix)) = variable {
+                    tree.variable(matrix)?;
                 }
-                other => Some(other),
-            };
-            if let Some(Element::Matrix(matrix)) = variable {
-                let taken = tree.variable(matrix);
-                taken.map_err(|refused| refused.error(NAME, &name))?;
             }
-        }
+            Ok(())
+        };
+        read().map_err(|why: Refused| why.error(NAME, &name))?;
         opened(name, tree, reading)
     }
 }
@@ -109,6 +106,8 @@ pub(super) fn opened<'a>(
     let (mut tables, sources) = arranged(&groups, arrays, beside, &mut values)?;
     super::Table::note_in_all(&mut tables, &guesses, &budget)?;
     say_skipped(&mut tables, skipped);
-    let read = move |table: usize, column: usize| values(&sources[table][column]).map(Some);
-    Ok(Box::new(Opened::new(budget, name, tables, comments, read)?))
+    let read = move |table: usize, column: usize| Ok(Some(values(&sources[table][column])?));
+    Ok(Box::new(Opened::new(
+        NAME, budget, name, tables, comments, read,
+    )?))
 }

@@ -6,15 +6,16 @@ use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
-use super::element::{Broken, Bytes, Numbers, Refused};
+use super::element::{Bytes, Numbers};
 use super::value::{Fields, Value, Values};
 use crate::budget::{Budget, of_text};
 use crate::files::Column;
 use crate::files::DEEPEST;
-use crate::files::arrays::{Array, name_of};
+use crate::files::arrays::{Array, Located, name_of};
 use crate::files::beside::Beside;
 use crate::files::groups::{Group, Groups};
 use crate::files::number::shown;
+use crate::files::refused::Refused;
 use crate::files::units_beside::{UnitsBeside, are_units};
 
 /// Fields of a structure that name its data: dSPACE, Simulink and time series as structures.
@@ -47,6 +48,13 @@ impl Strided {
         (0..self.count.min(most))
             .map(|index| self.numbers.get(self.first + index * self.step))
             .collect()
+    }
+}
+
+impl Located for Strided {
+    fn key(&self) -> [usize; 4] {
+        let [at, kind] = self.numbers.key();
+        [at, kind, self.first, self.step]
     }
 }
 
@@ -93,11 +101,10 @@ impl Tree {
 
     /// Adds one variable.
     pub fn variable(&mut self, matrix: Bytes) -> Done {
-        let mut values = Values::new(Rc::clone(self.budget()));
+        let budget = Rc::clone(self.budget());
+        let mut values = Values::new(&budget);
         let (name, value) = values.variable(matrix, DEEPEST)?;
-        self.take(Group::FILE, &name, value)?;
-        values.release();
-        Ok(())
+        self.take(Group::FILE, &name, value)
     }
 
     /// Adds a value called `name` in a group.
@@ -247,7 +254,7 @@ impl Tree {
         let count = (dimensions.iter()).try_fold(1_usize, |all, &size| all.checked_mul(size));
         if count != Some(numbers.len()) {
             let why = "a variable has not as many numbers as its dimensions say";
-            return Err(Broken(why).into());
+            return Err(why.into());
         }
         let name = &labelled.name;
         let mut long = dimensions.iter().copied().filter(|&size| size != 1);

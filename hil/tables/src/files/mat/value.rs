@@ -3,9 +3,11 @@
 use std::borrow::Cow;
 use std::rc::Rc;
 
-use super::element::{Broken, Bytes, Element, Numbers, Refused};
+use super::element::{Bytes, Element, Numbers};
 use crate::budget::{Budget, of_list, of_text};
 use crate::files::number::Kind;
+use crate::files::refused::Refused;
+use crate::room::Room;
 
 /// A value of MATLAB.
 #[derive(Debug)]
@@ -33,24 +35,15 @@ struct Head {
 const PART: &str = "the values in its structures and cells";
 
 /// Reads the values of a variable, and charges them while they are held.
-pub(super) struct Values {
-    budget: Rc<Budget>,
-    held: u64,
-}
-impl Values {
-    pub fn new(budget: Rc<Budget>) -> Self {
-        Self { budget, held: 0 }
-    }
+pub(super) struct Values<'b>(Room<'b>);
 
-    /// Gives up what the values took, when they are taken.
-    pub fn release(self) {
-        self.budget.release(self.held);
+impl<'b> Values<'b> {
+    pub fn new(budget: &'b Budget) -> Self {
+        Self(Room::of(budget))
     }
 
     fn hold(&mut self, bytes: u64) -> Result<(), Refused> {
-        self.budget.hold(bytes, PART)?;
-        self.held += bytes;
-        Ok(())
+        Ok(self.0.more(bytes, PART)?)
     }
 
     /// A variable's name and value; `depth` is the nesting that it may have.
@@ -70,13 +63,13 @@ impl Values {
         depth: usize,
     ) -> Result<(Option<Numbers>, Value), Refused> {
         let deeper = depth.checked_sub(1);
-        let deeper = deeper.ok_or(Broken("structures are nested too deeply"))?;
+        let deeper = deeper.ok_or("structures are nested too deeply")?;
         if bytes.slice().is_empty() {
             return Ok((None, Value::Other("empty".into())));
         }
         let head = self.head(&mut bytes)?;
         let count = (head.dimensions.iter()).try_fold(1_usize, |all, &size| all.checked_mul(size));
-        let count = count.ok_or(Broken("the dimensions of a variable are invalid"))?;
+        let count = count.ok_or("the dimensions of a variable are invalid")?;
         let value = match head.class {
             1 => {
                 let mut cells = Vec::new();
@@ -112,10 +105,7 @@ impl Values {
 
     /// Adds to a list; its room is charged.
     fn add<T>(&mut self, list: &mut Vec<T>, entry: T) -> Result<(), Refused> {
-        let room = list.capacity();
-        self.budget.push(list, entry, PART)?;
-        self.held += ((list.capacity() - room) * size_of::<T>()) as u64;
-        Ok(())
+        Ok(self.0.push(list, entry, PART)?)
     }
 
     fn head(&mut self, bytes: &mut Bytes) -> Result<Head, Refused> {
@@ -183,8 +173,8 @@ impl Values {
             }
             _ => return Ok(String::new()),
         };
-        let mut made = (LOSSY * length) as u64;
-        self.budget.hold(made, PART)?;
+        let mut room = Room::of(self.0.budget());
+        room.more((LOSSY * length) as u64, PART)?;
         let text = match element {
             Some(Element::Numbers(numbers)) => numbers.text(),
             Some(Element::Other(16, bytes)) => String::from_utf8_lossy(bytes.slice()).into_owned(),
@@ -197,10 +187,9 @@ impl Values {
         };
         // Letters that are no ASCII are put into rows one by one, in four bytes each.
         let rows = text.len() + if text.is_ascii() { 0 } else { 4 * length };
-        self.budget.hold(rows as u64, PART)?;
-        made += rows as u64;
+        room.more(rows as u64, PART)?;
         let text = rows_of_text(text, dimensions);
-        self.budget.release(made);
+        drop(room);
         self.hold(of_text(text.len()))?;
         Ok(text)
     }
@@ -209,12 +198,10 @@ impl Values {
 /// Bytes that a byte of a text becomes at most: the sign for one that is no letter has three.
 const LOSSY: usize = 3;
 
-fn matrix(bytes: &mut Bytes) -> Result<Option<Bytes>, Broken> {
+fn matrix(bytes: &mut Bytes) -> Result<Option<Bytes>, Refused> {
     match bytes.next()? {
         Some(Element::Matrix(matrix)) => Ok(Some(matrix)),
-        Some(_) => Err(Broken(
-            "a structure or cell holds something that is not a variable",
-        )),
+        Some(_) => Err("a structure or cell holds something that is not a variable".into()),
         None => Ok(None),
     }
 }
@@ -244,7 +231,7 @@ pub(in crate::files) fn rows_of_text(text: String, dimensions: &[usize]) -> Stri
 }
 
 /// The class of an object, after the name and the word `MCOS`.
-fn class(bytes: &mut Bytes) -> Result<Numbers, Broken> {
+fn class(bytes: &mut Bytes) -> Result<Numbers, Refused> {
     bytes.numbers()?;
     bytes.numbers()
 }

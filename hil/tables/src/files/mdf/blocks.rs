@@ -8,39 +8,21 @@ use falcon_mdf::blocks::{BLOCK_HEADER_SIZE, BlockHeader, HdBlock, ID_BLOCK_SIZE,
 use falcon_mdf::io::memory::MemorySource;
 use falcon_mdf::parser::{parse_block_header, parse_hd_block};
 use falcon_mdf::{Metadata, Mf4Error};
-use mesh_damper_output::error::InputError;
 
 use crate::budget::Budget;
-use crate::files::unpack::Unpacked;
+use crate::files::refused::Refused;
+use crate::room::Room;
 
 const PART: &str = "its texts";
 
-/// Why a file cannot be read.
-#[derive(Debug)]
-pub(super) enum Refused {
-    /// It is damaged, or has parts that are not read.
-    File(Mf4Error),
-    /// What is to be said is known already.
-    Said(InputError),
-}
-
 impl From<Mf4Error> for Refused {
     fn from(error: Mf4Error) -> Self {
-        Self::File(error)
-    }
-}
-
-impl From<InputError> for Refused {
-    fn from(error: InputError) -> Self {
-        Self::Said(error)
-    }
-}
-
-impl From<Unpacked> for Refused {
-    fn from(why: Unpacked) -> Self {
-        match why {
-            Unpacked::Damaged(why) => Self::File(Mf4Error::Decompression(why)),
-            Unpacked::Refused(error) => Self::Said(error),
+        match error {
+            Mf4Error::Unsupported { .. } => {
+                let otherwise = "write it again with asammdf: mdf.convert('4.10').save(NAME)";
+                Self::Unread(error.to_string(), otherwise)
+            }
+            error => Self::Damaged(error.to_string().into()),
         }
     }
 }
@@ -134,10 +116,8 @@ impl Blocks {
         }
         let made = 3 * xml.len() as u64 + around.saturating_mul(entries);
         self.budget.work(4 * xml.len() as u64 + compared, PART)?;
-        self.budget.hold(made, PART)?;
-        let metadata = Metadata::parse(&xml);
-        self.budget.release(made);
-        Ok(metadata)
+        Room::of(&self.budget).more(made, PART)?;
+        Ok(Metadata::parse(&xml))
     }
 
     /// The text of a block, which ends with a zero, or where the block ends.
@@ -148,10 +128,8 @@ impl Blocks {
         // A byte that is no text becomes a sign of three.
         let most = 3 * text.len() as u64;
         self.budget.work(most, PART)?;
-        self.budget.hold(most, PART)?;
-        let text = String::from_utf8_lossy(text).into_owned();
-        self.budget.release(most);
-        Ok(text)
+        Room::of(&self.budget).more(most, PART)?;
+        Ok(String::from_utf8_lossy(text).into_owned())
     }
 
     fn no_text(head: &BlockHeader) -> Refused {

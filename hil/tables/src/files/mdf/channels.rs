@@ -7,12 +7,13 @@ use falcon_mdf::Mf4Error;
 use falcon_mdf::blocks::{CgBlock, ChannelType, CnBlock, DgBlock, SyncType};
 use falcon_mdf::parser::links::LinkChain;
 
-use super::blocks::{Blocks, Refused};
+use super::blocks::Blocks;
 use super::conversion::{Conversion, Conversions};
 use super::elements::Elements;
 use super::field::Field;
 use super::records::{self, Among, Block, Kept, Layout};
 use crate::files::DEEPEST;
+use crate::files::refused::Refused;
 
 const PART: &str = "its channels";
 

@@ -6,8 +6,9 @@ use std::rc::Rc;
 
 use falcon_mdf::blocks::{CcBlock, ConversionType, Expr};
 
-use super::blocks::{Blocks, Refused};
+use super::blocks::Blocks;
 use crate::files::DEEPEST;
+use crate::files::refused::Refused;
 
 const PART: &str = "its conversions";
 /// The most operations and brackets of a formula, which the library follows by nested calls. Convention: ten times as many as a
@@ -408,7 +409,7 @@ impl Conversions {
             match is_conversion() {
                 Ok(true) => to.push(To::By(self.nested(blocks, link, depth)?)),
                 Ok(false) if is_default && link == 0 => to.push(To::Number(f64::NAN)),
-                Ok(false) | Err(Refused::File(_)) => return Ok(None),
+                Ok(false) | Err(Refused::Damaged(_) | Refused::Unread(..)) => return Ok(None),
                 Err(why) => return Err(why),
             }
         }

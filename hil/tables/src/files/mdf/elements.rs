@@ -2,8 +2,9 @@
 
 use falcon_mdf::blocks::{CaBlock, CaStorage, CnBlock};
 
-use super::blocks::{Blocks, Refused};
+use super::blocks::Blocks;
 use super::field::Field;
+use crate::files::refused::Refused;
 
 const PART: &str = "the arrays of its channels";
 

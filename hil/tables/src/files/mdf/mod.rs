@@ -16,14 +16,15 @@ use falcon_mdf::blocks::IdBlock;
 use falcon_mdf::{Mf4Error, Mf4Version};
 use mesh_damper_output::error::InputError;
 
-use super::arrays::{Array, MOST_OF_ARRAY, arranged, name_of, say_skipped};
+use super::arrays::{Array, Located, MOST_OF_ARRAY, arranged, name_of, say_skipped};
 use super::beside::Beside;
 use super::groups::{Group as Inside, Groups};
-use super::guard::{damaged, guarded};
+use super::guard::guarded;
 use super::opened::Opened;
+use super::refused::Refused;
 use super::{Column, Format, Reading, Source, Table, Tables};
 use crate::budget::{Budget, of_list, of_text};
-use blocks::{Blocks, Refused};
+use blocks::Blocks;
 use channels::{Channel, Channels, Group};
 use records::{Kept, Stream};
 
@@ -55,7 +56,7 @@ impl Format for Mdf {
         let bytes = source.bytes()?;
         guarded(NAME, &name, || {
             let opened = open(&name, bytes, budget);
-            opened.map_err(|why| said(&name, why))
+            opened.map_err(|why| why.error(NAME, &name))
         })
     }
 }
@@ -66,6 +67,12 @@ struct Place {
     group: usize,
     channel: usize,
     element: u64,
+}
+
+impl Located for Place {
+    fn key(&self) -> [usize; 4] {
+        [self.group, self.channel, self.element as usize, 0]
+    }
 }
 
 /// A file whose blocks were read.
@@ -96,21 +103,16 @@ fn open<'a>(
     let budget = Rc::clone(&mdf.blocks.budget);
     let mut groups = Groups::new(Rc::clone(&budget));
     let (arrays, skipped) = mdf.arrays(&mut groups)?;
-    let mut values = |place: &Place| mdf.values(*place).map_err(|why| said(name, why));
+    let mut values = |place: &Place| mdf.values(*place).map_err(|why| why.error(NAME, name));
     let (mut tables, places) = arranged(&groups, arrays, Beside::default(), &mut values)?;
     say_skipped(&mut tables, skipped);
     if is_unfinished {
         let note = "the file was never finalized; what had been written to it is read";
         Table::note_in_all(&mut tables, &[note.to_owned()], &budget)?;
     }
-    let owned = name.to_owned();
-    let read = move |table: usize, column: usize| {
-        guarded(NAME, &owned, || {
-            let values = mdf.values(places[table][column]);
-            values.map(Some).map_err(|why| said(&owned, why))
-        })
-    };
+    let read = move |table: usize, column: usize| mdf.values(places[table][column]).map(Some);
     Ok(Box::new(Opened::new(
+        NAME,
         budget,
         name.to_owned(),
         tables,
@@ -214,8 +216,8 @@ impl Mdf4 {
                     .group(place.element)
                     .and_then(|at| self.channels.at.get(&at));
                 let of = at.and_then(|&at| self.channels.groups.get(at));
-                let missing = || Mf4Error::parse_error("a group of an array is missing");
-                (of.ok_or_else(missing)?, elements.field, None)
+                let of = of.ok_or("a group of an array is missing")?;
+                (of, elements.field, None)
             }
         };
         let rows = usize::try_from(of.samples).unwrap_or(usize::MAX);
@@ -353,17 +355,4 @@ fn comments(blocks: &Blocks, link: u64) -> Result<Vec<String>, Refused> {
         .sum();
     blocks.budget.hold(size as u64, "its comments")?;
     Ok(lines)
-}
-
-/// The error of the file `name`.
-fn said(name: &str, why: Refused) -> InputError {
-    match why {
-        Refused::Said(error) => error,
-        Refused::File(error @ Mf4Error::Unsupported { .. }) => InputError::new(
-            name,
-            format!("uses a part of MDF4 that hil does not read: {error}"),
-            "write it again with asammdf: mdf.convert('4.10').save(NAME)",
-        ),
-        Refused::File(error) => damaged(NAME, name, error),
-    }
 }

@@ -10,7 +10,8 @@ use falcon_mdf::blocks::{BLOCK_HEADER_SIZE, CompressionType, DlBlock, DzBlock, H
 use falcon_mdf::parser::links::LinkChain;
 use falcon_mdf::{Mf4Error, Mf4File};
 
-use super::blocks::{Blocks, Refused};
+use super::blocks::Blocks;
+use crate::files::refused::Refused;
 use crate::files::unpack::{held, inflated};
 
 const PART: &str = "its records";
@@ -202,7 +203,7 @@ fn unpacked<'b>(blocks: &'b Blocks, block: &Block) -> Result<Cow<'b, [u8]>, Refu
     let bytes = inflated(stored, most, budget, PART)?;
     if bytes.len() != most {
         let why = format!("a block has {} bytes instead of {most}", bytes.len());
-        return Err(Mf4Error::Decompression(why).into());
+        return Err(Refused::Damaged(why.into()));
     }
     let Some(columns) = block.columns else {
         return Ok(Cow::Owned(bytes));

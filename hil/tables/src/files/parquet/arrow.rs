@@ -10,13 +10,15 @@ use arrow_ipc::convert::try_fb_to_schema;
 use arrow_ipc::reader::{FileDecoder, StreamDecoder, read_footer_length};
 use arrow_ipc::{Block, Message};
 use arrow_schema::{ArrowError, SchemaRef};
+use flatbuffers::InvalidFlatbuffer;
 use mesh_damper_output::error::InputError;
 
 use super::leaf::{self, Gathered};
 use super::schema;
-use crate::files::guard::{damaged, guarded};
+use crate::files::guard::guarded;
 use crate::files::opened::Opened;
 use crate::files::packed::Packed;
+use crate::files::refused::Refused;
 use crate::files::{Format, Reading, Source, Tables};
 
 const NAME: &str = "Arrow";
@@ -65,31 +67,19 @@ impl Format for Arrow {
     }
 }
 
-/// Why a file cannot be read.
-enum Unreadable {
-    Broken(String),
-    Refused(InputError),
-}
-
-impl From<ArrowError> for Unreadable {
+impl From<ArrowError> for Refused {
     fn from(error: ArrowError) -> Self {
-        Self::Broken(error.to_string())
+        Self::Damaged(error.to_string().into())
     }
 }
 
-impl From<&str> for Unreadable {
-    fn from(what: &str) -> Self {
-        Self::Broken(what.to_owned())
+impl From<InvalidFlatbuffer> for Refused {
+    fn from(error: InvalidFlatbuffer) -> Self {
+        Self::Damaged(error.to_string().into())
     }
 }
 
-impl From<InputError> for Unreadable {
-    fn from(error: InputError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-type Decoded = Result<(SchemaRef, Vec<RecordBatch>), Unreadable>;
+type Decoded = Result<(SchemaRef, Vec<RecordBatch>), Refused>;
 
 /// The batches of a stream, one after the other.
 fn stream(mut bytes: Buffer, packed: &Packed) -> Decoded {
@@ -112,14 +102,13 @@ fn file(bytes: Buffer, packed: &Packed) -> Decoded {
     let (rest, trailer) = bytes.split_last_chunk::<10>().ok_or(END)?;
     let length = read_footer_length(*trailer)?;
     let from = rest.len().checked_sub(length).ok_or(END)?;
-    let footer = schema::footer(&rest[from..]);
-    let footer = footer.map_err(|error| Unreadable::Broken(error.to_string()))?;
+    let footer = schema::footer(&rest[from..])?;
     let schema = footer.schema().ok_or("it has no schema")?;
     let mut seen = Seen::of(packed);
     seen.fields = schema::charge(schema, packed.budget())?;
     let schema: SchemaRef = Arc::new(try_fb_to_schema(schema)?);
     let mut decoder = FileDecoder::new(schema.clone(), footer.version());
-    let mut block = |block: &Block| -> Result<Buffer, Unreadable> {
+    let mut block = |block: &Block| -> Result<Buffer, Refused> {
         let lengths = [
             block.offset(),
             i64::from(block.metaDataLength()),
@@ -153,10 +142,7 @@ fn opened<'a>(
     packed: Packed,
     decoded: Decoded,
 ) -> Result<Box<dyn Tables + 'a>, InputError> {
-    let (schema, batches) = decoded.map_err(|why| match why {
-        Unreadable::Broken(why) => damaged(NAME, name, why),
-        Unreadable::Refused(error) => error,
-    })?;
+    let (schema, batches) = decoded.map_err(|why| why.error(NAME, name))?;
     let budget = packed.budget();
     let rows = batches.iter().map(|batch| batch.num_rows() as u64);
     let rows = rows.fold(0, u64::saturating_add);
@@ -164,19 +150,18 @@ fn opened<'a>(
     let said = schema.metadata().iter();
     let said = said.map(|(key, text)| (key.as_str(), text.as_str()));
     let comments = leaf::comments(said, &mut table.skipped, budget)?;
-    let (owned, shared) = (name.to_owned(), Rc::clone(budget));
+    let shared = Rc::clone(budget);
     let read = move |_: usize, column: usize| {
-        guarded(NAME, &owned, || {
-            let mut gathered = Gathered::of(rows, &packed)?;
-            for batch in &batches {
-                if gathered.append(batch, &leaves[column])?.is_none() {
-                    return Ok(None);
-                }
+        let mut gathered = Gathered::of(rows, &packed)?;
+        for batch in &batches {
+            if gathered.append(batch, &leaves[column])?.is_none() {
+                return Ok(None);
             }
-            Ok(Some(gathered.values))
-        })
+        }
+        Ok(Some(gathered.values))
     };
     Ok(Box::new(Opened::new(
+        NAME,
         shared,
         name.to_owned(),
         vec![table],
@@ -205,7 +190,7 @@ impl<'p> Seen<'p> {
 
     /// Charges for what the decoder makes of the first message of a stream, whose counts it believes, and returns the rest of the
     /// stream; `None` at its end.
-    fn message<'b>(&mut self, bytes: &'b [u8]) -> Result<Option<&'b [u8]>, Unreadable> {
+    fn message<'b>(&mut self, bytes: &'b [u8]) -> Result<Option<&'b [u8]>, Refused> {
         const CUT: &str = "a message is cut";
         let Some((mark, rest)) = bytes.split_first_chunk::<4>() else {
             return Ok(None);
@@ -221,8 +206,7 @@ impl<'p> Seen<'p> {
         let (message, rest) = rest.split_at_checked(length).ok_or(CUT)?;
         let budget = self.packed.budget();
         budget.work(8 * length as u64, PART)?;
-        let message = schema::message(message);
-        let message = message.map_err(|error| Unreadable::Broken(error.to_string()))?;
+        let message = schema::message(message)?;
         let length = usize::try_from(message.bodyLength()).ok();
         let body = length.and_then(|length| rest.split_at_checked(length));
         let (body, rest) = body.ok_or(CUT)?;
@@ -247,7 +231,7 @@ impl<'p> Seen<'p> {
     }
 
     /// Charges for the arrays of a message, and returns the number of bytes of their values.
-    fn arrays(&self, message: Message<'_>, body: &[u8]) -> Result<u64, Unreadable> {
+    fn arrays(&self, message: Message<'_>, body: &[u8]) -> Result<u64, Refused> {
         let batch = match message.header_as_dictionary_batch() {
             Some(dictionary) => dictionary.data(),
             None => message.header_as_record_batch(),
@@ -265,12 +249,18 @@ impl<'p> Seen<'p> {
         for buffer in batch.buffers().into_iter().flatten() {
             let mut size = u64::try_from(buffer.length()).unwrap_or(0);
             let from = usize::try_from(buffer.offset()).ok();
-            let stated = from.and_then(|from| body.get(from..)?.first_chunk::<8>());
-            if let (true, true, Some(stated)) = (is_packed, size >= 8, stated) {
+            let stored = from.and_then(|from| {
+                let end = from.checked_add(usize::try_from(size).ok()?)?;
+                body.get(from..end)
+            });
+            let stated = stored.and_then(|stored| stored.first_chunk::<8>());
+            if let (true, Some(stored), Some(stated)) = (is_packed, stored, stated) {
                 // −1 marks an array that was left uncompressed.
                 if let Ok(stated) = u64::try_from(i64::from_le_bytes(*stated)) {
                     size = stated;
-                    self.packed.budget().unpacked(size)?;
+                    if budget.is_new(stored)? {
+                        budget.unpacked(size)?;
+                    }
                 }
             }
             sum = sum.saturating_add(size);

@@ -91,19 +91,18 @@ fn open<'a>(name: &str, bytes: Bytes, packed: Packed) -> Result<Box<dyn Tables +
     let (owned, shared) = (name.to_owned(), Rc::clone(budget));
     let mut lists = None;
     let read = move |_: usize, column: usize| {
-        guarded(NAME, &owned, || {
-            let column = Reader {
-                name: &owned,
-                bytes: &bytes,
-                metadata: &metadata,
-                leaf: &leaves[column],
-                rows,
-                packed: &packed,
-            };
-            column.values(&mut lists)
-        })
+        let column = Reader {
+            name: &owned,
+            bytes: &bytes,
+            metadata: &metadata,
+            leaf: &leaves[column],
+            rows,
+            packed: &packed,
+        };
+        Ok(column.values(&mut lists)?)
     };
     Ok(Box::new(Opened::new(
+        NAME,
         shared,
         name.to_owned(),
         vec![table],

@@ -135,8 +135,7 @@ pub(super) fn examine(
 fn bounded(name: &str, packed: &[u8], stated: u64, budget: &Budget) -> Result<(), InputError> {
     // What fits into the budget in any case need not be counted.
     let most = (RATIO * packed.len()) as u64;
-    if budget.hold(most, PART).is_ok() {
-        budget.release(most);
+    if Room::of(budget).more(most, PART).is_ok() {
         return Ok(());
     }
     let mut unpacked = flate2::read::MultiGzDecoder::new(packed).take(stated.saturating_add(1));

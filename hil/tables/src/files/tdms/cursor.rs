@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use super::Refused;
 use super::layout::{Layout, Plain, Read, Scaler, Scalers, date};
 use crate::budget::Budget;
 use crate::files::number::Kind;
+use crate::files::refused::Refused;
 
 const PART: &str = "its channels and their properties";
 
@@ -62,7 +62,7 @@ impl<'b> Cursor<'b> {
     pub fn take(&mut self, count: usize) -> Result<&'b [u8], Refused> {
         let end = self.at.checked_add(count);
         let taken = end.and_then(|end| self.bytes.get(self.at..end));
-        let taken = taken.ok_or(Refused::Broken("a segment is cut"))?;
+        let taken = taken.ok_or("a segment is cut")?;
         self.at += count;
         Ok(taken)
     }
@@ -92,7 +92,7 @@ impl<'b> Cursor<'b> {
     }
 
     fn count(&mut self) -> Result<usize, Refused> {
-        usize::try_from(self.u64()?).map_err(|_| Refused::Broken("a count is too large"))
+        usize::try_from(self.u64()?).map_err(|_| "a count is too large".into())
     }
 
     pub fn text(&mut self) -> Result<Cow<'b, str>, Refused> {
@@ -114,7 +114,7 @@ impl<'b> Cursor<'b> {
             }
             _ => {
                 let size = size_of_other(code);
-                self.take(size.ok_or(Refused::Broken("a property is of an unknown type"))?)?;
+                self.take(size.ok_or("a property is of an unknown type")?)?;
                 Ok(Property::Other)
             }
         }
@@ -130,9 +130,9 @@ impl<'b> Cursor<'b> {
             (Some(read), _) => count.checked_mul(read.size()),
             (None, Some(size)) => count.checked_mul(size),
             (None, None) if code == 0x20 => Some(self.count()?),
-            (None, None) => return Err(Refused::Broken("a channel is of an unknown type")),
+            (None, None) => return Err("a channel is of an unknown type".into()),
         };
-        let bytes = bytes.ok_or(Refused::Broken("a count is too large"))?;
+        let bytes = bytes.ok_or("a count is too large")?;
         Ok(Layout::Plain(Plain { read, count, bytes }))
     }
 
@@ -157,7 +157,7 @@ impl<'b> Cursor<'b> {
                 7 => Kind::I64,
                 8 => Kind::F32,
                 9 => Kind::F64,
-                _ => return Err(Refused::Broken("a channel is of an unknown type")),
+                _ => return Err("a channel is of an unknown type".into()),
             };
             let (card, at) = (self.u32()? as usize, self.u32()? as usize);
             self.take(if is_digital { 1 } else { 4 })?;

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::Refused;
 use crate::budget::Budget;
 use crate::files::number::Kind;
+use crate::files::refused::Refused;
 
 const PART: &str = "the places of its values";
 
@@ -178,7 +178,7 @@ impl Plan {
         for (object, plain) in list {
             let at = size;
             let next = size.checked_add(plain.bytes);
-            size = next.ok_or(Refused::Broken("a chunk has no size"))?;
+            size = next.ok_or("a chunk has no size")?;
             budget.hold(2 * size_of::<(usize, Values)>() as u64, PART)?;
             let Some(read) = plain.read else {
                 others.push(object);
@@ -233,7 +233,7 @@ impl Plan {
             }
             for scaler in &scalers.all {
                 let missing = "the raw data width of a DAQmx buffer is missing";
-                let card = rows.get_mut(scaler.card).ok_or(Refused::Broken(missing))?;
+                let card = rows.get_mut(scaler.card).ok_or(missing)?;
                 card.0 = card.0.max(scalers.count);
             }
             members.push((object, Values::Daqmx(scalers)));
@@ -242,8 +242,7 @@ impl Plan {
         for (rows, width) in rows {
             cards.push((size, width));
             let card = rows.checked_mul(width);
-            size = (card.and_then(|card| card.checked_add(size)))
-                .ok_or(Refused::Broken("a chunk has no size"))?;
+            size = (card.and_then(|card| card.checked_add(size))).ok_or("a chunk has no size")?;
         }
         members.sort_by_key(|(object, _)| *object);
         Ok(Self {

@@ -3,6 +3,7 @@
 //! It is read by our own parser. The values of a channel are read where its segments place them, so that only wanted values are
 //! unpacked. NI's scales, which convert raw values to measured ones, are applied.
 
+mod circuits;
 mod cursor;
 mod layout;
 mod scale;
@@ -13,11 +14,11 @@ use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
 
-use super::arrays::{Array, arranged, say_skipped};
+use super::arrays::{Array, Located, arranged, say_skipped};
 use super::beside::Beside;
 use super::groups::{Group, Groups};
-use super::guard::damaged;
 use super::opened::Opened;
+use super::refused::Refused;
 use super::{Column, Format, Reading, Source, Table, Tables};
 use crate::budget::{Budget, of_list, of_text};
 use crate::files::table::Clock;
@@ -30,21 +31,6 @@ const NAME: &str = "TDMS";
 const PART: &str = "the names of its columns";
 /// The most channels about which the same is noted. Convention: a few lines.
 const NAMED: usize = 3;
-
-/// Why a file cannot be read.
-#[derive(Debug)]
-enum Refused {
-    /// It is damaged, in words.
-    Broken(&'static str),
-    /// What is to be said is known already.
-    Said(InputError),
-}
-
-impl From<InputError> for Refused {
-    fn from(error: InputError) -> Self {
-        Self::Said(error)
-    }
-}
 
 /// Technical Data Management Streaming.
 pub(super) struct Tdms;
@@ -69,10 +55,7 @@ impl Format for Tdms {
     ) -> Result<Box<dyn Tables + 'a>, InputError> {
         let (name, budget) = (source.name(), source.budget());
         let bytes = source.bytes()?;
-        let said = |why: Refused| match why {
-            Refused::Broken(why) => damaged(NAME, &name, why),
-            Refused::Said(error) => error,
-        };
+        let said = |why: Refused| why.error(NAME, &name);
         let file = File::of(&bytes, &budget).map_err(said)?;
         let mut groups = Groups::new(Rc::clone(&budget));
         let mut channels = Channels::of(&file, &mut groups).map_err(said)?;
@@ -103,9 +86,12 @@ impl Format for Tdms {
             channels.guesses.push(note.into());
         }
         Table::note_in_all(&mut tables, &channels.guesses, &budget)?;
-        let read =
-            move |table: usize, column: usize| content.values(&scaled[table][column]).map(Some);
+        let read = move |table: usize, column: usize| {
+            let values = content.values(&scaled[table][column]);
+            Ok(Some(values?))
+        };
         Ok(Box::new(Opened::new(
+            NAME,
             budget,
             name,
             tables,
@@ -171,6 +157,12 @@ impl Content {
 struct Scaled {
     object: usize,
     scales: Option<Rc<Scales>>,
+}
+
+impl Located for Scaled {
+    fn key(&self) -> [usize; 4] {
+        [self.object, 0, 0, 0]
+    }
 }
 
 /// The channels that are numbers, and other contents of the file.

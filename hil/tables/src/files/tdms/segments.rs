@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::Refused;
 use super::cursor::{Cursor, Properties, Property, Texts};
 use super::layout::{Layout, Member, Plan, Read, Run, Scalers, seconds};
 use crate::budget::Budget;
+use crate::files::refused::Refused;
+use crate::room::Room;
 
 const PART: &str = "its segments";
 /// Bytes before a segment's metadata.
@@ -80,7 +81,7 @@ impl File {
         while let Some(lead) = bytes.get(at..at + LEAD) {
             budget.work(32, PART)?;
             if !lead.starts_with(b"TDSm") {
-                return Err(Refused::Broken("a segment does not begin where it should"));
+                return Err("a segment does not begin where it should".into());
             }
             let mut cursor = Cursor {
                 bytes,
@@ -105,7 +106,7 @@ impl File {
                 }
                 match reading.metadata(&mut cursor) {
                     // In a segment that was being written the contents are unknown.
-                    Err(Refused::Broken(_)) if is_open => break,
+                    Err(Refused::Damaged(_)) if is_open => break,
                     done => done?,
                 }
             }
@@ -198,12 +199,12 @@ impl Reading<'_> {
         let mut parts = Vec::new();
         // A name takes two signs at least.
         let names_take = (size_of::<String>() * path.len()) as u64;
-        budget.hold(names_take, PART)?;
+        let mut room = Room::of(budget);
+        room.more(names_take, PART)?;
         for name in names(path) {
             budget.hold(size_of::<Rc<str>>() as u64, PART)?;
             parts.push(self.texts.once(&name)?);
         }
-        budget.release(names_take);
         self.file.objects.push(Object {
             path: parts,
             ..Object::default()
@@ -346,7 +347,7 @@ impl Object {
             budget.work(4, PART)?;
             match self.reads.get(&scale) {
                 Some(known) if *known != read => {
-                    return Err(Refused::Broken("a channel changes its type"));
+                    return Err("a channel changes its type".into());
                 }
                 Some(_) => {}
                 None => {

@@ -22,6 +22,7 @@ const STEPS: u64 = 4;
 /// The parts of a workbook.
 pub(super) struct Parts<'b> {
     name: &'b str,
+    bytes: &'b [u8],
     archive: ZipArchive<Cursor<&'b [u8]>>,
     /// Index of each file by its path in lower case, with `/`: some programs write `\`.
     places: HashMap<String, usize>,
@@ -46,6 +47,7 @@ impl<'b> Parts<'b> {
         }
         Ok(Self {
             name,
+            bytes,
             archive,
             places,
             packed,
@@ -67,9 +69,17 @@ impl<'b> Parts<'b> {
             .archive
             .by_index(place)
             .map_err(|error| broken(&error))?;
+        let stored = || {
+            let from = usize::try_from(file.data_start()?).ok()?;
+            let length = usize::try_from(file.compressed_size()).ok()?;
+            self.bytes.get(from..from.checked_add(length)?)
+        };
+        let stored = stored().ok_or_else(|| broken(&"a part is cut"))?;
+        let is_new = self.packed.budget().is_new(stored)?;
         let part = Part {
             from: file,
             packed: self.packed,
+            is_new,
             steps: STEPS,
         };
         let mut from: Box<dyn BufRead + '_> = Box::new(BufReader::with_capacity(1 << 15, part));
