@@ -28,9 +28,9 @@ use crate::trace::select::SelectPolicy;
 use crate::trace::separating::SeparatingPolicy;
 use crate::trace::split::SplitPolicy;
 use crate::trace::tones::TonesPolicy;
-use crate::trace::unexplained::UnexplainedPolicy;
 use crate::trace::verdict::VerdictPolicy;
 use crate::trace::wander::WanderPolicy;
+use crate::trace::witness::WitnessPolicy;
 use crate::uncertainty::UncertaintyPolicy;
 
 mesh_damper_recording::policy! {
@@ -52,12 +52,10 @@ mesh_damper_recording::policy! {
     growth: GrowthPolicy,
     /// Held-out recordings outside the fitted conditions.
     held_range: HeldRangePolicy,
-    /// Blocks that are left out of a fit.
+    /// Conditions that are left out of a fit.
     left_out: LeftOutPolicy,
     /// What a residual table may remember.
     memory: MemoryPolicy,
-    /// When a residual table takes the place of effects.
-    unexplained: UnexplainedPolicy,
     /// When a law with more takes the place of the law alone.
     adopt: AdoptPolicy,
     /// When an effect is confirmed though something else is missing too.
@@ -96,4 +94,6 @@ mesh_damper_recording::policy! {
     uncertainty: UncertaintyPolicy,
     /// What is concluded.
     verdict: VerdictPolicy,
+    /// When a residual can be predicted.
+    witness: WitnessPolicy,
 }

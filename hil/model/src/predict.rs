@@ -16,8 +16,8 @@ pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, Model
     Ok(trajectory.shown(run(model, trajectory, |force, _| force)?))
 }
 
-/// As [`predict`], with one more step between each two samples, at the interpolated motion. The error of the steps is the
-/// difference from [`predict`] plus a third of that.
+/// As [`predict`], with twice as many steps, at the interpolated motion. The error of the steps is the difference from [`predict`]
+/// plus a third of that.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -25,8 +25,8 @@ pub fn predict_in_half_steps(
     model: &Model,
     trajectory: &Trajectory,
 ) -> Result<Vec<f64>, ModelError> {
-    let step = 0.5 * trajectory.tick;
-    Ok(trajectory.shown(run_by(step, model, trajectory, |force, _| force)?))
+    let steps = 2 * steps_for(model, trajectory)?;
+    Ok(trajectory.shown(run_by(steps, model, trajectory, |force, _| force)?))
 }
 
 /// A normal variable lies within this many deviations of its mean in 90 % of the cases: the quantile.
@@ -53,18 +53,66 @@ pub fn band(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelErr
         .collect())
 }
 
-/// The motion in the middle of a step of `tick` s, by cubics through both ends and their slopes.
-fn halfway(from: &Motion<f64>, to: &Motion<f64>, tick: f64) -> Motion<f64> {
-    let middle = |from: f64, to: f64| 0.5 * (from + to);
-    let bent = |from_slope: f64, to_slope: f64| 0.125 * tick * (from_slope - to_slope);
+/// More steps than this between two samples are not tried. Convention: a second at 20 Hz becomes one at 1280 Hz.
+const MOST_STEPS: u32 = 64;
+
+/// The number of steps from one sample to the next: one, or the fewest with which the crate runs the model. A recording may be slower
+/// than the effects of a model that was fitted to a faster one.
+///
+/// # Errors
+/// A model that the crate refuses with any number.
+fn steps_for(model: &Model, trajectory: &Trajectory) -> Result<u32, ModelError> {
+    let runs = |steps: u32| {
+        let law =
+            model.augmented::<f64>(trajectory.amplitude[0], trajectory.tick / f64::from(steps));
+        law.map(|_| steps)
+    };
+    runs(1).or_else(|refused| {
+        let mut more = (2..=MOST_STEPS).filter_map(|steps| runs(steps).ok());
+        more.next().ok_or(refused)
+    })
+}
+
+/// The motion at this `part` of the time from one sample to the next, `tick` s, by cubics through both ends and their slopes.
+fn between(from: &Motion<f64>, to: &Motion<f64>, part: f64, tick: f64) -> Motion<f64> {
+    let rest = 1.0 - part;
+    let line = |from: f64, to: f64| rest * from + part * to;
+    let cubic = |[from, from_slope]: [f64; 2], [to, to_slope]: [f64; 2]| {
+        rest * rest * ((1.0 + 2.0 * part) * from + part * tick * from_slope)
+            + part * part * ((1.0 + 2.0 * rest) * to - rest * tick * to_slope)
+    };
     Motion {
-        displacement: middle(from.displacement, to.displacement) + bent(from.velocity, to.velocity),
-        velocity: middle(from.velocity, to.velocity) + bent(from.acceleration, to.acceleration),
-        acceleration: middle(from.acceleration, to.acceleration),
-        cycles: middle(from.cycles, to.cycles),
-        temperature: middle(from.temperature, to.temperature),
+        displacement: cubic(
+            [from.displacement, from.velocity],
+            [to.displacement, to.velocity],
+        ),
+        velocity: cubic(
+            [from.velocity, from.acceleration],
+            [to.velocity, to.acceleration],
+        ),
+        acceleration: line(from.acceleration, to.acceleration),
+        cycles: line(from.cycles, to.cycles),
+        temperature: line(from.temperature, to.temperature),
         controls: to.controls,
     }
+}
+
+/// The motions of the steps that end at a sample.
+fn motions(
+    trajectory: &Trajectory,
+    index: usize,
+    steps: u32,
+) -> impl Iterator<Item = Motion<f64>> + '_ {
+    let now = motion_at(trajectory, index);
+    let before = index.checked_sub(1).filter(|_| steps > 1);
+    let before = before.map(|before| motion_at(trajectory, before));
+    let inner = before.into_iter().flat_map(move |before| {
+        (1..steps).map(move |step| {
+            let part = f64::from(step) / f64::from(steps);
+            between(&before, &now, part, trajectory.tick)
+        })
+    });
+    inner.chain([now])
 }
 
 /// Calls `observe` with the force in kN and the effects' state at every sample of `trajectory`, and collects its results.
@@ -76,18 +124,18 @@ pub fn run<T>(
     trajectory: &Trajectory,
     observe: impl Fn(f64, &AugmentedState<f64>) -> T,
 ) -> Result<Vec<T>, ModelError> {
-    run_by(trajectory.tick, model, trajectory, observe)
+    run_by(steps_for(model, trajectory)?, model, trajectory, observe)
 }
 
-/// As [`run`], in steps of `step` s: either the recording's step, or half of it with one more step between each two samples.
+/// As [`run`], in this many steps from one sample to the next.
 fn run_by<T>(
-    step: f64,
+    steps: u32,
     model: &Model,
     trajectory: &Trajectory,
     observe: impl Fn(f64, &AugmentedState<f64>) -> T,
 ) -> Result<Vec<T>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
-    let mut law = model.augmented::<f64>(amplitude, step)?;
+    let mut law = model.augmented::<f64>(amplitude, trajectory.tick / f64::from(steps))?;
     let mut state = law.at_rest();
     (0..trajectory.len())
         .map(|index| {
@@ -95,12 +143,8 @@ fn run_by<T>(
                 amplitude = trajectory.amplitude[index];
                 law.set_law(model.law_at(amplitude)?);
             }
-            let now = motion_at(trajectory, index);
-            if step < trajectory.tick && index > 0 {
-                let before = motion_at(trajectory, index - 1);
-                law.force(&mut state, &halfway(&before, &now, trajectory.tick));
-            }
-            let force = law.force(&mut state, &now);
+            let forces = motions(trajectory, index, steps).map(|now| law.force(&mut state, &now));
+            let force = forces.last().unwrap_or_default();
             Ok(observe(force, &state))
         })
         .collect()
@@ -112,7 +156,9 @@ fn run_by<T>(
 /// A model that the crate refuses.
 pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
     let mut amplitude = trajectory.amplitude[0];
-    let mut law = FastLaw::new(model.augmented(amplitude, trajectory.tick)?);
+    let steps = steps_for(model, trajectory)?;
+    let step = trajectory.tick / f64::from(steps);
+    let mut law = FastLaw::new(model.augmented(amplitude, step)?);
     let mut running = RunningLaw::new(law.clone());
     let force = (0..trajectory.len())
         .map(|index| {
@@ -122,7 +168,8 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
                 running.swap(law.clone());
                 running.boundary();
             }
-            Ok(f64::from(running.force(&motion_at(trajectory, index))))
+            let forces = motions(trajectory, index, steps).map(|now| running.force(&rounded(&now)));
+            Ok(f64::from(forces.last().unwrap_or_default()))
         })
         .collect::<Result<_, ModelError>>()?;
     Ok(trajectory.shown(force))
@@ -131,22 +178,35 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
 /// The law's inputs at one sample, with the control inputs in the order of the trajectory.
 #[inline]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
-    Motion {
-        displacement: R::from_f64(trajectory.motion.displacement[index]),
-        velocity: R::from_f64(trajectory.motion.velocity[index]),
-        acceleration: R::from_f64(trajectory.motion.acceleration[index]),
-        cycles: R::from_f64(trajectory.cycles[index]),
-        temperature: R::from_f64(trajectory.temperature_at(index)),
+    rounded(&Motion {
+        displacement: trajectory.motion.displacement[index],
+        velocity: trajectory.motion.velocity[index],
+        acceleration: trajectory.motion.acceleration[index],
+        cycles: trajectory.cycles[index],
+        temperature: trajectory.temperature_at(index),
         controls: controls_at(trajectory, index),
+    })
+}
+
+/// The same inputs in another float.
+#[inline]
+fn rounded<R: Real>(motion: &Motion<f64>) -> Motion<R> {
+    Motion {
+        displacement: R::from_f64(motion.displacement),
+        velocity: R::from_f64(motion.velocity),
+        acceleration: R::from_f64(motion.acceleration),
+        cycles: R::from_f64(motion.cycles),
+        temperature: R::from_f64(motion.temperature),
+        controls: motion.controls.map(R::from_f64),
     }
 }
 
 /// The first control inputs of the trajectory, with 0 for each one that is absent.
 #[inline]
-fn controls_at<R: Real>(trajectory: &Trajectory, index: usize) -> [R; CONTROLS] {
-    let mut controls = [R::ZERO; CONTROLS];
+fn controls_at(trajectory: &Trajectory, index: usize) -> [f64; CONTROLS] {
+    let mut controls = [0.0; CONTROLS];
     for (control, channel) in controls.iter_mut().zip(trajectory.controls.iter()) {
-        *control = R::from_f64(channel.values[index]);
+        *control = channel.values[index];
     }
     controls
 }

@@ -12,6 +12,7 @@ use std::ops::Range;
 use super::cycles::median;
 use super::noise::SIXTH_DIFFERENCE;
 use super::spectrum::powers;
+use crate::extremes::least_and_largest;
 
 crate::numbers! {
     /// How a moving average that smoothed the channels is recognized: by notches at equal distances in their spectra.
@@ -31,6 +32,10 @@ crate::numbers! {
         seen: f64 = -0.4, Tuned("the recordings of others");
         /// Distances between notches up to this many times the smallest distance found belong to the same average.
         near: f64 = 1.15, Tuned("the recordings of others");
+        /// How fast a channel changes is judged over this fraction of the average.
+        step: f64 = 0.125, Derived("short enough that a jump is whole within it, long enough that noise and counts of a converter are small");
+        /// The range that was averaged is at most this many times the range of the average.
+        wider: f64 = 2.0, Derived("an average over less than a fifth of the period takes 7 % of a sine; the rest is for peaks between samples");
         /// The distances between notches that are tried grow in steps of this fraction.
         finer: f64 = 0.002, Derived("moves the fifth notch by a twelfth of a notch width");
         /// The distances between notches that are tried grow in steps of at least this many bins of the spectrum.
@@ -52,7 +57,8 @@ pub struct MovingAverage {
 impl MovingAverage {
     /// The average that both channels went through, if they did.
     pub fn find(displacement: &[f64], force: &[f64]) -> Option<Self> {
-        let spectra = [displacement, force].map(Spectrum::of);
+        let channels = [displacement, force];
+        let spectra = channels.map(Spectrum::of);
         let [Some(displacement), Some(force)] = spectra else {
             return None;
         };
@@ -76,9 +82,21 @@ impl MovingAverage {
             .iter()
             .take_while(|(distance, _)| *distance < AveragingPolicy::in_use().near * first);
         let (distance, _) = same.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(Self {
+        let found = Self {
             window: 2.0 * bins / distance,
-        })
+        };
+        let can_be = |channel: &[f64]| found.lets_pass(channel);
+        (can_be(channels[0]) && can_be(channels[1])).then_some(found)
+    }
+
+    /// Whether a channel changes as slowly as an average does: over m samples by at most m/w of the range that was averaged. A motion
+    /// with corners may have the notches of an average, but the force that jumps there has not gone through one.
+    fn lets_pass(&self, channel: &[f64]) -> bool {
+        let steps = ((self.window * AveragingPolicy::in_use().step) as usize).max(1);
+        let (low, high) = least_and_largest(channel);
+        let most = AveragingPolicy::in_use().wider * (high - low) * steps as f64 / self.window;
+        let pairs = channel.iter().zip(channel.iter().skip(steps));
+        pairs.fold(0.0_f64, |most, (a, b)| most.max((b - a).abs())) <= most
     }
 
     /// Gain for a sine of `frequency` cycles per sample, below the first notch: sin(πfw)/(w·sin πf).
@@ -265,6 +283,29 @@ mod tests {
             }
             let constant = MovingAverage { window }.of(&[2.5; 40]);
             prop_assert!(constant.iter().all(|value| (value - 2.5).abs() < 1e-12));
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Nor was the friction of a slow triangle, which turns within a few samples.
+        #[test]
+        fn friction_that_turns_at_once_was_not_averaged(period in 400..3000_i32, limit in 0.002..0.05_f64, cycles in 2..12_i32, seed: u64) {
+            let mut random = StdRng::seed_from_u64(seed);
+            let mut stretched = 0.0;
+            let mut before = 0.0;
+            let (displacement, force): (Vec<f64>, Vec<f64>) = (0..cycles * period)
+                .map(|index| {
+                    let turn = std::f64::consts::TAU * f64::from(index) / f64::from(period);
+                    let y = turn.sin().asin();
+                    stretched = f64::clamp(stretched + y - before, -limit, limit);
+                    before = y;
+                    let noise = 0.01 * (random.random::<f64>() - 0.5);
+                    ((y * 1e4).round() * 1e-4, stretched / limit + 0.1 * y + noise)
+                })
+                .unzip();
+            prop_assert_eq!(MovingAverage::find(&displacement, &force), None);
         }
     }
 

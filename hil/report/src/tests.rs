@@ -113,6 +113,7 @@ fn data() -> ReportData {
             unconfirmed: Vec::new(),
             conditions: Vec::new(),
             remainder: None,
+            explainable: None,
             candidates: vec![
                 candidate("stick_slip", 0.00432, true),
                 candidate("relaxation", 0.0312, true),
@@ -333,6 +334,7 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
     assert!(!render(&data).contains("What each effect gains"));
     let condition = |amplitude, nrmse_with, without| HeldCondition {
         recording: "ring-3.csv".into(),
+        repeats: 0,
         span: [0.0, 4.0],
         amplitude,
         frequency: amplitude.map(|_| 5.0),

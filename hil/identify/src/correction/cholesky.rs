@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 const BLOCK: usize = 32;
 
 /// L of A = L·Lᵀ, below the diagonal and on it.
-pub(super) struct Cholesky(DMatrix<f64>);
+pub(crate) struct Cholesky(DMatrix<f64>);
 
 impl Cholesky {
     /// Factors a symmetric matrix, reading its lower triangle; `None` if it is not positive definite.

@@ -4,7 +4,7 @@
 //! coefficients of eq 13. It follows a few trends, and is as smooth around them as the error in left-out data permits. The first
 //! table is over speed; a table over a memory replaces it only if that clearly reduces the error.
 
-mod cholesky;
+pub(crate) mod cholesky;
 pub(crate) mod design;
 pub(crate) mod edges;
 pub(crate) mod gram;
@@ -53,6 +53,8 @@ pub struct Choice {
     /// The smoothness of the table around the trends, if there is a table.
     table: Option<f64>,
     memory: Option<MemoryAxis>,
+    /// Whether the table is changed where it would drive a motion.
+    is_passive: bool,
 }
 
 impl Choice {
@@ -83,13 +85,15 @@ struct Fitted {
     solved: Solved,
 }
 
-/// `model` with a correction and with eq 13 fitted again, if that predicts clearly better than `model` with eq 13 fitted again
-/// alone; otherwise `None`.
+/// `model` with a correction and with eq 13 fitted again, as far as that predicts clearly better than `model` with eq 13 fitted again
+/// alone: the best correction without a memory, and the best with one. Each is given as far as it is passive and, if that is not all of it,
+/// as it was fitted: a table over displacement and velocity that stands for a memory predicts a motion like those it was fitted to, but
+/// would drive others, so that firmware takes it only from who insists.
 ///
 /// The fit uses the samples that `included(trajectory, sample)` picks. The trends, the smoothness around them and the memory are
 /// chosen by the error in the fit and by the error in blocks left out of the fit one at a time, each with an amplitude that another
 /// block has too. A memory of how long a test has run is accepted only if `is_seen(with, without)` holds for the model with it and
-/// the best model without it. The choice is returned too.
+/// the best model without it. The choices are returned too.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -98,48 +102,59 @@ pub fn fit(
     model: &Model,
     included: impl Fn(usize, usize) -> bool,
     is_seen: impl Fn(&Model, &Model) -> Result<bool, ModelError>,
-) -> Result<Option<(Model, Choice)>, ModelError> {
+) -> Result<Vec<(Model, Choice)>, ModelError> {
     let Some(design) = Design::new(trajectories, model, None, included)? else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
     let start = Coefficients::of(model);
     let Some(alone) = settle(&design, &start, TableForm::NONE, None) else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
     let Some(plain) = momentary(&design, &alone) else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
+    let tick = tick_of(trajectories);
+    let completed = |Fitted { choice, solved }: Fitted| -> Result<Vec<_>, ModelError> {
+        if solved.error > CorrectionPolicy::in_use().worthwhile * alone.error {
+            return Ok(Vec::new());
+        }
+        let free = (corrected(model, &solved, &choice, tick)?, choice);
+        if free.1.memory.is_some_and(stays) {
+            return Ok(vec![free]);
+        }
+        let choice = Choice {
+            is_passive: true,
+            ..free.1.clone()
+        };
+        let passive = (corrected(model, &solved, &choice, tick)?, choice);
+        Ok(match passive.0 == free.0 {
+            true => vec![passive],
+            false => vec![passive, free],
+        })
+    };
+    let mut found = completed(plain.clone())?;
     // If the error is near the noise without a memory, a memory cannot reduce it much.
     let may_remember = CorrectionPolicy::in_use().remembered * plain.solved.error
         > beyond_noise(0.0, design.noise());
-    let mut kinds = if may_remember {
-        promising(&design, &plain)
-    } else {
-        Vec::new()
-    };
-    let tick = tick_of(trajectories);
-    let best_of = |kinds: &[Memorable]| {
-        let remembered = remembering(&design, &plain, kinds);
-        let Fitted { choice, solved } = remembered.unwrap_or_else(|| plain.clone());
-        let is_worthwhile = solved.error <= CorrectionPolicy::in_use().worthwhile * alone.error;
-        let corrected = is_worthwhile.then(|| corrected(model, &solved, &choice, tick));
-        corrected.map(|model| Ok((model?, choice))).transpose()
-    };
-    let found = best_of(&kinds)?;
-    let Some((with, choice)) = &found else {
-        return Ok(None);
-    };
-    if !choice.goes_on_with_time() {
+    if !may_remember {
         return Ok(found);
     }
+    let mut kinds = promising(&design, &plain);
+    let best_of = |kinds: &[Memorable]| {
+        let remembered = remembering(&design, &plain, kinds).map(completed);
+        Ok(remembered.transpose()?.unwrap_or_default())
+    };
+    let best: Vec<(Model, Choice)> = best_of(&kinds)?;
+    let Some(over_time) = best.last().filter(|(_, choice)| choice.goes_on_with_time()) else {
+        found.extend(best);
+        return Ok(found);
+    };
     kinds.retain(|kind| !memory::goes_on_with_time(kind.recalled.of));
     let of_motion = best_of(&kinds)?;
-    let without = of_motion.as_ref().map_or(model, |(without, _)| without);
-    Ok(if is_seen(with, without)? {
-        found
-    } else {
-        of_motion
-    })
+    let without = of_motion.last().or(found.last());
+    let is_over_time = is_seen(&over_time.0, without.map_or(model, |(without, _)| without))?;
+    found.extend(if is_over_time { best } else { of_motion });
+    Ok(found)
 }
 
 /// `model` with the correction of an earlier choice, fitted to other samples; without a correction if the samples do not determine
@@ -214,14 +229,21 @@ pub fn depends_on(
     Ok(names)
 }
 
+/// Whether a table over this memory cannot be made passive: without the friction that it shares with the law it predicts far worse.
+fn stays(axis: MemoryAxis) -> bool {
+    matches!(
+        axis.of,
+        Remembered::Lag { .. } | Remembered::Travel { .. } | Remembered::Largest
+    )
+}
+
 /// A tick at which the model's effects were fitted, s.
 fn tick_of(trajectories: &[Trajectory]) -> f64 {
     trajectories.first().map_or(1e-3, |first| first.tick)
 }
 
-/// The model with the table rounded to what the crate stores, and changed where it would drive a motion at any amplitude of the law:
-/// the crate refuses a law that does. A table over a lag, the mean speed or the largest displacement stays as it was fitted: without the friction
-/// that it shares with the law it predicts far worse.
+/// The model with the table rounded to what the crate stores and, for a passive choice, changed where it would drive a motion at any
+/// amplitude of the law.
 fn corrected(
     model: &Model,
     solved: &Solved,
@@ -263,13 +285,7 @@ fn corrected(
         let each = laws.iter().map(|law| damping_beside_table(law, speed));
         each.fold(f64::INFINITY, f64::min)
     };
-    let stays = |axis: MemoryAxis| {
-        matches!(
-            axis.of,
-            Remembered::Lag { .. } | Remembered::Travel { .. } | Remembered::Largest
-        )
-    };
-    if !table.memory.is_some_and(stays) {
+    if choice.is_passive {
         table.cells = built.passive(damping).cells().to_vec();
     }
     model.correction = Some(table);

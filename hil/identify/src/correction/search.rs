@@ -85,6 +85,7 @@ fn around(
             range: recalled.range,
         }),
         trends,
+        is_passive: false,
     };
     Some(Fitted { choice, solved })
 }

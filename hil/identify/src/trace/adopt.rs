@@ -1,7 +1,6 @@
-//! Whether an extended law is better than the law alone on conditions that it was not fitted to.
+//! Which of several laws is written: by their errors on conditions that they were not fitted to.
 
 use super::relative_error::RelativeError;
-use crate::trace::unexplained::UnexplainedPolicy;
 
 mesh_damper_recording::numbers! {
     /// When a law with effects or a table is adopted in place of the law alone.
@@ -9,6 +8,8 @@ mesh_damper_recording::numbers! {
         /// Effects or a table are adopted only if they leave less than this fraction of the law's error beyond the noise, on conditions
         /// held out in turn: both as an RMS and as a geometric mean.
         gain: f64 = 0.98, Convention("two per cent is no gain");
+        /// A law is clearly better than another if its error beyond the noise is below this fraction of the other's.
+        better: f64 = 0.95, Tuned("the blind trial");
     }
 }
 
@@ -19,9 +20,57 @@ pub(super) fn gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
     gains_by(AdoptPolicy::in_use().gain, alone, with)
 }
 
-/// The same, with the threshold by which one law is [clearly better](super::unexplained::UnexplainedPolicy::better) than another.
+/// The same, with the threshold by which one law is [clearly better](AdoptPolicy::better) than another.
 pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    gains_by(UnexplainedPolicy::in_use().better, alone, with)
+    gains_by(AdoptPolicy::in_use().better, alone, with)
+}
+
+/// Index of the smallest of these errors, starting with the preferred law: a later one has to be clearly smaller.
+pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
+    let mut best = (0, f64::INFINITY);
+    for (number, error) in errors.enumerate() {
+        if error < AdoptPolicy::in_use().better * best.1 {
+            best = (number, error);
+        }
+    }
+    best.0
+}
+
+/// From the errors of laws on the same conditions, the simplest law first: index of the simplest that is within one standard error of
+/// the best, and of the best. The first is the law alone; another takes its place only if it [`gains`].
+///
+/// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
+/// over the conditions.
+pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
+    let logs = |a: &[RelativeError], b: &[RelativeError]| -> Vec<f64> {
+        let pairs = a.iter().zip(b);
+        pairs
+            .map(|(a, b)| (a.beyond_noise() / b.beyond_noise()).ln())
+            .collect()
+    };
+    let mean = |logs: &[f64]| logs.iter().sum::<f64>() / logs.len() as f64;
+    let by_mean = |a: &usize, b: &usize| {
+        let of = |law: &usize| mean(&logs(laws[*law], laws[0]));
+        of(a).total_cmp(&of(b))
+    };
+    let finite = |law: &usize| laws[*law].iter().all(|one| one.error.is_finite());
+    let Some(best) = (1..laws.len()).filter(finite).min_by(by_mean) else {
+        return (0, 0);
+    };
+    let within = |law: &usize| {
+        let logs = logs(laws[*law], laws[best]);
+        let (mean, count) = (mean(&logs), logs.len() as f64);
+        let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        mean * mean * count <= variance
+    };
+    let simplest = (1..=best)
+        .filter(finite)
+        .find(|law| *law == best || within(law) && gains(laws[0], laws[*law]));
+    let simplest = simplest.unwrap_or(best);
+    match gains(laws[0], laws[simplest]) {
+        true => (simplest, best),
+        false => (0, best),
+    }
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
@@ -77,5 +126,27 @@ mod tests {
         assert!(!gains(&errors(&far_off), &errors(&[0.05, 0.1, 0.15, 9.5])));
         assert!(!gains(&alone, &alone));
         assert!(!gains(&alone, &errors(&[f64::NAN; 4])));
+    }
+
+    #[test]
+    fn the_simplest_law_within_a_standard_error_of_the_best_is_written() {
+        let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
+        let simple = errors(&[0.05, 0.11, 0.14, 0.052]);
+        let as_good = errors(&[0.052, 0.1, 0.15, 0.048]);
+        let better = errors(&[0.03, 0.06, 0.08, 0.029]);
+        let chosen = |laws: &[&[RelativeError]]| simplest_of_best(laws);
+        assert_eq!(chosen(&[&alone, &simple, &as_good]).0, 1);
+        assert_eq!(chosen(&[&alone, &simple, &better]), (2, 2));
+        assert_eq!(chosen(&[&alone, &better, &simple]), (1, 1));
+        assert_eq!(chosen(&[&alone]), (0, 0));
+        let no_use = errors(&[0.101, 0.199, 0.3, 0.1]);
+        assert_eq!(chosen(&[&alone, &no_use]), (0, 1));
+        let of_one_condition = errors(&[0.001, 0.21, 0.33, 0.11]);
+        assert_eq!(
+            chosen(&[&alone, &of_one_condition]),
+            (0, 1),
+            "it loses elsewhere"
+        );
+        assert_eq!(chosen(&[&alone, &errors(&[f64::NAN; 4])]), (0, 0));
     }
 }

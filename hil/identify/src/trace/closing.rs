@@ -5,19 +5,22 @@ use mesh_damper_model::{Family, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
+use super::adopt::clearly_best;
 use super::confirm::Confirmed;
 use super::estimates::law_estimates;
-use super::left_out::{LeftOut, Picked};
+use super::left_out::{LeftOut, Picked, Samples};
 use super::operating;
+use super::relative_error::RelativeError;
 use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
+use super::score::ValidationSamples;
 use super::select::{self, Selection};
 use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
-use super::unexplained::clearly_best;
 use super::unlisted::Laws;
 use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use super::witness::{Explainable, explainable};
 use crate::base_law::BaseLaw;
 use crate::basis::Basis;
 use crate::problem::Problem;
@@ -26,7 +29,7 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
 use crate::term::TermValue;
-use crate::tolerance::noise_floor;
+use crate::tolerance::{goal, noise_floor};
 use crate::trace::TracePolicy;
 use crate::trace::verdict::VerdictPolicy;
 use crate::uncertainty::Uncertainty;
@@ -121,7 +124,7 @@ impl<'a> Closing<'a> {
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
         let solution = self.fit_there(rows, &selection.found.solution);
-        let left_out = LeftOut::of(self.trajectories, [self.validation, self.roles]);
+        let left_out = LeftOut::of(self.trajectories, self.roles);
         let found = solution.clone();
         let Concluded {
             mut verdict,
@@ -246,6 +249,28 @@ impl<'a> Closing<'a> {
             }
             _ => (None, Vec::new()),
         };
+        let mut warnings = warnings(
+            self.recordings.iter().map(|(trajectory, _)| *trajectory),
+            &model,
+            left,
+            (&without, &with),
+            &on_target,
+            &over_noise,
+            noise_floor,
+        );
+        if !left_out.differ() {
+            warnings.push(
+                "only one amplitude and one frequency were fitted: what the model does at others is unknown; record more of them".to_owned(),
+            );
+        }
+        let explainable = self.witness(&left_out, &model)?;
+        if let Some(witness) = explainable.filter(|one| one.counts()) {
+            warnings.push(format!(
+                "a general regressor predicts {:.0} % of the residual's variance from the motion, on conditions that it was not fitted to: \
+                 the law lacks something that has no name here",
+                100.0 * witness.share
+            ));
+        }
         let names = |held: bool| {
             let recordings = self.recordings.iter().enumerate();
             let some = recordings.filter(move |(index, _)| (*index >= self.fitted) == held);
@@ -273,6 +298,7 @@ impl<'a> Closing<'a> {
                 .flat_map(|graded| graded.conditions(&left_out))
                 .collect(),
             remainder,
+            explainable,
             candidates: self.candidates(selection, &found)?,
             effects_rejected_by: effects_rejected_by
                 .or((fails_on_held_out && verdict == Verdict::Unlisted).then_some(Rule::SaysLess)),
@@ -282,15 +308,7 @@ impl<'a> Closing<'a> {
             held_out_differs: over_noise.differs_from_explained(&model, left).is_some(),
             depends_on: depends_on(&model, &residual_depends_on),
             correction: model.correction.as_ref().map(CorrectionSummary::of),
-            warnings: warnings(
-                self.recordings.iter().map(|(trajectory, _)| *trajectory),
-                &model,
-                left,
-                (&without, &with),
-                &on_target,
-                &over_noise,
-                noise_floor,
-            ),
+            warnings,
             guesses: Vec::new(),
             augmented: with,
             on_target: OnTarget {
@@ -334,7 +352,19 @@ impl<'a> Closing<'a> {
             left,
             effects_rejected_by,
         };
-        if solution.is_alone() || verdict == Verdict::Unlisted {
+        if verdict == Verdict::Unlisted {
+            return Ok(concluded);
+        }
+        let unlisted = |rule| Concluded {
+            verdict: Verdict::Unlisted,
+            effects_rejected_by: (!solution.is_alone()).then_some(rule),
+            ..concluded
+        };
+        let witness = self.witness(left_out, &solution.model())?;
+        if witness.is_some_and(|one| one.counts()) {
+            return Ok(unlisted(Rule::Predictable));
+        }
+        if solution.is_alone() {
             return Ok(concluded);
         }
         let left_by_alone = left_out.left_by(&alone.model())?;
@@ -345,20 +375,53 @@ impl<'a> Closing<'a> {
             (Some(alone), Some(left)) => accounts_for(alone, left),
             _ => true,
         };
-        let error =
-            |law| left_out.error(&|picked| Ok(self.refit_model(&self.rows[0], law, picked)));
-        let rule = if !accounts {
-            Rule::AccountsForTooLittle
-        } else if !generalises(error(alone)?, error(solution)?) {
-            Rule::UnknownElsewhere
-        } else {
-            return Ok(concluded);
+        let in_turn = |law| match left_out.are_motions() {
+            true => left_out.in_turn(Samples::Telling, &|picked| {
+                Ok(self.refit_model(&self.rows[0], law, picked))
+            }),
+            false => self.on_validation(law),
         };
-        Ok(Concluded {
-            verdict: Verdict::Unlisted,
-            effects_rejected_by: Some(rule),
-            ..concluded
+        Ok(if !accounts {
+            unlisted(Rule::AccountsForTooLittle)
+        } else if !generalises(&in_turn(alone)?, &in_turn(solution)?) {
+            unlisted(Rule::UnknownElsewhere)
+        } else {
+            concluded
         })
+    }
+
+    /// The error of a law on the validation cycles when it is fitted to the others: with too few motions, leaving one out would ask for
+    /// what the recordings do not show.
+    fn on_validation(&self, law: &Solution) -> Result<Vec<RelativeError>, ModelError> {
+        let model = self.refit_model(&self.rows[0], law, &|which, sample| {
+            self.validation.of(which, sample) == Role::Fit
+        });
+        let samples = ValidationSamples::of(self.trajectories, self.validation, Role::Validation);
+        let score = samples.score(|trajectory| predict(&model, trajectory))?;
+        Ok(vec![RelativeError {
+            error: score.nrmse().powi(2),
+            noise: goal(samples.noise()).powi(2),
+        }])
+    }
+
+    /// How much of the residual of `model` can be predicted; `None` if all conditions are one motion, whose residual repeats by itself.
+    fn witness(
+        &self,
+        left_out: &LeftOut,
+        model: &Model,
+    ) -> Result<Option<Explainable>, ModelError> {
+        if !left_out.differ() {
+            return Ok(None);
+        }
+        let residual = self.trajectories.iter().map(|trajectory| {
+            let predicted = predict(model, trajectory)?.into_iter();
+            let residual = predicted.zip(&trajectory.force);
+            Ok(residual
+                .map(|(predicted, force)| force - predicted)
+                .collect())
+        });
+        let residual = residual.collect::<Result<Vec<_>, ModelError>>()?;
+        Ok(explainable(self.trajectories, left_out, &residual))
     }
 
     /// The search's result, or another law that the validation cycles do not distinguish from it and that has clearly smaller errors

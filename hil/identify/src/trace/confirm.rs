@@ -98,13 +98,15 @@ impl Confirmed {
                 .filter_map(|one| Some((one.family.name().to_owned(), left(one)?[0])))
                 .collect();
             let [_, nrmse_with] = self.families.first().and_then(left)?;
-            let trajectory = left_out.trajectory(condition);
+            let (part, repeats) = condition.parts.split_first()?;
+            let trajectory = left_out.trajectory(part);
             let seconds = |sample: usize| sample as f64 * trajectory.tick;
             let mut blocks = trajectory.blocks.iter();
-            let block = blocks.find(|block| block.samples == condition.samples);
+            let block = blocks.find(|block| block.samples == part.samples);
             Some(HeldCondition {
                 recording: trajectory.name.clone(),
-                span: [condition.samples.start, condition.samples.end].map(seconds),
+                span: [part.samples.start, part.samples.end].map(seconds),
+                repeats: repeats.len(),
                 amplitude: block.map(|block| block.amplitude),
                 frequency: block.map(|block| block.frequency),
                 nrmse_with,

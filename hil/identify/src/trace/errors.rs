@@ -13,6 +13,7 @@ use super::split::Role;
 use super::verdict::OverNoise;
 use crate::rows::Rows;
 use crate::solution::Solution;
+use crate::tolerance::certainty;
 
 impl Closing<'_> {
     /// The errors of a law with these forces for each recording, kN, on the held-out samples and on the rest.
@@ -42,7 +43,10 @@ impl Closing<'_> {
             }
             let predicted = predict(model, trajectory)?;
             let all = 0..trajectory.len();
-            errors.extend(RelativeError::of(trajectory, &predicted, &all, is_fair));
+            let weight = |i: usize| certainty(trajectory, i);
+            errors.extend(RelativeError::of(
+                trajectory, &predicted, &all, is_fair, weight,
+            ));
         }
         Ok(errors)
     }

@@ -4,7 +4,7 @@ use mesh_damper_model::Family;
 
 use super::score::Score;
 use super::tones::OfMotion;
-use crate::families::{drift, periodic};
+use crate::families::{Form, drift, inertia, periodic};
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::TermValue;
@@ -50,6 +50,19 @@ impl Fitted {
     pub(super) fn has_tone(&self, of_motion: &OfMotion) -> bool {
         let mut terms = self.solution.found();
         terms.any(|value| value.term.form == periodic::FORMS[0] && of_motion.holds(value.shape(0)))
+    }
+
+    /// Whether it is `other` with a mass in addition.
+    pub(super) fn is_with_mass(&self, other: &Self) -> bool {
+        let forms = |law: &Self| -> Vec<Form> {
+            law.solution
+                .terms
+                .iter()
+                .map(|value| value.term.form)
+                .collect()
+        };
+        let (own, others) = (forms(self), forms(other));
+        own.split_last() == Some((&inertia::FORMS[0], &others[..]))
     }
 
     pub(super) fn is_degenerate(&self, extent: &Extent) -> bool {

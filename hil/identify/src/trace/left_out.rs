@@ -1,7 +1,5 @@
-//! Tests how well a law predicts blocks that are left out of its fit, one after the other. A term may describe only the conditions
+//! Tests how well a law predicts conditions that are left out of its fit, one after the other. A term may describe only the conditions
 //! that it was fitted to.
-
-use std::ops::Range;
 
 use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
@@ -9,21 +7,16 @@ use mesh_damper_recording::cycles::{FoundBlock, alike, same_amplitude};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
 
-use super::conditions::{Condition, blocks, conditions};
+use super::conditions::{Condition, Part, conditions};
 use super::left_in_cycles::LeftInCycles;
-use super::relative_error::{BlockErrors, RelativeError};
-use super::score::ValidationSamples;
-use super::split::{Role, Roles};
+use super::relative_error::RelativeError;
+use super::split::Roles;
 use super::within_blocks::is_seen_within_blocks;
-use crate::tolerance::goal;
+use crate::tolerance::certainty;
 
 mesh_damper_recording::numbers! {
-    /// Blocks and conditions that are left out of a fit.
+    /// Conditions that are left out of a fit.
     LeftOutPolicy {
-        /// Blocks are left out of a fit only if there are at least this many blocks.
-        fewest_blocks: usize = 4, Derived("two amplitudes with two blocks each");
-        /// The first and the last block of a recording are left out of a fit only if fewer than this many others can be.
-        fewest_inner: usize = 2, Convention("one alone decides nothing");
         /// If there are fewer blocks than this to be conditions, the recordings or stretches of them are the conditions.
         fewest_conditions: usize = 3, Convention("with two, each would be judged by the other alone");
         /// At most this many conditions are held out in turn.
@@ -45,24 +38,44 @@ pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Syn
 /// A law with further results of its fit.
 pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync);
 
-/// Recordings and their blocks that are left out.
+/// The samples of a condition that its error is taken over.
+#[derive(Clone, Copy)]
+pub(super) enum Samples {
+    /// Those that tell laws apart, each weighted by the certainty of its motion: for questions about effects.
+    Telling,
+    /// All that were measured, as in a reported error: for the choice of the law that is written.
+    All,
+}
+
+impl Samples {
+    fn include(self, trajectory: &Trajectory, sample: usize) -> bool {
+        match self {
+            Self::Telling => trajectory.is_telling(sample),
+            Self::All => trajectory.measured[sample],
+        }
+    }
+
+    fn weight(self, trajectory: &Trajectory, sample: usize) -> f64 {
+        match self {
+            Self::Telling => certainty(trajectory, sample),
+            Self::All => 1.0,
+        }
+    }
+}
+
+/// Recordings and their conditions that are left out.
 pub(super) struct LeftOut<'a> {
     trajectories: &'a [Trajectory],
-    validation: &'a Roles,
     roles: &'a Roles,
-    blocks: Vec<(usize, &'a FoundBlock)>,
     conditions: Vec<Condition>,
 }
 
 impl<'a> LeftOut<'a> {
-    /// No fit uses the samples that `roles` hold out. If there are too few blocks, the cycles kept apart by `validation` take their
-    /// place.
-    pub fn of(trajectories: &'a [Trajectory], [validation, roles]: [&'a Roles; 2]) -> Self {
+    /// No fit uses the samples that `roles` hold out.
+    pub fn of(trajectories: &'a [Trajectory], roles: &'a Roles) -> Self {
         Self {
             trajectories,
-            validation,
             roles,
-            blocks: blocks(trajectories, roles),
             conditions: conditions(trajectories, roles),
         }
     }
@@ -72,9 +85,22 @@ impl<'a> LeftOut<'a> {
         &self.conditions
     }
 
-    /// The trajectory of a condition.
-    pub fn trajectory(&self, condition: &Condition) -> &Trajectory {
-        &self.trajectories[condition.which]
+    /// The conditions that count: if enough others remain, the ends do not. Coefficients over the amplitude have unlimited errors beyond
+    /// the fitted amplitudes, and these would outweigh everything else.
+    pub fn inner_conditions(&self) -> Vec<&Condition> {
+        self.enough(|one| !one.is_end)
+            .unwrap_or_else(|| self.conditions.iter().collect())
+    }
+
+    /// The conditions that satisfy `counts`, if they are enough.
+    fn enough(&self, counts: impl Fn(&Condition) -> bool) -> Option<Vec<&Condition>> {
+        let some: Vec<&Condition> = self.conditions.iter().filter(|one| counts(one)).collect();
+        (some.len() >= LeftOutPolicy::in_use().fewest_conditions).then_some(some)
+    }
+
+    /// The trajectory of a part.
+    pub fn trajectory(&self, part: &Part) -> &Trajectory {
+        &self.trajectories[part.which]
     }
 
     /// Whether the conditions held out in turn differ: parts of one steady motion say nothing about another motion.
@@ -88,6 +114,11 @@ impl<'a> LeftOut<'a> {
             !same_amplitude(block.amplitude, first.amplitude)
                 || !alike(block.frequency, first.frequency)
         })
+    }
+
+    /// Whether the conditions held out in turn are different motions.
+    pub fn are_motions(&self) -> bool {
+        self.conditions.iter().all(|one| one.is_motion)
     }
 
     /// Whether a sample may be fitted.
@@ -123,14 +154,6 @@ impl<'a> LeftOut<'a> {
         Ok(is_seen_within_blocks(all, counts, &changing, &still))
     }
 
-    /// The error there, and the error of `model`, the law as fitted to all open samples.
-    pub fn block_errors(&self, fit: Fit, model: &Model) -> Result<BlockErrors, ModelError> {
-        Ok(BlockErrors {
-            outside: self.error(fit)?.beyond_noise(),
-            inside: self.inside(model)?,
-        })
-    }
-
     /// The error of `model` beyond the noise over the open samples of all blocks, each with equal weight.
     pub fn inside(&self, model: &Model) -> Result<f64, ModelError> {
         let mut errors = Vec::new();
@@ -138,29 +161,41 @@ impl<'a> LeftOut<'a> {
             let predicted = predict(model, trajectory)?;
             let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
             let of_block = |block: &FoundBlock| {
-                RelativeError::of(trajectory, &predicted, &block.samples, is_fair)
+                let weight = |i: usize| certainty(trajectory, i);
+                RelativeError::of(trajectory, &predicted, &block.samples, is_fair, weight)
             };
             errors.extend(trajectory.blocks.iter().filter_map(of_block));
         }
         Ok(RelativeError::mean(&errors).beyond_noise())
     }
 
-    /// The error of a law at samples of one trajectory when it is fitted to all other open samples, with the further results of the
-    /// fit.
+    /// The error of a law on a condition when it is fitted to all other open samples, with the further results of the fit. Each part
+    /// counts equally.
     fn held_out<T>(
         &self,
+        condition: &Condition,
+        samples: Samples,
         fit: FitWith<T>,
-        which: usize,
-        samples: &Range<usize>,
     ) -> Result<Option<(RelativeError, T)>, ModelError> {
-        let (model, more) = fit(&|other, sample| {
-            self.is_open(other, sample) && !(other == which && samples.contains(&sample))
+        let (model, more) = fit(&|which, sample| {
+            self.is_open(which, sample) && !condition.contains(which, sample)
         })?;
-        let trajectory = &self.trajectories[which];
-        let is_fair = |i: usize| self.is_open(which, i) && trajectory.is_telling(i);
-        let predicted = predict(&model, trajectory)?;
-        let error = RelativeError::of(trajectory, &predicted, samples, is_fair);
-        Ok(error.map(|error| (error, more)))
+        let mut errors = Vec::with_capacity(condition.parts.len());
+        let mut parts: Vec<&Part> = condition.parts.iter().collect();
+        parts.sort_by_key(|part| part.which);
+        for of_one in parts.chunk_by(|a, b| a.which == b.which) {
+            let which = of_one[0].which;
+            let trajectory = &self.trajectories[which];
+            let is_fair = |i: usize| self.is_open(which, i) && samples.include(trajectory, i);
+            let weight = |i: usize| samples.weight(trajectory, i);
+            let predicted = predict(&model, trajectory)?;
+            errors.extend(of_one.iter().filter_map(|part| {
+                let error =
+                    RelativeError::of(trajectory, &predicted, &part.samples, is_fair, weight)?;
+                Some(error.times(part.loud))
+            }));
+        }
+        Ok((!errors.is_empty()).then(|| (RelativeError::mean(&errors), more)))
     }
 
     /// The error of a law on each open condition when that condition is held out, with the further results of its fit, in the order
@@ -170,19 +205,19 @@ impl<'a> LeftOut<'a> {
         fit: FitWith<T>,
     ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
         let all: Vec<&Condition> = self.conditions.iter().collect();
-        self.held_out_each(&all, fit)
+        self.held_out_each(&all, Samples::Telling, fit)
     }
 
-    /// The error of the law on each open condition when that condition is held out. If enough others remain, the ends do not count:
-    /// coefficients over the amplitude have unlimited errors beyond the fitted amplitudes, and these would outweigh everything
-    /// else.
-    pub fn in_turn(&self, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
-        let inner: Vec<&Condition> = self.conditions.iter().filter(|one| !one.is_end).collect();
-        let counted = match inner.len() < LeftOutPolicy::in_use().fewest_conditions {
-            true => self.conditions.iter().collect(),
-            false => inner,
+    /// The error of the law on each [condition that counts](Self::inner_conditions) when that condition is held out. For a question about
+    /// effects, an amplitude of its own does not count either, if enough others remain: the law errs there with any effect.
+    pub fn in_turn(&self, samples: Samples, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
+        let shared = match samples {
+            Samples::Telling => self.enough(|one| !one.is_alone),
+            Samples::All => None,
         };
-        let errors = self.held_out_each(&counted, &|picked| Ok((fit(picked)?, ())))?;
+        let counted = shared.unwrap_or_else(|| self.inner_conditions());
+        let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
+        let errors = self.held_out_each(&counted, samples, fit)?;
         Ok(errors
             .into_iter()
             .flatten()
@@ -193,34 +228,12 @@ impl<'a> LeftOut<'a> {
     fn held_out_each<T: Send>(
         &self,
         conditions: &[&Condition],
+        samples: Samples,
         fit: FitWith<T>,
     ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
-        let errors = conditions.par_iter().map(|condition| {
-            let error = self.held_out(fit, condition.which, &condition.samples)?;
-            Ok(error.map(|(error, more)| (error.times(condition.loud), more)))
-        });
+        let errors = conditions
+            .par_iter()
+            .map(|one| self.held_out(one, samples, fit));
         errors.collect()
-    }
-
-    /// The error relative to the force, each block with equal weight.
-    pub fn error(&self, fit: Fit) -> Result<RelativeError, ModelError> {
-        if self.blocks.is_empty() {
-            let model = fit(&|which, sample| self.validation.of(which, sample) == Role::Fit)?;
-            let samples =
-                ValidationSamples::of(self.trajectories, self.validation, Role::Validation);
-            let score = samples.score(|trajectory| predict(&model, trajectory))?;
-            return Ok(RelativeError {
-                error: score.nrmse().powi(2),
-                noise: goal(samples.noise()).powi(2),
-            });
-        }
-        let errors = self.blocks.par_iter();
-        let errors = errors.map(|(which, block)| {
-            let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
-            self.held_out(fit, *which, &block.samples)
-        });
-        let errors: Vec<_> = errors.collect::<Result<_, ModelError>>()?;
-        let errors: Vec<RelativeError> = errors.into_iter().flatten().map(|(e, ())| e).collect();
-        Ok(RelativeError::mean(&errors))
     }
 }

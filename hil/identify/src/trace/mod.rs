@@ -29,11 +29,11 @@ pub(crate) mod separating;
 mod sought;
 pub(crate) mod split;
 pub(crate) mod tones;
-pub(crate) mod unexplained;
 mod unlisted;
 pub(crate) mod verdict;
 pub(crate) mod wander;
 mod within_blocks;
+pub(crate) mod witness;
 
 pub use sought::Sought;
 pub use split::{Role, Roles};
@@ -216,7 +216,9 @@ pub fn trace_for(
         progress("correcting zero offsets between recordings");
         closed = conclude(&mut aligned, sought, progress)?;
     }
-    if is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
+    // What the motion predicts is no noise.
+    let is_noise = !closed.result.explainable.is_some_and(|one| one.counts());
+    if is_noise && is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("estimating noise that grows towards low frequencies");
         closed = conclude(&mut aligned, sought, progress)?;
     }

@@ -5,23 +5,7 @@ use std::ops::Range;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::beyond_noise::beyond_noise;
-use crate::tolerance::{certainty, least};
-
-/// Errors [beyond the noise](RelativeError::beyond_noise).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BlockErrors {
-    /// In blocks left out of the fit,
-    pub outside: f64,
-    /// and in the fit.
-    pub inside: f64,
-}
-
-impl BlockErrors {
-    /// The geometric mean of both: only a few blocks are left out, and the error in the fit covers the rest.
-    pub fn both(&self) -> f64 {
-        (self.outside * self.inside).sqrt()
-    }
-}
+use crate::tolerance::least;
 
 /// Squared errors over the squared force.
 #[derive(Clone, Copy, Debug)]
@@ -33,16 +17,17 @@ pub(super) struct RelativeError {
 }
 
 impl RelativeError {
-    /// Over the samples that are `is_fair`; `None` if there are none.
+    /// Over the samples that are `is_fair`, each with its `weight`; `None` if there are none.
     pub fn of(
         trajectory: &Trajectory,
         predicted: &[f64],
         samples: &Range<usize>,
         is_fair: impl Fn(usize) -> bool,
+        weight: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
         for i in samples.clone().filter(|&i| is_fair(i)) {
-            error += certainty(trajectory, i) * (predicted[i] - trajectory.force[i]).powi(2);
+            error += weight(i) * (predicted[i] - trajectory.force[i]).powi(2);
             noise += least(trajectory);
             force += trajectory.force[i].powi(2);
         }

@@ -10,6 +10,7 @@ use mesh_damper_reference::protocol::TestBlock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::rule::Rule;
+pub use super::witness::Explainable;
 
 /// The result of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +40,10 @@ pub struct TraceResult {
     /// The remainder beyond the noise of the law with all effects; null if there is none.
     #[serde(default)]
     pub remainder: Option<Remainder>,
+    /// How much of the residual of the law of `model.json` a general regressor predicts from the motion's history; null if there are too few
+    /// conditions to leave out.
+    #[serde(default)]
+    pub explainable: Option<Explainable>,
     /// All families that were tried, the best first.
     pub candidates: Vec<Candidate>,
     /// The rule by which the effects found are not the complete explanation; null if they are, or if nothing was found.
@@ -197,6 +202,9 @@ pub struct HeldCondition {
     pub recording: String,
     /// Times of the condition's first sample and of the first sample after it, s.
     pub span: [f64; 2],
+    /// Further blocks or recordings of the same motion, which were held out with it.
+    #[serde(default)]
+    pub repeats: usize,
     /// Amplitude of the condition, mm; null for a motion without blocks.
     pub amplitude: Option<f64>,
     /// Frequency of the condition, Hz; null for a motion without blocks.
@@ -359,9 +367,10 @@ mod tests {
                 "nrmse_without": 0.2, "nrmse_with": 0.005, "unconfirmed_by": null, "rivals": []}],
             "unconfirmed": [{"family": "viscous", "parameters": {}, "nrmse_without": 0.2, "nrmse_with": 0.005,
                 "unconfirmed_by": "rivalled", "rivals": ["delay"]}],
-            "conditions": [{"recording": "a.csv", "span": [0.0, 2.0], "amplitude": 0.1, "frequency": 2.0, "nrmse_with": 0.005,
-                "nrmse_without": {"stick_slip": 0.1}}],
+            "conditions": [{"recording": "a.csv", "span": [0.0, 2.0], "repeats": 1, "amplitude": 0.1, "frequency": 2.0,
+                "nrmse_with": 0.005, "nrmse_without": {"stick_slip": 0.1}}],
             "remainder": {"nrmse": 0.01, "times_noise": 2.5, "held_out": false, "depends_on": ["frequency"]},
+            "explainable": {"share": 0.3, "low": 0.1, "conditions": 5},
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,

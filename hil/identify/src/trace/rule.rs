@@ -37,6 +37,8 @@ pub enum Rule {
     Vanishes,
     /// For the effects found: their error is larger than that of noise-limited laws.
     LeavesTooMuch,
+    /// For the effects found: their residual can be predicted from the motion on conditions left out, whatever its size is.
+    Predictable,
     /// For the effects found: their residual beyond the noise is too large a part of the law's residual.
     AccountsForTooLittle,
     /// For the effects found: they hardly improve the prediction of blocks left out of the fit.
@@ -85,6 +87,7 @@ impl Rule {
             Self::LeavesTooMuch => {
                 "their residual exceeds the noise of the force and of the estimated motion"
             }
+            Self::Predictable => "their residual can be predicted from the motion",
             Self::AccountsForTooLittle => {
                 "their residual beyond the noise is too large a part of the law's"
             }

@@ -4,6 +4,7 @@ use mesh_damper_recording::spectrum::{place_of_line, powers};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::Roles;
+use crate::shape::ShapePolicy;
 
 mesh_damper_recording::numbers! {
     /// Tones in a residual: which of its spectral lines may be a tone from outside, and which the motion makes.
@@ -135,7 +136,13 @@ pub fn tones(
         })
         .collect();
     let frequencies = lines(left).into_iter().map(|line| line / trajectory.tick);
-    let without = frequencies.filter(|&frequency| !of_motion.holds(frequency));
+    // No law can have a tone that the slowest recording does not show.
+    let slowest = trajectories
+        .iter()
+        .fold(0.0_f64, |most, one| most.max(one.tick));
+    let highest = ShapePolicy::in_use().highest_tone / slowest;
+    let without =
+        frequencies.filter(|frequency| *frequency <= highest && !of_motion.holds(*frequency));
     without.take(TonesPolicy::in_use().most).collect()
 }
 

@@ -2,19 +2,19 @@
 
 use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Model, ModelError};
+use rayon::prelude::*;
 
-use super::adopt::gains;
+use super::adopt::{clearly_best, simplest_of_best};
 use super::closing::Closing;
 use super::confirm::Confirmed;
-use super::left_out::{Fit, LeftOut, Picked};
+use super::left_out::{LeftOut, Picked, Samples};
 use super::relative_error::RelativeError;
 use super::result::{OnTarget, Rejected};
 use super::rule::Rule;
-use super::unexplained::{clearly_best, unexplained_law};
-use crate::correction::{Choice, refit};
+use super::wander::wanders;
+use crate::correction::{self, Choice};
 use crate::rows::Rows;
 use crate::solution::Solution;
-use crate::trace::unexplained::UnexplainedPolicy;
 
 /// The laws at the end of a trace.
 #[derive(Clone)]
@@ -37,8 +37,19 @@ pub(super) struct Laws<'c> {
     pub graded: Option<Confirmed>,
 }
 
+/// A law that may be written.
+struct Candidate<'c, 'l> {
+    rows: &'c Rows<'c>,
+    law: &'l Solution,
+    /// How its residual table was made, if it has one.
+    choice: Option<Choice>,
+    /// Its error on each condition that was held out in turn.
+    errors: Vec<RelativeError>,
+}
+
 impl Closing<'_> {
-    /// From eq 13 `alone` and with the effects that were `found`. The adopted law is better on conditions held out in turn.
+    /// From eq 13 `alone` and with the effects that were `found`: the law that predicts conditions held out in turn best, with effects, with
+    /// a residual table, with both or with neither.
     pub(super) fn unlisted(
         &self,
         left_out: &LeftOut,
@@ -48,98 +59,112 @@ impl Closing<'_> {
     ) -> Result<Laws<'_>, ModelError> {
         progress("holding out each condition in turn");
         let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
-            left_out.in_turn(&|picked| {
+            left_out.in_turn(Samples::All, &|picked| {
                 let law = self.refit_model(rows, law, picked);
                 match choice {
-                    Some(choice) => refit(choice, self.trajectories, &law, picked),
+                    Some(choice) => correction::refit(choice, self.trajectories, &law, picked),
                     None => Ok(law),
                 }
             })
         };
-        let left = |errors: &[RelativeError]| RelativeError::mean(errors).beyond_noise();
         // One set of coefficients, or one for each amplitude: the choice is the form that predicts another condition better.
         let each = self.rows.iter();
         let errors: Vec<Vec<RelativeError>> = each
             .map(|rows| in_turn(rows, &alone, None))
             .collect::<Result<_, _>>()?;
-        let best = clearly_best(errors.iter().map(|errors| left(errors)));
-        let (rows, of_alone) = (&self.rows[best], &errors[best]);
+        let left = |errors: &Vec<RelativeError>| RelativeError::mean(errors).beyond_noise();
+        let best = clearly_best(errors.iter().map(left));
+        let rows = &self.rows[best];
         let alone = self.fit_near(rows, &alone);
-
-        progress("fitting a residual table");
-        let mut laws: Vec<(&Rows, &Solution)> =
-            self.rows.iter().map(|rows| (rows, &alone)).collect();
-        if !found.is_alone() {
-            laws.push((rows, &found));
-        }
-        let fits: Vec<_> = laws
-            .iter()
-            .map(|&(rows, law)| move |picked: Picked| Ok(self.refit_model(rows, law, picked)))
-            .collect();
-        let fits: Vec<Fit> = fits.iter().map(|fit| fit as Fit).collect();
-        let unexplained = unexplained_law(self.trajectories, left_out, &fits)?;
-        let (of_law, law) = laws[unexplained.law];
-        let kept = Laws {
+        let mut candidates = vec![Candidate {
             rows,
-            model: alone.model(),
-            solution: alone.clone(),
-            residual_depends_on: unexplained.depends_on,
-            table_rejected_by: unexplained.table_rejected_by,
-            rejected: None,
-            graded: None,
-            alone: alone.clone(),
-        };
-        if law.is_alone() && unexplained.choice.is_none() {
-            return Ok(kept);
-        }
-        let choice = unexplained.choice.as_ref();
-        let of_ended = in_turn(of_law, law, choice)?;
-        let named = laws.last().filter(|(_, law)| !law.is_alone());
-        // A table chosen by its fit may predict new conditions less well than named effects do. To replace confirmed effects it has
-        // to predict much better: their force is also known where no table was fitted, and a name explains the cause.
-        if choice.is_some()
-            && let Some(&(rows, named)) = named
-        {
-            let of_named = in_turn(rows, named, None)?;
-            let part = left(&of_ended) / left(&of_named);
-            let is_less = part * UnexplainedPolicy::in_use().better > 1.0;
-            let may_be_confirmed = law.is_alone() && part > UnexplainedPolicy::in_use().needed;
-            if gains(of_alone, &of_named) && (is_less || may_be_confirmed) {
-                let solution = self.fit_there(rows, named);
-                let mut laws = Laws {
-                    rows,
-                    model: solution.model(),
-                    solution,
-                    table_rejected_by: Some(Rule::TableUnknownElsewhere),
-                    ..kept.clone()
-                };
-                self.grade(left_out, &mut laws)?;
-                if is_less || laws.graded.as_ref().is_some_and(Confirmed::any) {
-                    return Ok(laws);
-                }
-            }
-        }
-        let solution = self.fit_there(of_law, law);
-        let model = match choice {
-            Some(choice) => {
-                let open: Picked = &|which, sample| left_out.is_open(which, sample);
-                refit(choice, self.trajectories, &solution.model(), open)?
-            }
-            None => solution.model(),
-        };
-        if gains(of_alone, &of_ended) {
-            return Ok(Laws {
-                rows: of_law,
-                solution,
-                model,
-                ..kept
+            law: &alone,
+            choice: None,
+            errors: errors[best].clone(),
+        }];
+        if !found.is_alone() {
+            candidates.push(Candidate {
+                rows,
+                law: &found,
+                choice: None,
+                errors: in_turn(rows, &found, None)?,
             });
         }
-        let without_table = choice.map(|_| Rule::TableUnknownElsewhere);
+
+        progress("fitting a residual table");
+        let open: Picked = &|which, sample| left_out.is_open(which, sample);
+        let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
+        // Names say more than a table: where both do equally well, the law with names is written.
+        let named = candidates.get(1).map(|named| (named.rows, named.law));
+        let forms = self.rows.iter().map(|rows| (rows, &alone));
+        let laws: Vec<(&Rows, &Solution)> = named.into_iter().chain(forms).collect();
+        let corrected = laws.par_iter().map(|&(rows, law)| {
+            let plain = self.refit_model(rows, law, open);
+            let choices = correction::fit(self.trajectories, &plain, open, is_seen)?;
+            let each = choices.into_iter().map(|(_, choice)| {
+                Ok(Candidate {
+                    rows,
+                    law,
+                    errors: in_turn(rows, law, Some(&choice))?,
+                    choice: Some(choice),
+                })
+            });
+            each.collect::<Result<Vec<_>, ModelError>>()
+        });
+        let corrected: Vec<Vec<Candidate>> = corrected.collect::<Result<_, _>>()?;
+        candidates.extend(corrected.into_iter().flatten());
+        let has_table = candidates.iter().any(|one| one.choice.is_some());
+        let without_table = match has_table {
+            true => Rule::TableUnknownElsewhere,
+            false => Rule::TableWorthLittle,
+        };
+        let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
+        let (chosen, best) = simplest_of_best(&errors);
+        let laws = self.completed(left_out, &alone, &candidates[chosen])?;
+        // What did best although it is no better than the law alone.
+        let rejected = match chosen == 0 && best > 0 {
+            true => {
+                let best = self.completed(left_out, &alone, &candidates[best])?;
+                Some(self.rejected(&best.model)?)
+            }
+            false => None,
+        };
+        let has_no_table = candidates[chosen].choice.is_none();
         Ok(Laws {
-            rejected: Some(self.rejected(&model)?),
-            table_rejected_by: without_table.or(kept.table_rejected_by),
-            ..kept
+            table_rejected_by: has_no_table.then_some(without_table),
+            rejected,
+            ..laws
+        })
+    }
+
+    /// A candidate fitted to all open samples, beside the law `alone`.
+    fn completed<'c>(
+        &self,
+        left_out: &LeftOut,
+        alone: &Solution,
+        candidate: &Candidate<'c, '_>,
+    ) -> Result<Laws<'c>, ModelError> {
+        let open: Picked = &|which, sample| left_out.is_open(which, sample);
+        let solution = self.fit_there(candidate.rows, candidate.law);
+        let plain = solution.model();
+        let all = self.trajectories;
+        let (model, residual_depends_on) = match &candidate.choice {
+            Some(choice) => (
+                correction::refit(choice, all, &plain, open)?,
+                correction::depends_on(choice, all, &plain, open)?,
+            ),
+            None if wanders(all, open, &plain)? => (plain, vec!["time"]),
+            None => (plain, Vec::new()),
+        };
+        Ok(Laws {
+            rows: candidate.rows,
+            alone: alone.clone(),
+            solution,
+            model,
+            residual_depends_on,
+            table_rejected_by: None,
+            rejected: None,
+            graded: None,
         })
     }
 

@@ -4,6 +4,7 @@ use mesh_damper_model::{Family, LawNode, Model};
 use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::trajectory::Trajectory;
 
+use super::adopt::gains;
 use super::relative_error::RelativeError;
 use super::result::{Errors, Verdict};
 use super::rule::Rule;
@@ -64,12 +65,15 @@ impl OverNoise {
     }
 }
 
-/// Whether effects that reduce the error in blocks left out of the fit from `without` to `with` describe conditions other than
-/// those they were fitted to.
-pub(super) fn generalises(without: RelativeError, with: RelativeError) -> bool {
-    with.error <= VerdictPolicy::in_use().noise_limited.powi(2) * with.noise
-        || with.beyond_noise()
-            <= (1.0 - VerdictPolicy::in_use().least_taken) * without.beyond_noise()
+/// Whether effects that change the errors on conditions held out in turn from `without` to `with` describe conditions other than those
+/// they were fitted to.
+pub(super) fn generalises(without: &[RelativeError], with: &[RelativeError]) -> bool {
+    let [all_without, all_with] = [without, with].map(RelativeError::mean);
+    let is_noise_limited =
+        all_with.error <= VerdictPolicy::in_use().noise_limited.powi(2) * all_with.noise;
+    let least = 1.0 - VerdictPolicy::in_use().least_taken;
+    is_noise_limited
+        || gains(without, with) && all_with.beyond_noise() <= least * all_without.beyond_noise()
 }
 
 /// Whether effects explain the error of the law alone beyond the noise, `alone`, if their error is `left` times the noise.

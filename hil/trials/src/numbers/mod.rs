@@ -169,10 +169,10 @@ mod tests {
         let beam = number("identify.select.beam");
         assert_eq!(beam.varied(0.5).unwrap().identify.select.beam, 2);
         assert_eq!(beam.varied(2.0).unwrap().identify.select.beam, 6);
-        let needed = number("identify.unexplained.needed");
-        let halved = needed.varied(0.5).unwrap().identify.unexplained.needed;
-        let doubled = needed.varied(2.0).unwrap().identify.unexplained.needed;
-        assert_eq!([halved, doubled], [0.375, 1.0]);
+        let better = number("identify.adopt.better");
+        let halved = better.varied(0.5).unwrap().identify.adopt.better;
+        let doubled = better.varied(2.0).unwrap().identify.adopt.better;
+        assert_eq!([halved, doubled], [0.475, 1.0]);
         let around = number("recording.spikes.times_around");
         let around = around.varied(2.0).unwrap().recording.spikes.times_around;
         assert_eq!(around, [16.0, 6.0]);

@@ -157,12 +157,20 @@ impl<'a> Search<'a> {
                     0
                 },
             );
+            let helps = |one: &Candidate| one.admissible && one.fitted.score.beats(&found.score);
+            // A fixture's mass is hidden below the noise of many a recording and still distorts what was found.
+            let is_mass = |one: &Candidate| one.fitted.is_with_mass(&found) && helps(one);
+            let mass = tried.iter().position(is_mass).filter(|_| !may_add);
+            if let Some(place) = mass {
+                tried[..=place].rotate_right(1);
+            }
             let Some(best) = tried.first_mut() else { break };
-            let accepted = may_add && best.admissible && best.fitted.score.beats(&found.score);
+            let accepted = mass.is_some() || may_add && helps(best);
             let next = best.fitted.clone();
             best.added = accepted;
-            if !accepted {
-                ruled_out::by_the_law_before(&mut tried, may_add);
+            let others = &mut tried[usize::from(accepted)..];
+            if !accepted || !may_add {
+                ruled_out::by_the_law_before(others, may_add);
             }
             beam = tried
                 .iter()
