@@ -91,9 +91,19 @@ impl<R: Real> Yielding<R> {
 
     /// x/tanh u at the root u for b = x.
     fn reached(&self) -> R {
-        let start = self.yield_stretch / self.least();
+        let x = self.yield_stretch;
+        let mut root = x / self.least();
         // A step adds about 1 where C is a small part of x, and at 20 tanh is 1 in f64 too.
-        self.reach_of(self.risen::<24>(start, self.yield_stretch))
+        for _ in 0..24 {
+            let next = self.step(root, x);
+            // A step back is a rounding error: for a C smaller than a digit of x it would lead back to the start.
+            if next > root {
+                root = next;
+            } else {
+                break;
+            }
+        }
+        self.reach_of(root)
     }
 
     /// Checks that the reach is that of the root for b = x, in the steps of one search: a search that starts from it finds a root
@@ -114,8 +124,10 @@ impl<R: Real> Yielding<R> {
             if missing.abs() <= close * x {
                 about(self.reach_of(root))
             } else if missing < R::ZERO {
-                // Its upper bound, because u/tanh u is at most 1 + u.
-                [reach + close * reach, least + x]
+                // Its bounds, because u/tanh u is from 1 to 1 + u.
+                let [low, _] = about(least);
+                let above = reach + close * reach;
+                [if above > low { above } else { low }, least + x]
             } else {
                 [least, reach - close * reach]
             }
@@ -126,30 +138,25 @@ impl<R: Real> Yielding<R> {
     /// x/tanh u at the root u for b = x.
     fn reach_of(&self, root: R) -> R {
         let least = self.least();
+        // For a root that is practically 0 the reach is its lower bound: it differs by u²/3, less than a digit of f64, and a smaller root
+        // has too few digits in f32.
         let reach = self.yield_stretch / tanh(root);
-        // Where the root is practically 0, the reach is the lower bound.
-        if reach > least && reach.is_finite() {
+        if root > R::from_f64(1e-10) && reach > least {
             reach
         } else {
             least
         }
     }
 
-    /// The root for `force` = b ≥ 0 after a number of Halley steps from `start` ≥ 0, which is not above the root.
+    /// The `root` for `force` = b ≥ 0 after one more step of Halley's method, from a value that is not above it.
     #[inline(always)]
-    fn risen<const STEPS: usize>(&self, start: R, force: R) -> R {
-        let mut root = start;
-        for _ in 0..STEPS {
-            let tanh = tanh(root);
-            let missing = force - self.yield_stretch * tanh - (self.drag + self.slip) * root;
-            let curved = self.yield_stretch * (R::ONE - tanh * tanh);
-            let slope = curved + self.drag + self.slip;
-            // The divisor is above 0, because the remaining error is at most x·(1 − tanh u).
-            let next = root + missing * slope / (slope * slope - missing * tanh * curved);
-            // A value below the start is a rounding error, for a C smaller than a digit of x.
-            root = if next > start { next } else { start };
-        }
-        root
+    fn step(&self, root: R, force: R) -> R {
+        let tanh = tanh(root);
+        let missing = force - self.yield_stretch * tanh - (self.drag + self.slip) * root;
+        let curved = self.yield_stretch * (R::ONE - tanh * tanh);
+        let slope = curved + self.drag + self.slip;
+        // The divisor is above 0, because the remaining error is at most x·(1 − tanh u).
+        root + missing * slope / (slope * slope - missing * tanh * curved)
     }
 
     /// u of x·tanh u + C·u = `force`, C = (τ + γ·Δt)·v₀, for a `force` of at least 0. Not inlined, because it is called twice.
@@ -169,7 +176,13 @@ impl<R: Real> Yielding<R> {
         let tangent = artanh + beyond / (drag + x * (R::ONE - part * part));
         let line = beyond / drag;
         let start = if tangent > line { tangent } else { line };
-        self.risen::<STEPS>(start, force)
+        let mut root = start;
+        for _ in 0..STEPS {
+            let next = self.step(root, force);
+            // A value below the start is a rounding error, for a C smaller than a digit of x.
+            root = if next > start { next } else { start };
+        }
+        root
     }
 
     /// γ·Δt·w of the stage with `force` = b.
