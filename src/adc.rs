@@ -13,15 +13,15 @@
 //! Displacement is on channel 0, force on channel 1. The part samples them one frame apart, 2 µs at 17 MHz. At 10 Hz this delay is
 //! a phase of 1.3e-4 rad between force and displacement, and the error of the loss factor is as large.
 
-#[cfg(feature = "async")]
-mod asynchronous;
-
 use core::fmt;
 
 use embedded_hal::spi::{Mode, SpiDevice};
 
 use crate::converter::Scale;
 use crate::effects::CONTROLS;
+#[cfg(feature = "async")]
+use crate::forms::later;
+use crate::forms::now;
 use crate::rig::Reading;
 
 /// SPI mode that the bus must use.
@@ -154,57 +154,83 @@ fn held<E>(address: u8, expected: u8, [_, _, found]: [u8; 3]) -> Result<(), AdcE
     }
 }
 
-impl<S: SpiDevice> Ads8688<S> {
-    /// Resets the part, checks by its registers that it is there, and sets the range of both channels.
-    ///
-    /// * `displacement`, `force`: mm and kN at +10.24 V
-    ///
-    /// # Errors
-    /// An error of the bus, or [`AdcError::Register`].
-    pub fn new(spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
-        let mut part = Self::unset(spi, displacement, force);
-        part.restore()?;
-        Ok(part)
-    }
+/// The part's frames in the form of `$wait`.
+macro_rules! ads8688 {
+    (
+        $over:literal, $bus:path, $new:ident, $restore:ident, $read:ident, $convert:ident, $wait:ident $(, $async:tt)?
+    ) => {
+        impl<S: $bus> Ads8688<S> {
+            /// Resets the part, checks by its registers that it is there, and sets the range of both channels.
+            ///
+            /// * `displacement`, `force`: mm and kN at +10.24 V
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus, or [`AdcError::Register`].
+            pub $($async)? fn $new(spi: S, displacement: Scale, force: Scale) -> Result<Self, AdcError<S::Error>> {
+                let mut part = Self::unset(spi, displacement, force);
+                $wait!(part.$restore())?;
+                Ok(part)
+            }
 
-    /// Sets the part up again as [`Ads8688::new`] does, after a loss of its supply.
-    ///
-    /// # Errors
-    /// An error of the bus, or [`AdcError::Register`].
-    pub fn restore(&mut self) -> Result<(), AdcError<S::Error>> {
-        self.in_step = false;
-        self.spi.write(&[RESET, 0, 0, 0])?;
-        for (address, value) in RANGES {
-            let [write, mut read] = register_frames(address, value);
-            self.spi.write(&write)?;
-            self.spi.transfer_in_place(&mut read)?;
-            held(address, value, read)?;
+            /// Sets the part up again as [`Ads8688::new`] does, after a loss of its supply.
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus, or [`AdcError::Register`].
+            pub $($async)? fn $restore(&mut self) -> Result<(), AdcError<S::Error>> {
+                self.in_step = false;
+                $wait!(self.spi.write(&[RESET, 0, 0, 0]))?;
+                for (address, value) in RANGES {
+                    let [write, mut read] = register_frames(address, value);
+                    $wait!(self.spi.write(&write))?;
+                    $wait!(self.spi.transfer_in_place(&mut read))?;
+                    held(address, value, read)?;
+                }
+                Ok(())
+            }
+
+            /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes one more
+            /// frame to select the channel, so that the two channels are never exchanged.
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus.
+            #[inline]
+            pub $($async)? fn $read(&mut self) -> Result<Reading, S::Error> {
+                if !self.in_step {
+                    $wait!(self.$convert(SELECT_DISPLACEMENT))?;
+                }
+                self.in_step = false;
+                let displacement = $wait!(self.$convert(SELECT_FORCE))?;
+                let force = $wait!(self.$convert(SELECT_DISPLACEMENT))?;
+                self.in_step = true;
+                Ok(self.reading(displacement, force))
+            }
+
+            /// Result of the channel selected before; `select` is the command that selects the next one.
+            #[inline]
+            $($async)? fn $convert(&mut self, select: u8) -> Result<u16, S::Error> {
+                let mut frame = conversion_frame(select);
+                $wait!(self.spi.transfer_in_place(&mut frame))?;
+                Ok(result_of(frame))
+            }
         }
-        Ok(())
-    }
-
-    /// Samples displacement, then force: two frames, 64 clocks. The first call, and the first after a bus error, takes one more
-    /// frame to select the channel, so that the two channels are never exchanged.
-    ///
-    /// # Errors
-    /// An error of the bus.
-    #[inline]
-    pub fn read(&mut self) -> Result<Reading, S::Error> {
-        if !self.in_step {
-            self.convert(SELECT_DISPLACEMENT)?;
-        }
-        self.in_step = false;
-        let displacement = self.convert(SELECT_FORCE)?;
-        let force = self.convert(SELECT_DISPLACEMENT)?;
-        self.in_step = true;
-        Ok(self.reading(displacement, force))
-    }
-
-    /// Result of the channel selected before; `select` is the command that selects the next one.
-    #[inline]
-    fn convert(&mut self, select: u8) -> Result<u16, S::Error> {
-        let mut frame = conversion_frame(select);
-        self.spi.transfer_in_place(&mut frame)?;
-        Ok(result_of(frame))
-    }
+    };
 }
+
+ads8688!("", SpiDevice, new, restore, read, convert, now);
+#[cfg(feature = "async")]
+ads8688!(
+    " Over an asynchronous bus: dropping the call before it completes has the effect of a bus error.",
+    embedded_hal_async::spi::SpiDevice,
+    new_async,
+    restore_async,
+    read_async,
+    convert_async,
+    later,
+    async
+);

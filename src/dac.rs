@@ -8,14 +8,14 @@
 //! The output register is offset binary, because the control register's B2C bit stays 0: 0x0000 is −10 V, 0x8000 is 0 V, 0xFFFF is
 //! one step below +10 V. The output changes where chip select rises (LDAC tied low).
 
-#[cfg(feature = "async")]
-mod asynchronous;
-
 use core::fmt;
 
 use embedded_hal::spi::{Mode, SpiDevice};
 
 use crate::converter::{Code, Scale};
+#[cfg(feature = "async")]
+use crate::forms::later;
+use crate::forms::now;
 
 /// SPI mode that the bus must use.
 pub const SPI_MODE: Mode = embedded_hal::spi::MODE_1;
@@ -160,77 +160,110 @@ impl<S> Ad5761<S> {
     }
 }
 
-impl<S: SpiDevice> Ad5761<S> {
-    /// Resets the part, sets its range and leaves the output at the command's 0, which is 0 V where the scale's zero is 0. The
-    /// output passes through 0 V meanwhile.
-    ///
-    /// * `scale`: the command at +10 V: mm, or kN for a damper emulation
-    ///
-    /// # Errors
-    /// An error of the bus, or [`DacError::Control`].
-    pub fn new(spi: S, scale: Scale) -> Result<Self, DacError<S::Error>> {
-        let mut part = Self::unset(spi, scale);
-        part.set_up()?;
-        Ok(part)
-    }
-
-    fn set_up(&mut self) -> Result<(), DacError<S::Error>> {
-        for each in &SET_UP {
-            self.spi.write(each)?;
-        }
-        held(self.transfer(NO_OPERATION)?)?;
-        self.write(0.0)?;
-        Ok(())
-    }
-
-    /// Sets the part up again as [`Ad5761::new`] does, if it lost its settings with its supply. A part that still holds them is
-    /// left as it is, so that its output does not pass through 0 V.
-    ///
-    /// # Errors
-    /// An error of the bus, or [`DacError::Control`].
-    pub fn restore(&mut self) -> Result<(), DacError<S::Error>> {
-        match self.verify() {
-            Ok(()) => Ok(()),
-            Err(_) => self.set_up(),
-        }
-    }
-
-    /// Reads back the part's registers without changing its output: three frames, 72 clocks. After a loss of its supply the part
-    /// holds neither its control register nor the code.
-    ///
-    /// # Errors
-    /// An error of the bus, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
-    pub fn verify(&mut self) -> Result<(), DacError<S::Error>> {
-        self.spi.write(&frame(READ_CONTROL, 0))?;
-        let control = self.transfer(READ_OUTPUT)?;
-        let output = self.transfer(NO_OPERATION)?;
-        held(control)?;
-        sound(control)?;
-        drives(self.code, output)
-    }
-
-    /// Sends a command without data, and returns the bits that come out in the same frame.
-    fn transfer(&mut self, command: u8) -> Result<[u8; 3], S::Error> {
-        let mut frame = frame(command, 0);
-        self.spi.transfer_in_place(&mut frame)?;
-        Ok(frame)
-    }
-
-    /// Drives the output: one frame, 24 clocks. Returns the code written and whether it was clipped.
-    ///
-    /// # Errors
-    /// An error of the bus.
-    #[inline]
-    pub fn write(&mut self, value: f32) -> Result<Code, S::Error> {
-        let code = self.scale.encode(value);
-        self.spi.write(&frame(WRITE_AND_UPDATE, code.code))?;
-        self.code = code.code;
-        Ok(code)
-    }
-}
-
 #[inline(always)]
 const fn frame(command: u8, data: u16) -> [u8; 3] {
     let [high, low] = data.to_be_bytes();
     [command, high, low]
 }
+
+/// The part's frames in the form of `$wait`.
+macro_rules! ad5761 {
+    (
+        $over:literal, $bus:path, $new:ident, $set_up:ident, $restore:ident, $verify:ident, $transfer:ident, $write:ident,
+        $wait:ident $(, $async:tt)?
+    ) => {
+        impl<S: $bus> Ad5761<S> {
+            /// Resets the part, sets its range and leaves the output at the command's 0, which is 0 V where the scale's zero is 0. The
+            /// output passes through 0 V meanwhile.
+            ///
+            /// * `scale`: the command at +10 V: mm, or kN for a damper emulation
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus, or [`DacError::Control`].
+            pub $($async)? fn $new(spi: S, scale: Scale) -> Result<Self, DacError<S::Error>> {
+                let mut part = Self::unset(spi, scale);
+                $wait!(part.$set_up())?;
+                Ok(part)
+            }
+
+            $($async)? fn $set_up(&mut self) -> Result<(), DacError<S::Error>> {
+                for each in &SET_UP {
+                    $wait!(self.spi.write(each))?;
+                }
+                held($wait!(self.$transfer(NO_OPERATION))?)?;
+                $wait!(self.$write(0.0))?;
+                Ok(())
+            }
+
+            /// Sets the part up again as [`Ad5761::new`] does, if it lost its settings with its supply. A part that still holds them is
+            /// left as it is, so that its output does not pass through 0 V.
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus, or [`DacError::Control`].
+            pub $($async)? fn $restore(&mut self) -> Result<(), DacError<S::Error>> {
+                match $wait!(self.$verify()) {
+                    Ok(()) => Ok(()),
+                    Err(_) => $wait!(self.$set_up()),
+                }
+            }
+
+            /// Reads back the part's registers without changing its output: three frames, 72 clocks. After a loss of its supply the part
+            /// holds neither its control register nor the code.
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus, [`DacError::Control`], [`DacError::Status`] or [`DacError::Output`].
+            pub $($async)? fn $verify(&mut self) -> Result<(), DacError<S::Error>> {
+                $wait!(self.spi.write(&frame(READ_CONTROL, 0)))?;
+                let control = $wait!(self.$transfer(READ_OUTPUT))?;
+                let output = $wait!(self.$transfer(NO_OPERATION))?;
+                held(control)?;
+                sound(control)?;
+                drives(self.code, output)
+            }
+
+            /// Sends a command without data, and returns the bits that come out in the same frame.
+            $($async)? fn $transfer(&mut self, command: u8) -> Result<[u8; 3], S::Error> {
+                let mut frame = frame(command, 0);
+                $wait!(self.spi.transfer_in_place(&mut frame))?;
+                Ok(frame)
+            }
+
+            /// Drives the output: one frame, 24 clocks. Returns the code written and whether it was clipped.
+            ///
+            #[doc = $over]
+            ///
+            /// # Errors
+            /// An error of the bus.
+            #[inline]
+            pub $($async)? fn $write(&mut self, value: f32) -> Result<Code, S::Error> {
+                let code = self.scale.encode(value);
+                $wait!(self.spi.write(&frame(WRITE_AND_UPDATE, code.code)))?;
+                self.code = code.code;
+                Ok(code)
+            }
+        }
+    };
+}
+
+ad5761!(
+    "", SpiDevice, new, set_up, restore, verify, transfer, write, now
+);
+#[cfg(feature = "async")]
+ad5761!(
+    " Over an asynchronous bus.",
+    embedded_hal_async::spi::SpiDevice,
+    new_async,
+    set_up_async,
+    restore_async,
+    verify_async,
+    transfer_async,
+    write_async,
+    later,
+    async
+);

@@ -37,10 +37,12 @@ mod cause;
 mod channel;
 mod cusum;
 mod cycle_end;
+mod event;
 mod events;
 mod force;
 mod look;
 mod moving;
+mod pattern;
 mod places;
 mod response;
 mod roughness;
@@ -49,9 +51,11 @@ mod settings;
 mod specimen;
 mod sums;
 
-pub use cause::{Channel, Event, HealthCause, Statistic};
+pub(crate) use cause::NO_CAUSE;
+pub use cause::{CauseDescription, CauseKind, Channel, HealthCause};
 pub(crate) use channel::Change;
 pub(crate) use cycle_end::{Ended, Steady};
+pub use event::{Event, Statistic};
 pub use events::EVENTS;
 pub(crate) use look::Look;
 pub(crate) use settings::HealthConfig;
@@ -69,10 +73,6 @@ use response::ResponseWatch;
 use roughness::Roughness;
 use specimen::SpecimenWatch;
 use sums::CycleSums;
-
-/// Former name of [`HealthCause`].
-#[deprecated(note = "use HealthCause")]
-pub type Cause = HealthCause;
 
 /// Amplitudes of displacement and force are taken as at least these parts of their limits.
 const LEAST_AMPLITUDES: [f32; 2] = [0.05, 0.02];
@@ -110,8 +110,8 @@ pub(crate) struct HealthMonitor {
     events: heapless::Vec<Event, EVENTS>,
     /// Number of events already reported.
     reported: usize,
-    /// One bit per cause.
-    latched: u32,
+    /// One of the events is a fault that stays until it is cleared: there is no adaptation.
+    is_damaged: bool,
     /// Whether a passing fault was seen in this cycle, and in the one before.
     disturbed: [bool; 2],
     /// Whether the displacement was lost or clipped in this cycle, and in the one before, so that its response is invalid.
@@ -157,7 +157,7 @@ impl HealthMonitor {
             spikes: false,
             events: heapless::Vec::new(),
             reported: 0,
-            latched: 0,
+            is_damaged: false,
             disturbed: [false; 2],
             blurred: [false; 2],
             off: [false; 2],
@@ -196,7 +196,7 @@ impl HealthMonitor {
     pub(crate) fn clear(&mut self) {
         self.events.clear();
         self.reported = 0;
-        self.latched = 0;
+        self.is_damaged = false;
         self.relearn();
         self.response = ResponseWatch::default();
         self.off = [false; 2];

@@ -76,6 +76,7 @@ pub mod error;
 pub mod fast_law;
 #[cfg(feature = "fixed-point")]
 pub mod fixed_point;
+mod forms;
 pub mod frame;
 pub mod health;
 pub mod law;
@@ -111,21 +112,3 @@ struct Export;
 #[cfg(doctest)]
 #[doc = include_str!("../docs/monitor.md")]
 struct Monitor;
-
-/// Former name of [`fast_law`].
-#[deprecated(note = "use fast_law::{FastLaw, RunningLaw, Adaptation}")]
-pub mod tabulated {
-    pub use crate::fast_law::{Adaptation as Followed, FastLaw as TabulatedLaw, RunningLaw};
-}
-
-/// Former name of [`simulation`].
-#[deprecated(note = "use simulation::Simulation")]
-pub mod virtual_test {
-    pub use crate::simulation::Simulation as VirtualTest;
-}
-
-/// Former name of [`amplitude_independent`].
-#[deprecated(note = "use amplitude_independent")]
-pub mod amplitude_free {
-    pub use crate::amplitude_independent::*;
-}

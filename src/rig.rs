@@ -47,10 +47,7 @@
 //! ```
 
 mod approach;
-#[cfg(feature = "async")]
-mod asynchronous;
 mod blend;
-mod blocking;
 mod comparison;
 mod controller;
 mod correction;
@@ -68,21 +65,24 @@ mod standstill;
 mod state;
 mod stream;
 mod temperature;
+mod wired;
 
-#[cfg(feature = "async")]
-pub use asynchronous::{AsyncActuator, AsyncSensors, Asynchronous};
-pub use blocking::{Blocking, VERIFY_TICKS};
 pub use controller::Controller;
 pub use emulation::{DamperEmulationSettings, EmulationController};
 pub use exciter::{AnyExciter, Exciter};
 pub use fault::TripCause;
 pub use io::{Actuator, Command, Reading, Sensors, Wiring, WithControls};
+#[cfg(feature = "async")]
+pub use io::{AsyncActuator, AsyncSensors};
 pub use pins::{PinError, WithAlive, WithReadBack, WithTrip};
 pub use refusal::{ClearRefused, StartRefused};
 pub use rig_controller::RigController;
 pub use spi::{SpiActuator, SpiActuatorError, SpiDamperEmulation, SpiRig};
 pub use state::State;
 pub use stream::{Knot, STREAM_QUEUE, Stream, StreamConfig, StreamSettings};
+#[cfg(feature = "async")]
+pub use wired::Asynchronous;
+pub use wired::{Blocking, VERIFY_TICKS};
 
 use crate::cycle::Cycle;
 use crate::effects::CONTROLS;
@@ -102,16 +102,6 @@ pub type Rig<S, A, const N: usize, X, L = RunningLaw<N>> = Blocking<RigControlle
 /// An [`EmulationController`] with its sensors and its actuator. [`SpiDamperEmulation`] has the two parts of [`crate::adc`] and
 /// [`crate::dac`].
 pub type DamperEmulation<S, A, L> = Blocking<EmulationController<L>, S, A>;
-
-/// Former name of [`TripCause`].
-#[deprecated(note = "use TripCause")]
-pub type Fault = TripCause;
-/// Former name of [`SpiDamperEmulation`].
-#[deprecated(note = "use SpiDamperEmulation")]
-pub type Emulator<A, D, E, const N: usize> = SpiDamperEmulation<A, D, E, RunningLaw<N>>;
-/// Former name of [`DamperEmulationSettings`].
-#[deprecated(note = "use DamperEmulationSettings")]
-pub type EmulatorSettings = DamperEmulationSettings;
 
 /// Plausible temperatures of a specimen in its chamber, °C.
 pub(crate) const TEMPERATURES: [f64; 2] = [-60.0, 200.0];

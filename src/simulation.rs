@@ -118,6 +118,8 @@ pub struct Simulation<const B: usize, P = Programme<B>> {
     completed: u32,
     ramp: bool,
     done: bool,
+    /// Of the last tick that the generator computed, mm.
+    displacement: f32,
 }
 
 impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
@@ -137,6 +139,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
             completed: 0,
             ramp: true,
             done: false,
+            displacement: 0.0,
         })
     }
 
@@ -165,6 +168,17 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
             ..
         } = self.steady;
         cycles_then.wrapping_sub(cycles).wrapping_sub(cycles_after)
+    }
+
+    /// Displacement of the last tick, mm. It is computed here, so that a tick whose displacement nobody needs is short.
+    pub fn displacement(&self) -> f32 {
+        let phase = match self.steady.stage {
+            Stage::Programme => return self.displacement,
+            Stage::Filling => self.steady.parked[0],
+            Stage::Steady => self.walk.phase,
+        };
+        let (sin, _) = self.walk.sector.sin_cos(phase);
+        self.steady.amplitude * sin
     }
 
     /// Number of cycles with results, and the results of the last one. In a steady block they are complete thirteen sectors after
@@ -400,6 +414,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
             self.law.boundary();
         }
         (self.ramp, self.done) = (now.ramp, now.done);
+        self.displacement = now.displacement;
         self.steady.cycles_then = now.cycle;
         let force = self.law.force(&Motion {
             displacement: now.displacement,

@@ -23,10 +23,6 @@ pub struct BoucWen<R> {
     sharpness: R,
 }
 
-/// Former name of [`Stretch`].
-#[deprecated(note = "use Stretch")]
-pub type BoucWenState<R> = Stretch<R>;
-
 impl<R: Real> BoucWen<R> {
     /// * `stiffness`: k, kN/mm, −1e9…1e9
     /// * `slip_limit`: x, mm, 1e-9…1e4

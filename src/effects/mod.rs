@@ -35,18 +35,6 @@ use crate::real::{Real, compare};
 use description::{Cost, Description, EffectKind, Energy};
 use residual_table::ResidualTableState;
 
-/// Former name of [`ResidualTable`].
-#[deprecated(note = "use ResidualTable")]
-pub type Correction<R> = ResidualTable<R>;
-/// Former name of [`residual_table`].
-#[deprecated(note = "use residual_table")]
-pub mod correction {
-    pub use super::residual_table::*;
-}
-/// Former name of [`ClampedMotion`].
-#[deprecated(note = "use ClampedMotion")]
-pub type ConfinedMotion<R> = ClampedMotion<R>;
-
 /// The equations of an effect. Its file holds its configuration, which implements this trait, its state, and its description.
 ///
 /// Methods that an effect does not need have a default without cost: a force and a modulator have a force, a stage has none.
@@ -371,24 +359,9 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
         Ok(self)
     }
 
-    /// Former name of [`AugmentedLaw::with_residual_table`].
-    ///
-    /// # Errors
-    /// As there.
-    #[deprecated(note = "use with_residual_table")]
-    pub fn with_correction(self, correction: ResidualTable<R>) -> Result<Self, ConfigError> {
-        self.with_residual_table(correction)
-    }
-
     /// The residual table, if there is one.
     pub fn residual_table(&self) -> Option<&ResidualTable<R>> {
         Some(&self.correction).filter(|_| self.effects.has(CORRECTION))
-    }
-
-    /// Former name of [`AugmentedLaw::residual_table`].
-    #[deprecated(note = "use residual_table")]
-    pub fn correction(&self) -> Option<&ResidualTable<R>> {
-        self.residual_table()
     }
 
     /// [`AugmentedLaw::with_residual_table`] with a table that `write` writes in place.

@@ -1,7 +1,6 @@
 //! At a cycle's end the monitor hands the cycle to the specimen's watch and the adaptation, and spreads their work over the looks.
 
 use super::adaptation::Adapter;
-use super::cause::HealthCause;
 use super::specimen::CycleNumbers;
 use super::{HealthConfig, HealthMonitor};
 
@@ -37,20 +36,6 @@ pub(crate) struct Steady {
     /// Mean of the measured force minus that of the law's, kN.
     pub(crate) mean: f32,
 }
-
-/// Faults that stay until they are cleared, one bit each. After one of them there is no adaptation.
-pub(super) const LASTING: u32 = {
-    let mut bits = 0;
-    let mut place = 0;
-    while place < HealthCause::ALL.len() {
-        let cause = HealthCause::ALL[place];
-        if cause.is_fault() && !cause.is_passing() {
-            bits |= 1 << cause.number();
-        }
-        place += 1;
-    }
-    bits
-};
 
 impl HealthMonitor {
     /// A cycle has ended before this tick, whose look is still to come. That look does the work, because this tick has enough to
@@ -165,7 +150,7 @@ impl HealthMonitor {
     #[inline(never)]
     fn work_on_adaptation(&mut self, config: &HealthConfig) {
         let [disturbed, _] = self.disturbed;
-        if self.latched & LASTING == 0 && !disturbed && self.specimen.is_sound(config) {
+        if !self.is_damaged && !disturbed && self.specimen.is_sound(config) {
             self.adaptation.work(config.follow, config.run_in_cycles);
         } else {
             self.adaptation.skip();

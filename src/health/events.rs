@@ -1,6 +1,8 @@
 //! The monitor keeps one event for each cause, until it is cleared.
 
-use super::cause::{self, Channel, Event, HealthCause, Statistic};
+use super::cause::{Channel, HealthCause};
+use super::event::{Event, Statistic};
+use super::pattern::reversed;
 use super::{HealthMonitor, response};
 use crate::rig::{Reading, TripCause};
 
@@ -32,9 +34,8 @@ impl HealthMonitor {
     #[cold]
     #[inline(never)]
     pub(super) fn latch(&mut self, event: Event) {
-        let bit = 1 << event.cause.number();
-        if self.latched & bit == 0 {
-            self.latched |= bit;
+        if self.events.iter().all(|kept| kept.cause != event.cause) {
+            self.is_damaged |= event.cause.is_lasting();
             // There is room for one event per cause.
             let _ = self.events.push(event);
         }
@@ -67,7 +68,7 @@ impl HealthMonitor {
                 cycle: self.cycle,
             }),
             TripCause::NoResponse if self.response.is_reversed() => {
-                let (force, displacement) = cause::reversed();
+                let (force, displacement) = reversed();
                 self.latch(Event {
                     cause: displacement,
                     or: Some(force),

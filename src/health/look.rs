@@ -1,6 +1,7 @@
 //! In a close look the monitor compares one tick's motion and force with what was demanded.
 
-use super::cause::{Channel, Event, HealthCause, Statistic};
+use super::cause::{Channel, HealthCause};
+use super::event::{Event, Statistic};
 use super::places::part_end;
 use super::{HealthConfig, HealthMonitor, force, moving, response, roughness, sums};
 use crate::fast_law::Adaptation;

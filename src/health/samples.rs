@@ -1,8 +1,9 @@
 //! On every tick the monitor examines the samples of a channel that stand still or jump.
 
 use super::HealthMonitor;
-use super::cause::{Channel, Event, HealthCause, Statistic};
+use super::cause::{Channel, HealthCause};
 use super::channel::{Beside, Change};
+use super::event::{Event, Statistic};
 use crate::converter::Sample;
 use crate::rig::Reading;
 

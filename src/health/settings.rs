@@ -1,6 +1,6 @@
 //! Settings of a health monitor.
 
-use super::cause::Statistic;
+use super::event::Statistic;
 use crate::error::ConfigError;
 use crate::frame::{Fields, Reader, Writer};
 use crate::real::in_range;

@@ -23,8 +23,9 @@ mod slow;
 
 use super::HealthConfig;
 use super::baseline::Baseline;
-use super::cause::{Event, Shift, Statistic};
 use super::cusum::{Cusum, threshold};
+use super::event::{Event, Statistic};
+use super::pattern::Shift;
 use super::sums::CycleSums;
 use alarm::EXPLAINED;
 use learning::{EARLY, EARLY_CYCLES};

@@ -4,7 +4,7 @@ use super::{answer, kind};
 use crate::cycle::Cycle;
 use crate::fast_law::Adaptation;
 use crate::frame::{FrameBuffer, Reader, Writer};
-use crate::health::{Event, HealthCause, Statistic};
+use crate::health::{Event, HealthCause, NO_CAUSE, Statistic};
 use crate::rig::{CycleReport, State, Telemetry, TripCause};
 
 /// Result of one tick of the rig.
@@ -118,9 +118,6 @@ pub(super) fn write_report(writer: &mut Writer<'_>, report: &CycleReport) {
     write_cycle(writer, &report.model);
 }
 
-/// Number in place of a second cause, where there is none.
-const NO_CAUSE: u8 = u8::MAX;
-
 #[inline(never)]
 pub(super) fn write_event(writer: &mut Writer<'_>, event: &Event) {
     writer.words([
@@ -136,11 +133,8 @@ pub(super) fn write_event(writer: &mut Writer<'_>, event: &Event) {
 pub(super) fn read_event(reader: &mut Reader<'_>) -> Option<Event> {
     let [cause, statistic, or, _] = reader.u32()?.to_le_bytes();
     Some(Event {
-        cause: HealthCause::of_number(cause)?,
-        or: match or {
-            NO_CAUSE => None,
-            number => Some(HealthCause::of_number(number)?),
-        },
+        cause: HealthCause::of_number(cause),
+        or: (or != NO_CAUSE).then(|| HealthCause::of_number(or)),
         statistic: Statistic::of_number(statistic)?,
         value: reader.f32()?,
         limit: reader.f32()?,

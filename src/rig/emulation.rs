@@ -6,7 +6,7 @@ use super::blend::Blend;
 use super::comparison::Comparison;
 use super::controller::Controller;
 use super::fault::{Exceeded, Limits, TripCause};
-use super::guard::{self, Guard};
+use super::guard::{self, Guard, answered_by_guard};
 use super::io::{Reading, Wiring};
 use super::pace::PaceConfig;
 use super::refusal::{ClearRefused, StartRefused};
@@ -199,32 +199,10 @@ impl<L: TickLaw> Controller for EmulationController<L> {
         Ok(())
     }
 
-    fn stop(&mut self) {
-        self.guard.stop();
-    }
-
-    fn may_clear(&self) -> Result<(), ClearRefused> {
-        self.guard.may_clear()
-    }
+    answered_by_guard!();
 
     fn clear(&mut self) -> Result<(), ClearRefused> {
         self.guard.clear()
-    }
-
-    fn exchange(&mut self) {
-        self.guard.exchange();
-    }
-
-    fn overrun(&mut self) {
-        self.guard.overrun();
-    }
-
-    fn external_trip(&mut self) {
-        self.guard.external_trip();
-    }
-
-    fn late_ticks(&self) -> u32 {
-        self.guard.late_ticks()
     }
 
     /// The law is evaluated whether running or not, so that the state of its effects follows the motion.
@@ -326,26 +304,6 @@ impl<L: TickLaw> Controller for EmulationController<L> {
                 cycle: self.cycle,
             }),
         }
-    }
-
-    fn command_failed(&mut self) {
-        self.guard.command_failed();
-    }
-
-    fn command_unverified(&mut self) {
-        self.guard.command_unverified();
-    }
-
-    fn enable_failed(&mut self) {
-        self.guard.enable_failed();
-    }
-
-    fn state(&self) -> State {
-        self.guard.state()
-    }
-
-    fn driven(&self) -> f32 {
-        self.guard.driven()
     }
 }
 

@@ -304,6 +304,57 @@ impl Guard {
     }
 }
 
+/// What a [`Controller`](super::Controller) leaves to its field `guard`: everything except its start, its clear and its tick.
+macro_rules! answered_by_guard {
+    () => {
+        fn stop(&mut self) {
+            self.guard.stop();
+        }
+
+        fn may_clear(&self) -> Result<(), ClearRefused> {
+            self.guard.may_clear()
+        }
+
+        fn exchange(&mut self) {
+            self.guard.exchange();
+        }
+
+        fn overrun(&mut self) {
+            self.guard.overrun();
+        }
+
+        fn external_trip(&mut self) {
+            self.guard.external_trip();
+        }
+
+        fn late_ticks(&self) -> u32 {
+            self.guard.late_ticks()
+        }
+
+        fn command_failed(&mut self) {
+            self.guard.command_failed();
+        }
+
+        fn command_unverified(&mut self) {
+            self.guard.command_unverified();
+        }
+
+        fn enable_failed(&mut self) {
+            self.guard.enable_failed();
+        }
+
+        fn state(&self) -> State {
+            self.guard.state()
+        }
+
+        fn driven(&self) -> f32 {
+            self.guard.driven()
+        }
+    };
+}
+
+pub(super) use answered_by_guard;
+
 #[cfg(test)]
 mod tests {
     use super::*;

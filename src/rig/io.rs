@@ -2,6 +2,9 @@
 
 use crate::converter::{Sample, Scale};
 use crate::effects::CONTROLS;
+#[cfg(feature = "async")]
+use crate::forms::later;
+use crate::forms::now;
 
 /// Sensor values at one tick.
 ///
@@ -44,96 +47,6 @@ pub struct Wiring {
     pub command: Scale,
 }
 
-/// Sensors with blocking calls.
-pub trait Sensors {
-    /// Error of a reading.
-    type Error;
-
-    /// Reads displacement, force and control inputs.
-    ///
-    /// # Errors
-    /// Any error of the reading. The controller trips with [`super::TripCause::AdcBus`].
-    fn read(&mut self) -> Result<Reading, Self::Error>;
-
-    /// Whether an external stop input is active: an emergency stop, a guard, a second controller. It is read at each tick, at a
-    /// start and at a clear. While it is active, start and clear are refused, and the controller trips with
-    /// [`super::TripCause::External`], a trip cause that stays when the input ends. By default there is no input.
-    ///
-    /// # Errors
-    /// The input cannot be read, which counts as active.
-    #[inline]
-    fn is_tripped(&mut self) -> Result<bool, Self::Error> {
-        Ok(false)
-    }
-
-    /// Sets up the parts again, which may have lost their supply. Called by a clear, at rest. By default it does nothing.
-    ///
-    /// # Errors
-    /// The parts cannot be set up. The clear is then refused, with [`super::TripCause::AdcBus`].
-    #[inline]
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-}
-
-/// An actuator with blocking calls.
-pub trait Actuator {
-    /// Error of the actuator.
-    type Error;
-
-    /// Drives `value`, in mm, or in kN of a damper emulation.
-    ///
-    /// # Errors
-    /// The actuator keeps the previous value. The controller trips with [`super::TripCause::DacBus`].
-    fn drive(&mut self, value: f32) -> Result<(), Self::Error>;
-
-    /// Sets the enable line.
-    ///
-    /// # Errors
-    /// Its level is unknown. The controller trips with [`super::TripCause::EnableLine`].
-    fn enable(&mut self, on: bool) -> Result<(), Self::Error>;
-
-    /// Reads back the output, without changing it, and checks that it is the last command. Called every [`super::VERIFY_TICKS`]
-    /// ticks, after the tick's command. By default the output is assumed to be correct.
-    ///
-    /// # Errors
-    /// The output differs, or cannot be read back. The controller trips with [`super::TripCause::DacBus`].
-    #[inline]
-    fn verify_drive(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-
-    /// Reads back the level of the enable line, and checks it. Called every [`super::VERIFY_TICKS`] ticks, and right after each
-    /// [`Actuator::enable`]. By default the level is assumed to be correct.
-    ///
-    /// # Errors
-    /// The level differs, or cannot be read back. The controller trips with [`super::TripCause::EnableLine`].
-    #[inline]
-    fn verify_enable(&mut self, _on: bool) -> Result<(), Self::Error> {
-        Ok(())
-    }
-
-    /// Signals to an external watchdog that a tick did all of its work. Called at the end of each such tick. By default there is no
-    /// watchdog.
-    ///
-    /// # Errors
-    /// The signal failed. The controller ignores this: the watchdog notices it.
-    #[inline]
-    fn alive(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-
-    /// Sets up the parts again, which may have lost their supply, with an output of 0. Called by a clear, at rest, with the enable
-    /// line low. By default it does nothing.
-    ///
-    /// # Errors
-    /// The parts cannot be set up. The clear is then refused, with [`super::TripCause::DacBus`].
-    #[inline]
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-}
-
 /// Sensors of displacement and force, with control inputs from elsewhere: an [`Ads8688`](crate::adc::Ads8688) converts two
 /// channels, and another task sets the current through a coil.
 #[derive(Clone, Debug)]
@@ -144,23 +57,140 @@ pub struct WithControls<S> {
     pub controls: [f32; CONTROLS],
 }
 
-impl<S: Sensors> Sensors for WithControls<S> {
-    type Error = S::Error;
+/// The two traits, and [`WithControls`], in the form of `$wait`.
+macro_rules! traits {
+    (
+        $(#[$about_sensors:meta])* $sensors:ident,
+        $(#[$about_actuator:meta])* $actuator:ident, $wait:ident $(, $async:tt)?
+    ) => {
+        $(#[$about_sensors])*
+        pub trait $sensors {
+            /// Error of a reading.
+            type Error;
 
-    #[inline]
-    fn read(&mut self) -> Result<Reading, S::Error> {
-        Ok(Reading {
-            controls: self.controls,
-            ..self.sensors.read()?
-        })
-    }
+            /// Reads displacement, force and control inputs.
+            ///
+            /// # Errors
+            /// Any error of the reading. The controller trips with [`super::TripCause::AdcBus`].
+            $($async)? fn read(&mut self) -> Result<Reading, Self::Error>;
 
-    #[inline]
-    fn is_tripped(&mut self) -> Result<bool, S::Error> {
-        self.sensors.is_tripped()
-    }
+            /// Whether an external stop input is active: an emergency stop, a guard, a second controller. It is read at each tick, at a
+            /// start and at a clear. While it is active, start and clear are refused, and the controller trips with
+            /// [`super::TripCause::External`], a trip cause that stays when the input ends. By default there is no input.
+            ///
+            /// # Errors
+            /// The input cannot be read, which counts as active.
+            #[inline]
+            $($async)? fn is_tripped(&mut self) -> Result<bool, Self::Error> {
+                Ok(false)
+            }
 
-    fn restore(&mut self) -> Result<(), S::Error> {
-        self.sensors.restore()
-    }
+            /// Sets up the parts again, which may have lost their supply. Called by a clear, at rest. By default it does nothing.
+            ///
+            /// # Errors
+            /// The parts cannot be set up. The clear is then refused, with [`super::TripCause::AdcBus`].
+            #[inline]
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                Ok(())
+            }
+        }
+
+        $(#[$about_actuator])*
+        pub trait $actuator {
+            /// Error of the actuator.
+            type Error;
+
+            /// Drives `value`, in mm, or in kN of a damper emulation.
+            ///
+            /// # Errors
+            /// The actuator keeps the previous value. The controller trips with [`super::TripCause::DacBus`].
+            $($async)? fn drive(&mut self, value: f32) -> Result<(), Self::Error>;
+
+            /// Sets the enable line.
+            ///
+            /// # Errors
+            /// Its level is unknown. The controller trips with [`super::TripCause::EnableLine`].
+            $($async)? fn enable(&mut self, on: bool) -> Result<(), Self::Error>;
+
+            /// Reads back the output, without changing it, and checks that it is the last command. Called every [`super::VERIFY_TICKS`]
+            /// ticks, after the tick's command. By default the output is assumed to be correct.
+            ///
+            /// # Errors
+            /// The output differs, or cannot be read back. The controller trips with [`super::TripCause::DacBus`].
+            #[inline]
+            $($async)? fn verify_drive(&mut self) -> Result<(), Self::Error> {
+                Ok(())
+            }
+
+            /// Reads back the level of the enable line, and checks it. Called every [`super::VERIFY_TICKS`] ticks, and right after each
+            /// [`Self::enable`]. By default the level is assumed to be correct.
+            ///
+            /// # Errors
+            /// The level differs, or cannot be read back. The controller trips with [`super::TripCause::EnableLine`].
+            #[inline]
+            $($async)? fn verify_enable(&mut self, _on: bool) -> Result<(), Self::Error> {
+                Ok(())
+            }
+
+            /// Signals to an external watchdog that a tick did all of its work. Called at the end of each such tick. By default there is no
+            /// watchdog.
+            ///
+            /// # Errors
+            /// The signal failed. The controller ignores this: the watchdog notices it.
+            #[inline]
+            $($async)? fn alive(&mut self) -> Result<(), Self::Error> {
+                Ok(())
+            }
+
+            /// Sets up the parts again, which may have lost their supply, with an output of 0. Called by a clear, at rest, with the enable
+            /// line low. By default it does nothing.
+            ///
+            /// # Errors
+            /// The parts cannot be set up. The clear is then refused, with [`super::TripCause::DacBus`].
+            #[inline]
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                Ok(())
+            }
+        }
+
+        impl<S: $sensors> $sensors for WithControls<S> {
+            type Error = S::Error;
+
+            #[inline]
+            $($async)? fn read(&mut self) -> Result<Reading, S::Error> {
+                Ok(Reading {
+                    controls: self.controls,
+                    ..$wait!(self.sensors.read())?
+                })
+            }
+
+            #[inline]
+            $($async)? fn is_tripped(&mut self) -> Result<bool, S::Error> {
+                $wait!(self.sensors.is_tripped())
+            }
+
+            $($async)? fn restore(&mut self) -> Result<(), S::Error> {
+                $wait!(self.sensors.restore())
+            }
+        }
+    };
 }
+
+traits!(
+    /// Sensors with blocking calls.
+    Sensors,
+    /// An actuator with blocking calls.
+    Actuator,
+    now
+);
+#[cfg(feature = "async")]
+traits!(
+    /// [`Sensors`] with asynchronous calls.
+    #[expect(async_fn_in_trait, reason = "a driver's executor decides whether its futures are sent")]
+    AsyncSensors,
+    /// [`Actuator`] with asynchronous calls.
+    #[expect(async_fn_in_trait, reason = "a driver's executor decides whether its futures are sent")]
+    AsyncActuator,
+    later,
+    async
+);

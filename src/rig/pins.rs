@@ -1,12 +1,14 @@
 //! Pins that supervise a rig, for any sensors and any actuator: an external trip, a read-back of the enable line, and an alive
 //! signal.
 
-#[cfg(feature = "async")]
-mod asynchronous;
-
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 
 use super::io::{Actuator, Reading, Sensors};
+#[cfg(feature = "async")]
+use super::io::{AsyncActuator, AsyncSensors};
+#[cfg(feature = "async")]
+use crate::forms::later;
+use crate::forms::now;
 
 /// Failure of a part with an additional pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,24 +62,6 @@ fn is_at<T, P: InputPin>(pin: &mut P, level: PinState) -> Result<bool, PinError<
     Ok(high == (level == PinState::High))
 }
 
-impl<S: Sensors, P: InputPin> Sensors for WithTrip<S, P> {
-    type Error = PinError<S::Error, P::Error>;
-
-    #[inline]
-    fn read(&mut self) -> Result<Reading, Self::Error> {
-        self.sensors.read().map_err(PinError::Part)
-    }
-
-    #[inline]
-    fn is_tripped(&mut self) -> Result<bool, Self::Error> {
-        Ok(self.is_active()? || self.sensors.is_tripped().map_err(PinError::Part)?)
-    }
-
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        self.sensors.restore().map_err(PinError::Part)
-    }
-}
-
 /// An actuator whose enable line is read back: see [`Actuator::verify_enable`].
 ///
 /// The pin must sense the line as close to the actuator as possible, so that the read-back covers the driver and the wire. It must
@@ -111,38 +95,6 @@ impl<A, P: InputPin> WithReadBack<A, P> {
         } else {
             Err(PinError::Level)
         }
-    }
-}
-
-impl<A: Actuator, P: InputPin> Actuator for WithReadBack<A, P> {
-    type Error = PinError<A::Error, P::Error>;
-
-    #[inline]
-    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
-        self.actuator.drive(value).map_err(PinError::Part)
-    }
-
-    #[inline]
-    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
-        self.actuator.enable(on).map_err(PinError::Part)
-    }
-
-    fn verify_drive(&mut self) -> Result<(), Self::Error> {
-        self.actuator.verify_drive().map_err(PinError::Part)
-    }
-
-    fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
-        self.actuator.verify_enable(on).map_err(PinError::Part)?;
-        self.verify_level(on)
-    }
-
-    #[inline]
-    fn alive(&mut self) -> Result<(), Self::Error> {
-        self.actuator.alive().map_err(PinError::Part)
-    }
-
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        self.actuator.restore().map_err(PinError::Part)
     }
 }
 
@@ -180,34 +132,93 @@ impl<A, P: OutputPin> WithAlive<A, P> {
     }
 }
 
-impl<A: Actuator, P: OutputPin> Actuator for WithAlive<A, P> {
-    type Error = PinError<A::Error, P::Error>;
+/// What the pins add, in the form of `$wait`.
+macro_rules! pins {
+    ($sensors:ident, $actuator:ident, $wait:ident $(, $async:tt)?) => {
+        impl<S: $sensors, P: InputPin> $sensors for WithTrip<S, P> {
+            type Error = PinError<S::Error, P::Error>;
 
-    #[inline]
-    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
-        self.actuator.drive(value).map_err(PinError::Part)
-    }
+            #[inline]
+            $($async)? fn read(&mut self) -> Result<Reading, Self::Error> {
+                $wait!(self.sensors.read()).map_err(PinError::Part)
+            }
 
-    #[inline]
-    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
-        self.actuator.enable(on).map_err(PinError::Part)
-    }
+            #[inline]
+            $($async)? fn is_tripped(&mut self) -> Result<bool, Self::Error> {
+                Ok(self.is_active()? || $wait!(self.sensors.is_tripped()).map_err(PinError::Part)?)
+            }
 
-    fn verify_drive(&mut self) -> Result<(), Self::Error> {
-        self.actuator.verify_drive().map_err(PinError::Part)
-    }
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.sensors.restore()).map_err(PinError::Part)
+            }
+        }
 
-    fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
-        self.actuator.verify_enable(on).map_err(PinError::Part)
-    }
+        impl<A: $actuator, P: InputPin> $actuator for WithReadBack<A, P> {
+            type Error = PinError<A::Error, P::Error>;
 
-    #[inline]
-    fn alive(&mut self) -> Result<(), Self::Error> {
-        self.actuator.alive().map_err(PinError::Part)?;
-        self.toggle()
-    }
+            #[inline]
+            $($async)? fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+                $wait!(self.actuator.drive(value)).map_err(PinError::Part)
+            }
 
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        self.actuator.restore().map_err(PinError::Part)
-    }
+            #[inline]
+            $($async)? fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+                $wait!(self.actuator.enable(on)).map_err(PinError::Part)
+            }
+
+            $($async)? fn verify_drive(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.verify_drive()).map_err(PinError::Part)
+            }
+
+            $($async)? fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
+                $wait!(self.actuator.verify_enable(on)).map_err(PinError::Part)?;
+                self.verify_level(on)
+            }
+
+            #[inline]
+            $($async)? fn alive(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.alive()).map_err(PinError::Part)
+            }
+
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.restore()).map_err(PinError::Part)
+            }
+        }
+
+        impl<A: $actuator, P: OutputPin> $actuator for WithAlive<A, P> {
+            type Error = PinError<A::Error, P::Error>;
+
+            #[inline]
+            $($async)? fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+                $wait!(self.actuator.drive(value)).map_err(PinError::Part)
+            }
+
+            #[inline]
+            $($async)? fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+                $wait!(self.actuator.enable(on)).map_err(PinError::Part)
+            }
+
+            $($async)? fn verify_drive(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.verify_drive()).map_err(PinError::Part)
+            }
+
+            $($async)? fn verify_enable(&mut self, on: bool) -> Result<(), Self::Error> {
+                $wait!(self.actuator.verify_enable(on)).map_err(PinError::Part)
+            }
+
+            #[inline]
+            $($async)? fn alive(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.alive()).map_err(PinError::Part)?;
+                self.toggle()
+            }
+
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.actuator.restore()).map_err(PinError::Part)
+            }
+        }
+    };
 }
+
+pins!(Sensors, Actuator, now);
+#[cfg(feature = "async")]
+pins!(AsyncSensors, AsyncActuator, later, async);

@@ -8,7 +8,7 @@ use super::controller::Controller;
 use super::correction::{Correction, CorrectionConfig};
 use super::exciter::Exciter;
 use super::fault::{Exceeded, Limits, TripCause, clipped};
-use super::guard::Guard;
+use super::guard::{Guard, answered_by_guard};
 use super::io::{Reading, Wiring};
 use super::refusal::{ClearRefused, StartRefused};
 use super::state::State;
@@ -400,35 +400,13 @@ where
         Ok(())
     }
 
-    fn stop(&mut self) {
-        self.guard.stop();
-    }
-
-    fn may_clear(&self) -> Result<(), ClearRefused> {
-        self.guard.may_clear()
-    }
+    answered_by_guard!();
 
     fn clear(&mut self) -> Result<(), ClearRefused> {
         self.guard.clear()?;
         // A reading from before the part was set up again is not valid.
         self.is_seen = false;
         Ok(())
-    }
-
-    fn exchange(&mut self) {
-        self.guard.exchange();
-    }
-
-    fn overrun(&mut self) {
-        self.guard.overrun();
-    }
-
-    fn external_trip(&mut self) {
-        self.guard.external_trip();
-    }
-
-    fn late_ticks(&self) -> u32 {
-        self.guard.late_ticks()
     }
 
     #[inline]
@@ -566,25 +544,5 @@ where
             }),
             event,
         }
-    }
-
-    fn command_failed(&mut self) {
-        self.guard.command_failed();
-    }
-
-    fn command_unverified(&mut self) {
-        self.guard.command_unverified();
-    }
-
-    fn enable_failed(&mut self) {
-        self.guard.enable_failed();
-    }
-
-    fn state(&self) -> State {
-        self.guard.state()
-    }
-
-    fn driven(&self) -> f32 {
-        self.guard.driven()
     }
 }

@@ -5,15 +5,20 @@ use core::borrow::{Borrow, BorrowMut};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 
-use super::blocking::Blocking;
 use super::emulation::{DamperEmulationSettings, EmulationController};
 use super::io::{Actuator, Reading, Sensors, Wiring};
+#[cfg(feature = "async")]
+use super::io::{AsyncActuator, AsyncSensors};
 use super::rig_controller::RigController;
+use super::wired::Blocking;
 use super::{DamperEmulation, Rig, RigConfig, RigSettings};
 use crate::adc::{AdcError, Ads8688};
 use crate::dac::{Ad5761, DacError};
 use crate::error::ConfigError;
 use crate::fast_law::RunningLaw;
+#[cfg(feature = "async")]
+use crate::forms::later;
+use crate::forms::now;
 use crate::sine::{Programme, SineGenerator};
 use crate::tick_law::TickLaw;
 
@@ -27,8 +32,8 @@ pub type SpiDamperEmulation<A, D, E, L> = DamperEmulation<Ads8688<A>, SpiActuato
 /// An actuator that an AD5761R drives and a pin enables.
 #[derive(Debug)]
 pub struct SpiActuator<D, E> {
-    pub(super) dac: Ad5761<D>,
-    pub(super) enable: E,
+    dac: Ad5761<D>,
+    enable: E,
 }
 
 impl<D, E> SpiActuator<D, E> {
@@ -50,45 +55,69 @@ pub enum SpiActuatorError<D, E> {
     Enable(E),
 }
 
-impl<A: SpiDevice> Sensors for Ads8688<A> {
-    type Error = AdcError<A::Error>;
+/// The two parts in the form of `$wait`.
+macro_rules! parts {
+    (
+        $bus:path, $sensors:ident, $actuator:ident,
+        $read:ident, $write:ident, $verify:ident, $restore:ident, $wait:ident $(, $async:tt)?
+    ) => {
+        impl<A: $bus> $sensors for Ads8688<A> {
+            type Error = AdcError<A::Error>;
 
-    #[inline]
-    fn read(&mut self) -> Result<Reading, Self::Error> {
-        Ok(Ads8688::read(self)?)
-    }
+            #[inline]
+            $($async)? fn read(&mut self) -> Result<Reading, Self::Error> {
+                Ok($wait!(Ads8688::$read(self))?)
+            }
 
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        Ads8688::restore(self)
-    }
-}
-
-impl<D: SpiDevice, E: OutputPin> Actuator for SpiActuator<D, E> {
-    type Error = SpiActuatorError<DacError<D::Error>, E::Error>;
-
-    #[inline]
-    fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
-        match self.dac.write(value) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(SpiActuatorError::Dac(error.into())),
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                $wait!(Ads8688::$restore(self))
+            }
         }
-    }
 
-    #[inline]
-    fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
-        self.enable
-            .set_state(on.into())
-            .map_err(SpiActuatorError::Enable)
-    }
+        impl<D: $bus, E: OutputPin> $actuator for SpiActuator<D, E> {
+            type Error = SpiActuatorError<DacError<D::Error>, E::Error>;
 
-    fn verify_drive(&mut self) -> Result<(), Self::Error> {
-        self.dac.verify().map_err(SpiActuatorError::Dac)
-    }
+            #[inline]
+            $($async)? fn drive(&mut self, value: f32) -> Result<(), Self::Error> {
+                match $wait!(self.dac.$write(value)) {
+                    Ok(_) => Ok(()),
+                    Err(error) => Err(SpiActuatorError::Dac(error.into())),
+                }
+            }
 
-    fn restore(&mut self) -> Result<(), Self::Error> {
-        self.dac.restore().map_err(SpiActuatorError::Dac)
-    }
+            #[inline]
+            $($async)? fn enable(&mut self, on: bool) -> Result<(), Self::Error> {
+                self.enable
+                    .set_state(on.into())
+                    .map_err(SpiActuatorError::Enable)
+            }
+
+            $($async)? fn verify_drive(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.dac.$verify()).map_err(SpiActuatorError::Dac)
+            }
+
+            $($async)? fn restore(&mut self) -> Result<(), Self::Error> {
+                $wait!(self.dac.$restore()).map_err(SpiActuatorError::Dac)
+            }
+        }
+    };
 }
+
+parts!(
+    SpiDevice, Sensors, Actuator, read, write, verify, restore, now
+);
+#[cfg(feature = "async")]
+parts!(
+    embedded_hal_async::spi::SpiDevice,
+    AsyncSensors,
+    AsyncActuator,
+    read_async,
+    write_async,
+    verify_async,
+    restore_async,
+    later,
+    async
+);
 
 impl<A, D, E, const B: usize, const N: usize, P, L>
     Blocking<RigController<N, SineGenerator<B, P>, L>, Ads8688<A>, SpiActuator<D, E>>

@@ -13,7 +13,7 @@ use mesh_damper::health::{Event, HealthCause};
 use mesh_damper::law::Law;
 use mesh_damper::rig::{State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
-use mesh_damper_rig::faults::{Condition, Damaged};
+use mesh_damper_rig::campaign::{Condition, Damaged};
 use mesh_damper_rig::{Bench, RigSetup, TICK_RATE};
 
 const SEEDS: u64 = 12;

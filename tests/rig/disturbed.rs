@@ -9,7 +9,7 @@ use mesh_damper::law::Law;
 use mesh_damper::rig::{State, Telemetry};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{SensorFault, ServoFault};
-use mesh_damper_rig::faults::{Condition, Damaged};
+use mesh_damper_rig::campaign::{Condition, Damaged};
 use mesh_damper_rig::{Bench, RigSetup};
 
 const TICK_RATE: f64 = 10_000.0;

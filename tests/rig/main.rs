@@ -5,6 +5,7 @@ mod adc_dac;
 mod asynchronous;
 mod attacks;
 mod attacks_on_emulation;
+mod causes;
 mod closed_loop;
 mod control_inputs;
 mod controller;

@@ -27,10 +27,11 @@ fn programme(blocks: &[Block]) -> Programme<4> {
         })
 }
 
-/// The results of a simulation: the force at every tick, with the cycles completed before it, and each cycle's results.
+/// The results of a simulation: the force at every tick, with the cycles completed before it and the displacement, and each cycle's
+/// results.
 #[derive(Debug, Default, PartialEq)]
 struct Given {
-    forces: Vec<(f32, u32)>,
+    forces: Vec<(f32, u32, f32)>,
     cycles: Vec<Cycle>,
 }
 
@@ -52,7 +53,9 @@ fn ticks(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastL
             assert_eq!(force, 0.0);
             return given;
         }
-        given.forces.push((force, test.cycle()));
+        given
+            .forces
+            .push((force, test.cycle(), test.displacement()));
     }
 }
 
@@ -86,7 +89,7 @@ fn parts(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastL
         if now.done {
             return given;
         }
-        given.forces.push((force, now.cycle));
+        given.forces.push((force, now.cycle, now.displacement));
     }
 }
 
@@ -97,7 +100,11 @@ fn forces_agree(given: &Given, expected: &Given) {
     let peak = expected
         .forces
         .iter()
-        .fold(0.0f32, |m, (f, _)| m.max(f.abs()));
+        .fold(0.0f32, |m, (f, ..)| m.max(f.abs()));
+    let amplitude = expected
+        .forces
+        .iter()
+        .fold(0.0f32, |m, (.., y)| m.max(y.abs()));
     for (n, (is, should)) in given.forces.iter().zip(&expected.forces).enumerate() {
         assert_eq!(is.1, should.1, "cycles before tick {n}");
         assert!(
@@ -105,6 +112,12 @@ fn forces_agree(given: &Given, expected: &Given) {
             "tick {n}: {} is not {}",
             is.0,
             should.0
+        );
+        assert!(
+            (is.2 - should.2).abs() < 6e-7 * amplitude,
+            "tick {n}: {} mm is not {} mm",
+            is.2,
+            should.2
         );
     }
 }

@@ -83,6 +83,26 @@ fn telemetry() -> Telemetry {
     }
 }
 
+/// Each cause as the crate wrote it at commit 3f3244e2: its number, as JSON, and in postcard's bytes.
+#[test]
+fn causes_that_an_earlier_version_wrote_are_read() {
+    for line in include_str!("causes.txt").lines() {
+        let parts: Vec<&str> = line.split(' ').collect();
+        let [number, json, bytes] = parts[..] else {
+            panic!("{line}")
+        };
+        let pairs = bytes.as_bytes().chunks(2);
+        let bytes: Vec<u8> = pairs
+            .map(|pair| u8::from_str_radix(str::from_utf8(pair).unwrap(), 16).unwrap())
+            .collect();
+        let cause: HealthCause = serde_json::from_str(json).unwrap();
+        assert_eq!(cause.number().to_string(), number);
+        assert_eq!(postcard::from_bytes::<HealthCause>(&bytes).unwrap(), cause);
+        assert_eq!(serde_json::to_string(&cause).unwrap(), json);
+        assert_eq!(postcard::to_stdvec(&cause).unwrap(), bytes);
+    }
+}
+
 #[test]
 fn what_goes_in_and_comes_out_survives_a_format() {
     survives(telemetry());

@@ -389,6 +389,47 @@ fn an_outcome_passes() {
     }
 }
 
+/// A newer sender may name causes that this version does not know: the event is a fault, and its evidence stays.
+#[test]
+fn an_unknown_cause_is_an_unexplained_one() {
+    let event = Event {
+        cause: HealthCause::RunIn,
+        or: Some(HealthCause::Loosening),
+        statistic: Statistic::Energy,
+        value: 0.2,
+        limit: 0.1,
+        cycle: 9,
+    };
+    let sent = Telemetry {
+        event: Some(event),
+        ..telemetry()
+    };
+    let mut buffer = FrameBuffer::new();
+    write_outcome(8, 1, false, &sent, &mut buffer);
+    let answered = frame(&buffer);
+    let mut payload = answered.payload.to_vec();
+    // The event is the end of the payload: cause, statistic, other cause, nothing, and three numbers.
+    let at = payload.len() - 16;
+    (payload[at], payload[at + 2]) = (254, 253);
+    let payload = &payload[..];
+    let answer = Answer::read(&Frame {
+        payload,
+        ..answered
+    });
+    let Some(Answer::Outcome(outcome)) = answer else {
+        panic!("{answer:?}")
+    };
+    let unexplained = HealthCause::Unexplained;
+    assert_eq!(
+        outcome.telemetry.event,
+        Some(Event {
+            cause: unexplained,
+            or: Some(unexplained),
+            ..event
+        })
+    );
+}
+
 #[test]
 fn every_state_passes() {
     let faults = [

@@ -27,6 +27,83 @@
 #define MD_ALIGNED(bytes) __attribute__((aligned(bytes)))
 #endif
 
+// Findings of a rig's monitor. The numbers are those of the link. A later version may have more of them.
+enum md_health
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Stiffness falls, and energy with it.
+  MD_HEALTH_WIRE_BREAKAGE = 0,
+  // Energy falls, stiffness stays.
+  MD_HEALTH_FRICTION_WEAR = 1,
+  // A gap opens: force is missing near zero displacement.
+  MD_HEALTH_LOOSENING = 2,
+  // The mean force changes at once.
+  MD_HEALTH_PRELOAD_SHIFT = 3,
+  // A change that no other cause explains, or one that a newer version names.
+  MD_HEALTH_UNEXPLAINED = 4,
+  // Settled after the start by more than the size of a fault.
+  MD_HEALTH_RUN_IN = 5,
+  // Changed with the temperature by more than the size of a fault.
+  MD_HEALTH_TEMPERATURE = 6,
+  // The displacement channel repeats one value while its quantity moves.
+  MD_HEALTH_DISPLACEMENT_STUCK = 7,
+  // The force channel repeats one value while its quantity moves.
+  MD_HEALTH_FORCE_STUCK = 8,
+  // The displacement channel shows 0 V while its quantity moves; that of the force also if it no longer follows the motion.
+  MD_HEALTH_DISPLACEMENT_DROPPED_OUT = 9,
+  // The force channel shows 0 V while its quantity moves; that of the force also if it no longer follows the motion.
+  MD_HEALTH_FORCE_DROPPED_OUT = 10,
+  // The displacement channel stays at an extreme value until its quantity returns, or is at an end of the converter's range.
+  MD_HEALTH_DISPLACEMENT_CLIPPED = 11,
+  // The force channel stays at an extreme value until its quantity returns, or is at an end of the converter's range.
+  MD_HEALTH_FORCE_CLIPPED = 12,
+  // The displacement channel has single samples that are outliers in both directions.
+  MD_HEALTH_DISPLACEMENT_SPIKING = 13,
+  // The force channel has single samples that are outliers in both directions.
+  MD_HEALTH_FORCE_SPIKING = 14,
+  // The displacement channel's zero moves, bit by bit.
+  MD_HEALTH_DISPLACEMENT_DRIFTING = 15,
+  // The force channel's zero moves, bit by bit.
+  MD_HEALTH_FORCE_DRIFTING = 16,
+  // The actuator does not reach the demanded motion, and the shape of its motion differs.
+  MD_HEALTH_ACTUATOR_SATURATED = 17,
+  // The actuator's motion has the demanded shape, but is late or of another size.
+  MD_HEALTH_ACTUATOR_LAGGING = 18,
+  // The actuator stands still.
+  MD_HEALTH_ACTUATOR_DEAD = 19,
+  // Energy rises, stiffness stays: the specimen galls or seizes.
+  MD_HEALTH_FRICTION_RISE = 20,
+  // Stiffness rises, with energy or without.
+  MD_HEALTH_STIFFENING = 21,
+  // The displacement channel shows more or less than before for the same quantity.
+  MD_HEALTH_DISPLACEMENT_GAIN = 22,
+  // The force channel shows more or less than before for the same quantity.
+  MD_HEALTH_FORCE_GAIN = 23,
+  // The displacement channel has more noise or hum than the monitor learned.
+  MD_HEALTH_DISPLACEMENT_NOISY = 24,
+  // The force channel has more noise or hum than the monitor learned.
+  MD_HEALTH_FORCE_NOISY = 25,
+  // The force does not follow the motion, and never did: there is no specimen.
+  MD_HEALTH_SPECIMEN_ABSENT = 26,
+  // The displacement channel has the opposite sign.
+  MD_HEALTH_DISPLACEMENT_REVERSED = 27,
+  // The force channel has the opposite sign.
+  MD_HEALTH_FORCE_REVERSED = 28,
+  // The specimen differs much from the law from the start.
+  MD_HEALTH_LAW_MISMATCH = 29,
+  // The measured temperature is implausible: not finite, out of range, or changing faster than a specimen warms.
+  MD_HEALTH_TEMPERATURE_IMPLAUSIBLE = 30,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum md_health md_health;
+#else
+typedef int32_t md_health;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Largest number of effects in a law.
 #define MD_EFFECTS 8
 
@@ -252,83 +329,6 @@ enum md_state
 typedef enum md_state md_state;
 #else
 typedef int32_t md_state;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// Findings of a rig's monitor. The numbers are those of the link.
-enum md_health
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-  // Stiffness falls, and energy with it.
-  MD_HEALTH_WIRE_BREAKAGE = 0,
-  // Energy falls, stiffness stays.
-  MD_HEALTH_FRICTION_WEAR = 1,
-  // A gap opens.
-  MD_HEALTH_LOOSENING = 2,
-  // The mean force changed at once.
-  MD_HEALTH_PRELOAD_SHIFT = 3,
-  // A change that no other cause explains.
-  MD_HEALTH_UNEXPLAINED = 4,
-  // Settled after the start: normal.
-  MD_HEALTH_RUN_IN = 5,
-  // Changed with the temperature: normal.
-  MD_HEALTH_TEMPERATURE = 6,
-  // The displacement channel repeats one value while its quantity moves.
-  MD_HEALTH_DISPLACEMENT_STUCK = 7,
-  // The force channel repeats one value while its quantity moves.
-  MD_HEALTH_FORCE_STUCK = 8,
-  // The displacement channel shows 0 V while its quantity moves.
-  MD_HEALTH_DISPLACEMENT_DROPPED_OUT = 9,
-  // The force channel shows 0 V while its quantity moves.
-  MD_HEALTH_FORCE_DROPPED_OUT = 10,
-  // The displacement channel stays at an extreme value.
-  MD_HEALTH_DISPLACEMENT_CLIPPED = 11,
-  // The force channel stays at an extreme value.
-  MD_HEALTH_FORCE_CLIPPED = 12,
-  // Single samples of the displacement are outliers.
-  MD_HEALTH_DISPLACEMENT_SPIKING = 13,
-  // Single samples of the force are outliers.
-  MD_HEALTH_FORCE_SPIKING = 14,
-  // The zero of the displacement channel drifts.
-  MD_HEALTH_DISPLACEMENT_DRIFTING = 15,
-  // The zero of the force channel drifts.
-  MD_HEALTH_FORCE_DRIFTING = 16,
-  // The actuator does not reach the demanded motion.
-  MD_HEALTH_ACTUATOR_SATURATED = 17,
-  // The motion of the actuator is late.
-  MD_HEALTH_ACTUATOR_LAGGING = 18,
-  // The actuator stands still.
-  MD_HEALTH_ACTUATOR_DEAD = 19,
-  // Energy rises, stiffness stays.
-  MD_HEALTH_FRICTION_RISE = 20,
-  // Stiffness rises.
-  MD_HEALTH_STIFFENING = 21,
-  // The displacement channel shows more or less than before for the same quantity.
-  MD_HEALTH_DISPLACEMENT_GAIN = 22,
-  // The force channel shows more or less than before for the same quantity.
-  MD_HEALTH_FORCE_GAIN = 23,
-  // The displacement channel has more noise or hum than the monitor learned.
-  MD_HEALTH_DISPLACEMENT_NOISY = 24,
-  // The force channel has more noise or hum than the monitor learned.
-  MD_HEALTH_FORCE_NOISY = 25,
-  // The force does not follow the motion at all.
-  MD_HEALTH_SPECIMEN_ABSENT = 26,
-  // The displacement channel has the opposite sign.
-  MD_HEALTH_DISPLACEMENT_REVERSED = 27,
-  // The force channel has the opposite sign.
-  MD_HEALTH_FORCE_REVERSED = 28,
-  // The specimen differs much from the law from the start.
-  MD_HEALTH_LAW_MISMATCH = 29,
-  // The measured temperature is implausible.
-  MD_HEALTH_TEMPERATURE_IMPLAUSIBLE = 30,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum md_health md_health;
-#else
-typedef int32_t md_health;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 

@@ -2,7 +2,7 @@
 
 use core::ffi::{CStr, c_char};
 
-use mesh_damper::health::{Channel, HealthCause};
+use mesh_damper::health::HealthCause;
 use mesh_damper::rig;
 
 use crate::cycle::Cycle;
@@ -128,110 +128,14 @@ pub extern "C" fn md_trip_name(trip: i32) -> *const c_char {
     named.map_or(c"?", |(_, name)| *name).as_ptr()
 }
 
-/// Findings of a rig's monitor. The numbers are those of the link.
-#[repr(i32)]
+/// A finding of a rig's monitor: the number of a health cause, as on the link. The header gets its constants from the crate's list.
+#[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HealthEvent {
-    /// Stiffness falls, and energy with it.
-    WireBreakage = 0,
-    /// Energy falls, stiffness stays.
-    FrictionWear = 1,
-    /// A gap opens.
-    Loosening = 2,
-    /// The mean force changed at once.
-    PreloadShift = 3,
-    /// A change that no other cause explains.
-    Unexplained = 4,
-    /// Settled after the start: normal.
-    RunIn = 5,
-    /// Changed with the temperature: normal.
-    Temperature = 6,
-    /// The displacement channel repeats one value while its quantity moves.
-    DisplacementStuck = 7,
-    /// The force channel repeats one value while its quantity moves.
-    ForceStuck = 8,
-    /// The displacement channel shows 0 V while its quantity moves.
-    DisplacementDroppedOut = 9,
-    /// The force channel shows 0 V while its quantity moves.
-    ForceDroppedOut = 10,
-    /// The displacement channel stays at an extreme value.
-    DisplacementClipped = 11,
-    /// The force channel stays at an extreme value.
-    ForceClipped = 12,
-    /// Single samples of the displacement are outliers.
-    DisplacementSpiking = 13,
-    /// Single samples of the force are outliers.
-    ForceSpiking = 14,
-    /// The zero of the displacement channel drifts.
-    DisplacementDrifting = 15,
-    /// The zero of the force channel drifts.
-    ForceDrifting = 16,
-    /// The actuator does not reach the demanded motion.
-    ActuatorSaturated = 17,
-    /// The motion of the actuator is late.
-    ActuatorLagging = 18,
-    /// The actuator stands still.
-    ActuatorDead = 19,
-    /// Energy rises, stiffness stays.
-    FrictionRise = 20,
-    /// Stiffness rises.
-    Stiffening = 21,
-    /// The displacement channel shows more or less than before for the same quantity.
-    DisplacementGain = 22,
-    /// The force channel shows more or less than before for the same quantity.
-    ForceGain = 23,
-    /// The displacement channel has more noise or hum than the monitor learned.
-    DisplacementNoisy = 24,
-    /// The force channel has more noise or hum than the monitor learned.
-    ForceNoisy = 25,
-    /// The force does not follow the motion at all.
-    SpecimenAbsent = 26,
-    /// The displacement channel has the opposite sign.
-    DisplacementReversed = 27,
-    /// The force channel has the opposite sign.
-    ForceReversed = 28,
-    /// The specimen differs much from the law from the start.
-    LawMismatch = 29,
-    /// The measured temperature is implausible.
-    TemperatureImplausible = 30,
-}
+pub struct HealthEvent(pub i32);
 
 impl From<HealthCause> for HealthEvent {
     fn from(cause: HealthCause) -> Self {
-        use Channel::{Displacement, Force};
-        match cause {
-            HealthCause::WireBreakage => Self::WireBreakage,
-            HealthCause::FrictionWear => Self::FrictionWear,
-            HealthCause::Loosening => Self::Loosening,
-            HealthCause::PreloadShift => Self::PreloadShift,
-            HealthCause::Unexplained => Self::Unexplained,
-            HealthCause::RunIn => Self::RunIn,
-            HealthCause::Temperature => Self::Temperature,
-            HealthCause::SensorStuck(Displacement) => Self::DisplacementStuck,
-            HealthCause::SensorStuck(Force) => Self::ForceStuck,
-            HealthCause::SensorDroppedOut(Displacement) => Self::DisplacementDroppedOut,
-            HealthCause::SensorDroppedOut(Force) => Self::ForceDroppedOut,
-            HealthCause::SensorClipped(Displacement) => Self::DisplacementClipped,
-            HealthCause::SensorClipped(Force) => Self::ForceClipped,
-            HealthCause::SensorSpiking(Displacement) => Self::DisplacementSpiking,
-            HealthCause::SensorSpiking(Force) => Self::ForceSpiking,
-            HealthCause::SensorDrifting(Displacement) => Self::DisplacementDrifting,
-            HealthCause::SensorDrifting(Force) => Self::ForceDrifting,
-            HealthCause::ActuatorSaturated => Self::ActuatorSaturated,
-            HealthCause::ActuatorLagging => Self::ActuatorLagging,
-            HealthCause::ActuatorDead => Self::ActuatorDead,
-            HealthCause::FrictionRise => Self::FrictionRise,
-            HealthCause::Stiffening => Self::Stiffening,
-            HealthCause::SensorGain(Displacement) => Self::DisplacementGain,
-            HealthCause::SensorGain(Force) => Self::ForceGain,
-            HealthCause::SensorNoisy(Displacement) => Self::DisplacementNoisy,
-            HealthCause::SensorNoisy(Force) => Self::ForceNoisy,
-            HealthCause::SpecimenAbsent => Self::SpecimenAbsent,
-            HealthCause::SensorReversed(Displacement) => Self::DisplacementReversed,
-            HealthCause::SensorReversed(Force) => Self::ForceReversed,
-            HealthCause::LawMismatch => Self::LawMismatch,
-            HealthCause::TemperatureImplausible => Self::TemperatureImplausible,
-        }
+        Self(cause.number().into())
     }
 }
 
@@ -332,11 +236,14 @@ impl From<&rig::Telemetry> for Telemetry {
             model: cycle(|report| &report.model),
             nrmse: report.map_or(0.0, |report| report.nrmse),
             has_event: event.is_some(),
-            event: event.map_or(HealthEvent::Unexplained, |event| event.cause.into()),
+            event: event
+                .map_or(HealthCause::Unexplained, |event| event.cause)
+                .into(),
             has_event_or: event.is_some_and(|event| event.or.is_some()),
             event_or: event
                 .and_then(|event| event.or)
-                .map_or(HealthEvent::Unexplained, HealthEvent::from),
+                .unwrap_or(HealthCause::Unexplained)
+                .into(),
             event_value: event.map_or(0.0, |event| event.value),
             event_limit: event.map_or(0.0, |event| event.limit),
         }
@@ -350,7 +257,7 @@ mod tests {
     #[test]
     fn numbers_of_events_are_those_of_the_link() {
         for cause in HealthCause::ALL {
-            assert_eq!(HealthEvent::from(cause) as i32, i32::from(cause.number()));
+            assert_eq!(HealthEvent::from(cause).0, i32::from(cause.number()));
         }
     }
 }

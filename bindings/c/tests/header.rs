@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cbindgen::{Config, DocumentationStyle, EnumConfig, Language, LayoutConfig, RenameRule};
+use mesh_damper::health::HealthCause;
 
 /// The beginning of the header: it selects between the two constants for this target, and the alignment of a struct.
 const BEFORE: &str = r#"
@@ -58,12 +59,57 @@ const NAMES: [(&str, &str); 25] = [
     ("Wiring", "md_wiring"),
 ];
 
+/// The constants of the health causes, from the crate's list, in the form in which cbindgen writes an enumeration.
+fn health_causes() -> String {
+    let constants = HealthCause::ALL.map(|cause| {
+        let description = cause.description();
+        let (name, meaning) = match cause.channel() {
+            Some(channel) => {
+                let of = description.name.strip_prefix("Sensor").unwrap();
+                let meaning = description.meaning.strip_prefix("The channel").unwrap();
+                let channel = channel.name();
+                (
+                    format!("{channel}{of}"),
+                    format!("The {channel} channel{meaning}"),
+                )
+            }
+            None => (description.name.to_owned(), description.meaning.to_owned()),
+        };
+        let name: String = name
+            .char_indices()
+            .flat_map(|(at, c)| {
+                let between = (at > 0 && c.is_uppercase()).then_some('_');
+                between.into_iter().chain(c.to_uppercase())
+            })
+            .collect();
+        format!("  // {meaning}\n  MD_HEALTH_{name} = {},\n", cause.number())
+    });
+    let constants = constants.concat();
+    format!(
+        "
+// Findings of a rig's monitor. The numbers are those of the link. A later version may have more of them.
+enum md_health
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {{
+{constants}}};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum md_health md_health;
+#else
+typedef int32_t md_health;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus"
+    )
+}
+
 fn config() -> Config {
     let mut config = Config {
         language: Language::C,
         cpp_compat: true,
         header: Some(HEADER.into()),
-        after_includes: Some(BEFORE.into()),
+        after_includes: Some(format!("{BEFORE}\n{}", health_causes())),
         include_guard: Some("MESH_DAMPER_H".into()),
         no_includes: true,
         sys_includes: ["stdbool.h", "stddef.h", "stdint.h"]
@@ -93,6 +139,7 @@ fn config() -> Config {
         .export
         .rename
         .insert("TripCause".into(), "md_trip".into());
+    config.export.exclude = vec!["HealthEvent".into()];
     config.defines = pairs(&[
         ("target_pointer_width = 32", "MD_POINTERS_OF_32_BITS"),
         ("target_pointer_width = 64", "MD_POINTERS_OF_64_BITS"),

@@ -1,7 +1,7 @@
 //! Results of the fault campaign, as SVG: how soon faults and attacks were found, and how well slow changes were followed.
 
-use mesh_damper_rig::faults::{
-    AttackOutcome, AttackSummary, Changing, Naming, Outcome, SlowOutcome, Summary,
+use mesh_damper_rig::campaign::{
+    AttackSummary, Changing, KindSummary, Naming, Outcome, SlowOutcome, Summary,
 };
 
 use super::palette::Colour;
@@ -18,33 +18,13 @@ const LOOKS: [(Colour, Mark); 4] = [
 /// A name with its marks: the entry in the legend, and the position.
 type Row = (String, Vec<(usize, f64)>);
 
-/// Cycles from a fault until it is named, one row for each kind and size, one mark for each trial.
-pub fn found(summary: &Summary) -> String {
-    let mark = |one: &Outcome| Some((usize::from(!(one.right || one.both)), one.cycles?));
-    let rows = summary.kinds.iter().map(|kind| {
-        let these = summary
-            .outcomes
-            .iter()
-            .filter(|one| one.trial.kind == kind.kind && one.trial.size == kind.size);
-        let mut marks: Vec<_> = these.filter_map(mark).collect();
-        // Trials with another name are few and must not be hidden.
-        marks.sort_by_key(|(of, _)| *of);
-        (format!("{:?} {}", kind.kind, kind.size), marks)
-    });
-    picture(
-        "How soon each fault was named",
-        &rows.collect::<Vec<Row>>(),
-        &[(0, "named correctly"), (1, "named incorrectly")],
-        ("cycles from the fault to its name", ""),
-    )
-}
+/// Position of marks for trials found later, or not at all.
+const LATE: f64 = 10.0;
 
-/// Cycles from an attack until it is named, one row for each kind and size, one mark for each trial. A trial that led to a
-/// hazardous state has its mark where the rig found it, or at the end of the row.
-pub fn attacked(attacks: &AttackSummary) -> String {
-    /// Position of marks for trials found later, or not at all.
-    const LATE: f64 = 10.0;
-    let mark = |one: &AttackOutcome| {
+/// A row with one mark for each of `outcomes`. A trial that led to a hazardous state has its mark where the rig found it, or at the
+/// end of the row.
+fn row<'o>(name: String, outcomes: impl Iterator<Item = &'o Outcome>) -> Row {
+    let mark = |one: &Outcome| {
         let at = one.cycles.map_or(LATE, |cycles| cycles.min(LATE));
         match one.naming {
             _ if one.is_hazardous() => Some((3, at)),
@@ -53,25 +33,45 @@ pub fn attacked(attacks: &AttackSummary) -> String {
             Naming::Wrong => Some((1, at)),
         }
     };
-    let of_kind = |(kind, size): (_, f64)| {
-        let these = attacks.outcomes.singles.iter().filter(move |one| {
-            let attack = &one.trial.attacks[0];
-            attack.kind == kind && attack.size == size
-        });
-        let mut marks: Vec<_> = these.filter_map(mark).collect();
-        marks.sort_by_key(|(of, _)| *of);
-        (format!("{kind:?} {size}"), marks)
-    };
+    let mut marks: Vec<_> = outcomes.filter_map(mark).collect();
+    // Trials with another name are few and must not be hidden.
+    marks.sort_by_key(|(of, _)| *of);
+    (name, marks)
+}
+
+fn row_of(kind: &KindSummary, outcomes: &[Outcome]) -> Row {
+    let name = format!("{:?} {}", kind.kind, kind.size);
+    row(name, kind.among(outcomes))
+}
+
+/// Cycles from a fault that the monitor knows until it is named, one row for each kind and size, one mark for each trial.
+pub fn found(summary: &Summary) -> String {
+    let kinds = summary.kinds.iter();
+    let rows = kinds.map(|kind| row_of(kind, &summary.outcomes));
+    picture(
+        "How soon each fault was named",
+        &rows.collect::<Vec<Row>>(),
+        &[
+            (0, "named correctly"),
+            (1, "named incorrectly"),
+            (3, "a hazardous state"),
+        ],
+        ("cycles from the fault to its name", ""),
+    )
+}
+
+/// Cycles from an attack until it is named, one row for each kind and size, one mark for each trial.
+pub fn attacked(attacks: &AttackSummary) -> String {
+    let outcomes = &attacks.outcomes;
     let seen = attacks.kinds.iter().filter(|kind| kind.hidden.is_none());
-    let mut rows: Vec<Row> = seen.map(|kind| of_kind((kind.kind, kind.size))).collect();
+    let mut rows: Vec<Row> = seen.map(|kind| row_of(kind, &outcomes.singles)).collect();
     for (name, outcomes) in [
-        ("pairs", &attacks.outcomes.pairs),
-        ("the adversary's", &attacks.outcomes.adversary),
+        ("pairs", &outcomes.pairs),
+        ("the adversary's", &outcomes.adversary),
     ] {
-        let mut marks: Vec<_> = outcomes.iter().filter_map(mark).collect();
-        marks.sort_by_key(|(of, _)| *of);
-        if !marks.is_empty() {
-            rows.push((name.into(), marks));
+        let row = row(name.into(), outcomes.iter());
+        if !row.1.is_empty() {
+            rows.push(row);
         }
     }
     picture(

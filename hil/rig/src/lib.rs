@@ -12,7 +12,7 @@
 //! | [`drive`] | any motion for the rig to follow, and its demands on the rig |
 //! | [`actuator`] | actuator, sensors, converters and enable line |
 //! | [`signals`] | interference with the signals between these parts and the controller |
-//! | [`faults`] | faults injected into these parts, and the findings of the rig's monitor |
+//! | [`campaign`] | faults and attacks injected into these parts, and the findings of the rig's monitor |
 //!
 //! A controller that runs elsewhere takes part as a [`Controlled`].
 //!
@@ -35,11 +35,11 @@
 
 pub mod actuator;
 mod bench;
+pub mod campaign;
 pub mod check;
 pub mod drive;
 mod emulation;
 mod expected;
-pub mod faults;
 mod journal;
 mod plant;
 mod run;

@@ -1,7 +1,9 @@
 //! After an alarm the watch tells a step from a drift.
 
 use super::super::HealthConfig;
-use super::super::cause::{Course, Event, HealthCause, Shift, Statistic};
+use super::super::cause::HealthCause;
+use super::super::event::{Event, Statistic};
+use super::super::pattern::{Course, Shift};
 use super::{SpecimenWatch, Suspicion};
 
 /// Part of a shift by which a gradual one grows in one cycle.

@@ -1,6 +1,7 @@
 //! An event carries as its evidence how far the statistics are from their baselines.
 
-use super::super::cause::{Course, Event, Shift, Verdict, cause};
+use super::super::event::Event;
+use super::super::pattern::{Course, Shift, Verdict, cause};
 use super::SpecimenWatch;
 
 impl SpecimenWatch {

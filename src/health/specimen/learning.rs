@@ -1,7 +1,9 @@
 //! While the watch learns, it compares the specimen with the law, and with what was known before.
 
 use super::super::HealthConfig;
-use super::super::cause::{Channel, Course, Event, HealthCause, Statistic, reversed};
+use super::super::cause::{Channel, HealthCause};
+use super::super::event::{Event, Statistic};
+use super::super::pattern::{Course, reversed};
 use super::{SETTLING, SpecimenWatch};
 
 /// Change in sizes at which a statistic is reported while it is still learned, when the line through its first cycles is young.

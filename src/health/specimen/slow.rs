@@ -1,7 +1,9 @@
 //! The watch judges a slow change by how far the baselines have moved since the run-in.
 
 use super::super::HealthConfig;
-use super::super::cause::{Course, Event, HealthCause, Shift, Statistic, cause};
+use super::super::cause::HealthCause;
+use super::super::event::{Event, Statistic};
+use super::super::pattern::{Course, Shift, cause};
 use super::{SETTLING, SpecimenWatch, of_law};
 
 /// Part of the size to be found that a slow change may have.

@@ -14,7 +14,7 @@ pub use bench::{ImageBench, described};
 pub use emulator::{Emulator, Wire};
 pub use exchange::{Exchange, Sent};
 pub use log::{LogDecoder, LogLevel, LogLine, LogSink};
-pub use run::{run_attack_on, run_rig_on, run_trial_on};
+pub use run::{run_rig_on, run_trial_on};
 pub use serial::Serial;
 
 use std::path::Path;

@@ -1,8 +1,6 @@
-//! Programmes and fault trials with an image as the controller.
+//! Programmes and trials of a campaign with an image as the controller.
 
-use mesh_damper_rig::faults::{
-    AttackOutcome, AttackTrial, Outcome, Trial, run_attack_with, run_trial_with,
-};
+use mesh_damper_rig::campaign::{Outcome, Trial, run_trial_with};
 use mesh_damper_rig::specimen::DamperForce;
 use mesh_damper_rig::{Plan, RigRun, RigSetup, SetupError, Watch, run_controlled};
 
@@ -21,21 +19,10 @@ pub fn run_rig_on<S: DamperForce + Clone, W: Wire, const B: usize, const N: usiz
     run_controlled(&mut ImageBench::new(setup, image)?, &plan, watch)
 }
 
-/// [`mesh_damper_rig::faults::run_trial`] with an image as the controller, which must not have a rig yet.
+/// [`mesh_damper_rig::campaign::run_trial`] with an image as the controller, which must not have a rig yet.
 ///
 /// # Errors
 /// The errors of that function, and those of the link to the image.
 pub fn run_trial_on<W: Wire>(image: &mut Image<W>, trial: &Trial) -> Result<Outcome, SetupError> {
     run_trial_with(trial, |setup| ImageBench::new(setup, image))
-}
-
-/// [`mesh_damper_rig::faults::run_attack`] with an image as the controller, which must not have a rig yet.
-///
-/// # Errors
-/// The errors of that function, and those of the link to the image.
-pub fn run_attack_on<W: Wire>(
-    image: &mut Image<W>,
-    trial: &AttackTrial,
-) -> Result<AttackOutcome, SetupError> {
-    run_attack_with(trial, |setup| ImageBench::new(setup, image))
 }

@@ -2,153 +2,160 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::list::effects;
 use super::unlisted::Unlisted;
 
-/// An effect that eq 13 does not contain. A size may have either sign where physics allows it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
-pub enum HiddenEffect {
-    /// F = f0: a preload.
-    Offset {
-        /// Force f0, kN.
-        force: f64,
-    },
-    /// F = k2·y²: a stiffness that differs between the directions.
-    Asymmetry {
-        /// Stiffness k2, kN/mm².
-        k2: f64,
-    },
-    /// F = k5·y⁵: wires that close up under compression.
-    Hardening {
-        /// Stiffness k5, kN/mm⁵.
-        k5: f64,
-    },
-    /// Friction joints behind a spring.
-    StickSlip {
-        /// Stiffness while everything sticks, kN/mm.
-        stiffness: f64,
-        /// Stretch at which it slips, mm: the largest force is stiffness · slip limit.
-        slip_limit: f64,
-        /// The transition from sticking to slipping.
-        shape: SlipShape,
-    },
-    /// F = c·v: viscous damping.
-    Viscous {
-        /// Damping c, kN·s/mm.
-        c: f64,
-    },
-    /// A Maxwell branch: Ḟ = stiffness·v − F/time.
-    Relaxation {
-        /// Stiffness, kN/mm.
-        stiffness: f64,
-        /// Relaxation time, s.
-        time: f64,
-    },
-    /// A spring and a dashpot in series: Ḟ = stiffness·(v − w) with F = force·tanh(w/rate) + c·w.
-    Yielding {
-        /// Stiffness of the spring, kN/mm.
-        stiffness: f64,
-        /// Force at which the dashpot yields, kN.
-        force: f64,
-        /// Rate of the dashpot at which it has yielded, mm/s.
-        rate: f64,
-        /// Damping c, kN·s/mm.
-        c: f64,
-    },
-    /// F = m·a: a mass that the load cell carries.
-    Inertia {
-        /// Mass, kg, that is 1e-6 kN·s²/mm.
-        mass: f64,
-    },
-    /// F = k·(1 − e^(−n/N))·y after n cycles: wires that bed in (k > 0) or break (k < 0).
-    Drift {
-        /// The final change k, kN/mm.
-        stiffness: f64,
-        /// Number of cycles N.
-        cycles: f64,
-    },
-    /// F = −β·(T − T0)·(force of eq 13), in a chamber that warms as T0 + rise·(1 − e^(−t/time)) with T0 = 20 °C.
-    Temperature {
-        /// β, loss of force per degree, 1/°C.
-        beta: f64,
-        /// Final rise of the temperature, °C.
-        rise: f64,
-        /// Time constant of the warming, s.
-        time: f64,
-    },
-    /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop on one side.
-    Stop {
-        /// Stiffness of the contact, kN/mm.
-        stiffness: f64,
-        /// Displacement at contact, mm: on the positive side if positive, otherwise on the negative side.
-        gap: f64,
-    },
-    /// Play in the clamping: the specimen feels only the displacement beyond ±half_width.
-    Gap {
-        /// Half of the play, mm.
-        half_width: f64,
-        /// Whether the specimen does not feel the velocity inside the play either.
-        loose: bool,
-    },
-    /// The force channel is delayed.
-    Delay {
-        /// Delay, s.
-        time: f64,
-    },
-    /// A spring between specimen and clamping: the sensor measures the motion of both.
-    Compliance {
-        /// Compliance of the spring, mm/kN.
-        compliance: f64,
-    },
-    /// F = force·sin(2π·frequency·t + phase), with t from the beginning of the test: a tone from another source.
-    Periodic {
-        /// Amplitude of the force, kN.
-        force: f64,
-        /// Frequency, Hz.
-        frequency: f64,
-        /// Phase, rad.
-        phase: f64,
-    },
-    /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v parallel to it, both multiplied by w. An input u
-    /// controls w: lag·dw/dt = u − w.
-    ControlInput {
-        /// Stiffness of the spring at an input of 1, kN/mm.
-        stiffness: f64,
-        /// Force at which the dashpot yields at an input of 1, kN.
-        force: f64,
-        /// Rate of the dashpot at which it has yielded, mm/s.
-        rate: f64,
-        /// Viscosity at an input of 1, kN·s/mm.
-        c: f64,
-        /// Time constant of w, s.
-        lag: f64,
-        /// The input u over time.
-        schedule: Schedule,
-    },
-    /// F = difference·|damping force of eq 13|: a damping that differs between the directions.
-    Directional {
-        /// Difference between the directions, −1…1.
-        difference: f64,
-    },
-    /// A friction joint behind a spring, with play between the two that moves with the joint.
-    Backlash {
-        /// Stiffness of the spring, kN/mm.
-        stiffness: f64,
-        /// Stretch of the spring at which the joint slips, mm.
-        slip_limit: f64,
-        /// The full play, mm.
-        slack: f64,
-    },
-    /// F = stiffness·y/(1 + m/softening) with m the largest displacement so far: contacts that a larger motion has opened.
-    Degradation {
-        /// Stiffness without softening, kN/mm.
-        stiffness: f64,
-        /// Displacement at which the stiffness is halved, mm.
-        softening: f64,
-    },
-    /// An effect without a family in the tracer.
-    Unlisted(Unlisted),
+effects! {
+    /// An effect that eq 13 does not contain. A size may have either sign where physics allows it.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(tag = "family", rename_all = "snake_case", deny_unknown_fields)]
+    enum HiddenEffect {
+        /// F = f0: a preload.
+        Offset = "offset" {
+            /// Force f0, kN.
+            force: "kN" scaled,
+        }
+        /// F = k2·y²: a stiffness that differs between the directions.
+        Asymmetry = "asymmetry" {
+            /// Stiffness k2, kN/mm².
+            k2: "kN/mm2" scaled,
+        }
+        /// F = k5·y⁵: wires that close up under compression.
+        Hardening = "hardening" {
+            /// Stiffness k5, kN/mm⁵.
+            k5: "kN/mm5" scaled,
+        }
+        /// Friction joints behind a spring.
+        StickSlip = "stick_slip" {
+            /// Stiffness while everything sticks, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Stretch at which it slips, mm: the largest force is stiffness · slip limit.
+            slip_limit: "mm",
+            ;
+            /// The transition from sticking to slipping.
+            shape: SlipShape,
+        }
+        /// F = c·v: viscous damping.
+        Viscous = "viscous" {
+            /// Damping c, kN·s/mm.
+            c: "kN*s/mm" scaled,
+        }
+        /// A Maxwell branch: Ḟ = stiffness·v − F/time.
+        Relaxation = "relaxation" {
+            /// Stiffness, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Relaxation time, s.
+            time: "s",
+        }
+        /// A spring and a dashpot in series: Ḟ = stiffness·(v − w) with F = force·tanh(w/rate) + c·w.
+        Yielding = "yielding" {
+            /// Stiffness of the spring, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Force at which the dashpot yields, kN.
+            force: "kN" scaled,
+            /// Rate of the dashpot at which it has yielded, mm/s.
+            rate: "mm/s",
+            /// Damping c, kN·s/mm.
+            c: "kN*s/mm" scaled,
+        }
+        /// F = m·a: a mass that the load cell carries.
+        Inertia = "inertia" {
+            /// Mass, kg, that is 1e-6 kN·s²/mm.
+            mass: "kg" scaled,
+        }
+        /// F = k·(1 − e^(−n/N))·y after n cycles: wires that bed in (k > 0) or break (k < 0).
+        Drift = "drift" {
+            /// The final change k, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Number of cycles N.
+            cycles: "cycles",
+        }
+        /// F = −β·(T − T0)·(force of eq 13), in a chamber that warms as T0 + rise·(1 − e^(−t/time)) with T0 = 20 °C.
+        Temperature = "temperature" {
+            /// β, loss of force per degree, 1/°C.
+            beta: "1/degC" scaled,
+            /// Final rise of the temperature, °C.
+            rise: "degC",
+            /// Time constant of the warming, s.
+            time: "s",
+        }
+        /// F = k·max(s·y − gap, 0)·s with s = ±1: a stop on one side.
+        Stop = "stop" {
+            /// Stiffness of the contact, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Displacement at contact, mm: on the positive side if positive, otherwise on the negative side.
+            gap: "mm",
+        }
+        /// Play in the clamping: the specimen feels only the displacement beyond ±half_width.
+        Gap = "gap" {
+            /// Half of the play, mm.
+            half_width: "mm" scaled,
+            ;
+            /// Whether the specimen does not feel the velocity inside the play either.
+            loose: bool,
+        }
+        /// The force channel is delayed.
+        Delay = "delay" {
+            /// Delay, s.
+            time: "s" scaled,
+        }
+        /// A spring between specimen and clamping: the sensor measures the motion of both.
+        Compliance = "compliance" {
+            /// Compliance of the spring, mm/kN.
+            compliance: "mm/kN" scaled,
+        }
+        /// F = force·sin(2π·frequency·t + phase), with t from the beginning of the test: a tone from another source.
+        Periodic = "periodic" {
+            /// Amplitude of the force, kN.
+            force: "kN" scaled,
+            /// Frequency, Hz.
+            frequency: "Hz",
+            /// Phase, rad.
+            phase: "rad",
+        }
+        /// The branch of [`HiddenEffect::Yielding`] without its c, and F = c·v parallel to it, both multiplied by w. An input u
+        /// controls w: lag·dw/dt = u − w.
+        ControlInput = "control_input" {
+            /// Stiffness of the spring at an input of 1, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Force at which the dashpot yields at an input of 1, kN.
+            force: "kN" scaled,
+            /// Rate of the dashpot at which it has yielded, mm/s.
+            rate: "mm/s",
+            /// Viscosity at an input of 1, kN·s/mm.
+            c: "kN*s/mm" scaled,
+            /// Time constant of w, s.
+            lag: "s",
+            ;
+            /// The input u over time.
+            schedule: Schedule,
+        }
+        /// F = difference·|damping force of eq 13|: a damping that differs between the directions.
+        Directional = "directional" {
+            /// Difference between the directions, −1…1.
+            difference: "1" scaled,
+        }
+        /// A friction joint behind a spring, with play between the two that moves with the joint.
+        Backlash = "backlash" {
+            /// Stiffness of the spring, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Stretch of the spring at which the joint slips, mm.
+            slip_limit: "mm",
+            /// The full play, mm.
+            slack: "mm",
+        }
+        /// F = stiffness·y/(1 + m/softening) with m the largest displacement so far: contacts that a larger motion has opened.
+        Degradation = "degradation" {
+            /// Stiffness without softening, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Displacement at which the stiffness is halved, mm.
+            softening: "mm",
+        }
+        ;
+        /// An effect without a family in the tracer.
+        Unlisted(Unlisted)
+    }
 }
 
 /// An input that takes one of five levels from 0 on and holds it for a while.
@@ -199,32 +206,6 @@ pub enum SlipShape {
 }
 
 impl HiddenEffect {
-    /// The family under which a trace names it, or the kind of an unlisted one.
-    pub fn family(&self) -> &'static str {
-        match self {
-            Self::Offset { .. } => "offset",
-            Self::Asymmetry { .. } => "asymmetry",
-            Self::Hardening { .. } => "hardening",
-            Self::StickSlip { .. } => "stick_slip",
-            Self::Viscous { .. } => "viscous",
-            Self::Relaxation { .. } => "relaxation",
-            Self::Yielding { .. } => "yielding",
-            Self::Inertia { .. } => "inertia",
-            Self::Drift { .. } => "drift",
-            Self::Temperature { .. } => "temperature",
-            Self::Stop { .. } => "stop",
-            Self::Gap { .. } => "gap",
-            Self::Delay { .. } => "delay",
-            Self::Compliance { .. } => "compliance",
-            Self::Periodic { .. } => "periodic",
-            Self::ControlInput { .. } => "control_input",
-            Self::Directional { .. } => "directional",
-            Self::Backlash { .. } => "backlash",
-            Self::Degradation { .. } => "degradation",
-            Self::Unlisted(effect) => effect.kind(),
-        }
-    }
-
     /// Its control input at a time in s.
     pub fn control_at(&self, time: f64) -> Option<f64> {
         match self {
@@ -233,129 +214,13 @@ impl HiddenEffect {
         }
     }
 
-    /// The same effect with `factor` times the force; a gap, a delay or a compliance with `factor` times the width, delay or
-    /// compliance.
-    pub fn scaled(mut self, factor: f64) -> Self {
-        if let Self::Yielding { force, c, .. } | Self::ControlInput { force, c, .. } = &mut self {
-            *force *= factor;
-            *c *= factor;
-        }
-        *match &mut self {
-            Self::Offset { force } => force,
-            Self::Asymmetry { k2 } => k2,
-            Self::Hardening { k5 } => k5,
-            Self::StickSlip { stiffness, .. } => stiffness,
-            Self::Viscous { c } => c,
-            Self::Relaxation { stiffness, .. }
-            | Self::Yielding { stiffness, .. }
-            | Self::ControlInput { stiffness, .. }
-            | Self::Backlash { stiffness, .. }
-            | Self::Degradation { stiffness, .. } => stiffness,
-            Self::Directional { difference } => difference,
-            Self::Inertia { mass } => mass,
-            Self::Drift { stiffness, .. } => stiffness,
-            Self::Temperature { beta, .. } => beta,
-            Self::Stop { stiffness, .. } => stiffness,
-            Self::Gap { half_width, .. } => half_width,
-            Self::Delay { time } => time,
-            Self::Compliance { compliance } => compliance,
-            Self::Periodic { force, .. } => force,
-            Self::Unlisted(effect) => effect.size_mut(),
-        } *= factor;
-        self
-    }
-
     /// Its parameters as (name, value, unit).
     pub fn parameters(&self) -> Vec<(&'static str, f64, &'static str)> {
-        match *self {
-            Self::Offset { force } => vec![("force", force, "kN")],
-            Self::Asymmetry { k2 } => vec![("k2", k2, "kN/mm2")],
-            Self::Hardening { k5 } => vec![("k5", k5, "kN/mm5")],
-            Self::StickSlip {
-                stiffness,
-                slip_limit,
-                ..
-            } => vec![
-                ("stiffness", stiffness, "kN/mm"),
-                ("slip_limit", slip_limit, "mm"),
-            ],
-            Self::Viscous { c } => vec![("c", c, "kN*s/mm")],
-            Self::Relaxation { stiffness, time } => {
-                vec![("stiffness", stiffness, "kN/mm"), ("time", time, "s")]
-            }
-            Self::Yielding {
-                stiffness,
-                force,
-                rate,
-                c,
-            } => vec![
-                ("stiffness", stiffness, "kN/mm"),
-                ("force", force, "kN"),
-                ("rate", rate, "mm/s"),
-                ("c", c, "kN*s/mm"),
-            ],
-            Self::Inertia { mass } => vec![("mass", mass, "kg")],
-            Self::Drift { stiffness, cycles } => {
-                vec![
-                    ("stiffness", stiffness, "kN/mm"),
-                    ("cycles", cycles, "cycles"),
-                ]
-            }
-            Self::Temperature { beta, rise, time } => vec![
-                ("beta", beta, "1/degC"),
-                ("rise", rise, "degC"),
-                ("time", time, "s"),
-            ],
-            Self::Stop { stiffness, gap } => {
-                vec![("stiffness", stiffness, "kN/mm"), ("gap", gap, "mm")]
-            }
-            Self::Gap { half_width, .. } => vec![("half_width", half_width, "mm")],
-            Self::Delay { time } => vec![("time", time, "s")],
-            Self::Compliance { compliance } => vec![("compliance", compliance, "mm/kN")],
-            Self::Periodic {
-                force,
-                frequency,
-                phase,
-            } => vec![
-                ("force", force, "kN"),
-                ("frequency", frequency, "Hz"),
-                ("phase", phase, "rad"),
-            ],
-            Self::ControlInput {
-                stiffness,
-                force,
-                rate,
-                c,
-                lag,
-                schedule,
-            } => vec![
-                ("stiffness", stiffness, "kN/mm"),
-                ("force", force, "kN"),
-                ("rate", rate, "mm/s"),
-                ("c", c, "kN*s/mm"),
-                ("lag", lag, "s"),
-                ("most", schedule.most, "A"),
-                ("hold", schedule.hold, "s"),
-            ],
-            Self::Directional { difference } => vec![("difference", difference, "1")],
-            Self::Backlash {
-                stiffness,
-                slip_limit,
-                slack,
-            } => vec![
-                ("stiffness", stiffness, "kN/mm"),
-                ("slip_limit", slip_limit, "mm"),
-                ("slack", slack, "mm"),
-            ],
-            Self::Degradation {
-                stiffness,
-                softening,
-            } => vec![
-                ("stiffness", stiffness, "kN/mm"),
-                ("softening", softening, "mm"),
-            ],
-            Self::Unlisted(effect) => effect.parameters(),
+        let mut parameters = self.sizes();
+        if let Self::ControlInput { schedule, .. } = self {
+            parameters.extend([("most", schedule.most, "A"), ("hold", schedule.hold, "s")]);
         }
+        parameters
     }
 
     /// Whether a specimen can have it: finite sizes; limits, times, cycles and sliders above zero; and a gap, delay or compliance

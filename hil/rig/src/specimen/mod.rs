@@ -4,6 +4,7 @@
 mod branch;
 mod draw;
 mod hidden;
+mod list;
 mod series;
 mod unlisted;
 

@@ -8,6 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::branch::Step;
+use super::list::effects;
 
 /// Relaxation times of [`Unlisted::Fractional`], from the first on, three per decade over five decades, s.
 const FIRST_RELAXATION_TIME: f64 = 1e-3;
@@ -18,185 +19,105 @@ const WALK_TERMS: usize = 80;
 /// Duration for which the sum is a random walk, s; later it repeats.
 const WALK_DURATION: f64 = 100.0;
 
-/// An effect without a family.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Unlisted {
-    /// F = μ·|y|·sgn v: friction under a load that grows with displacement.
-    LoadFriction {
-        /// Coefficient of friction times load per displacement, μ, kN/mm.
-        mu: f64,
-    },
-    /// F = f·e^(−(v/vs)²)·sgn v: friction that weakens with velocity (Stribeck).
-    VelocityWeakening {
-        /// Force f, kN.
-        force: f64,
-        /// Velocity vs, mm/s.
-        velocity: f64,
-    },
-    /// F = a·y·v.
-    CrossLinear {
-        /// Coefficient a, kN·s/mm².
-        a: f64,
-    },
-    /// F = a·y²·v: a dashpot that grows with displacement.
-    CrossSquare {
-        /// Coefficient a, kN·s/mm³.
-        a: f64,
-    },
-    /// F = −f·ln(1 + t/t0): a preload that creeps.
-    Creep {
-        /// Force f, kN.
-        force: f64,
-        /// Time t0, s.
-        time: f64,
-    },
-    /// F = −k·(1 − e^(−m/m0))·y with m the largest |y| so far: softening by the largest stretch (Mullins).
-    Mullins {
-        /// Stiffness k, kN/mm.
-        stiffness: f64,
-        /// Stretch m0, mm.
-        stretch: f64,
-    },
-    /// F = c·v·|v|: quadratic drag.
-    QuadraticDrag {
-        /// Coefficient c, kN·s²/mm².
-        c: f64,
-    },
-    /// F = c·v for v > 0 only: a damper that pulls in one direction.
-    OneWayDamping {
-        /// Damping c, kN·s/mm.
-        c: f64,
-    },
-    /// F = c·v for y > 0 only: a damper with contact on one side.
-    OneSidedDamping {
-        /// Damping c, kN·s/mm.
-        c: f64,
-    },
-    /// Relaxation on all time scales, with modulus ∝ t^−order (a spring-pot).
-    Fractional {
-        /// Stiffness at 1 s, kN/mm.
-        stiffness: f64,
-        /// Order of the spring-pot, 0…1.
-        order: f64,
-    },
-    /// F = k·ln(frequency/1 Hz)·y with the frequency of the running block; 1 Hz if the frequency is not known.
-    FrequencyStiffness {
-        /// Stiffness k, kN/mm.
-        stiffness: f64,
-    },
-    /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one position.
-    PlaceFriction {
-        /// Force f, kN.
-        force: f64,
-        /// Place, mm.
-        place: f64,
-        /// Width, mm.
-        width: f64,
-    },
-    /// A zero of the load cell that drifts in a random walk.
-    RandomWalk {
-        /// RMS after 1 s, kN.
-        force: f64,
-        /// Seed of the walk.
-        seed: u64,
-    },
-    /// A mass on a spring and a dashpot, hung on the moving end.
-    Resonance {
-        /// Mass, kg.
-        mass: f64,
-        /// Natural frequency, Hz.
-        frequency: f64,
-        /// Damping ratio.
-        damping: f64,
-    },
+effects! {
+    /// An effect without a family.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+    enum Unlisted {
+        /// F = μ·|y|·sgn v: friction under a load that grows with displacement.
+        LoadFriction = "load_friction" {
+            /// Coefficient of friction times load per displacement, μ, kN/mm.
+            mu: "kN/mm" scaled,
+        }
+        /// F = f·e^(−(v/vs)²)·sgn v: friction that weakens with velocity (Stribeck).
+        VelocityWeakening = "velocity_weakening" {
+            /// Force f, kN.
+            force: "kN" scaled,
+            /// Velocity vs, mm/s.
+            velocity: "mm/s",
+        }
+        /// F = a·y·v.
+        CrossLinear = "cross_linear" {
+            /// Coefficient a, kN·s/mm².
+            a: "kN*s/mm2" scaled,
+        }
+        /// F = a·y²·v: a dashpot that grows with displacement.
+        CrossSquare = "cross_square" {
+            /// Coefficient a, kN·s/mm³.
+            a: "kN*s/mm3" scaled,
+        }
+        /// F = −f·ln(1 + t/t0): a preload that creeps.
+        Creep = "creep" {
+            /// Force f, kN.
+            force: "kN" scaled,
+            /// Time t0, s.
+            time: "s",
+        }
+        /// F = −k·(1 − e^(−m/m0))·y with m the largest |y| so far: softening by the largest stretch (Mullins).
+        Mullins = "mullins" {
+            /// Stiffness k, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Stretch m0, mm.
+            stretch: "mm",
+        }
+        /// F = c·v·|v|: quadratic drag.
+        QuadraticDrag = "quadratic_drag" {
+            /// Coefficient c, kN·s²/mm².
+            c: "kN*s2/mm2" scaled,
+        }
+        /// F = c·v for v > 0 only: a damper that pulls in one direction.
+        OneWayDamping = "one_way_damping" {
+            /// Damping c, kN·s/mm.
+            c: "kN*s/mm" scaled,
+        }
+        /// F = c·v for y > 0 only: a damper with contact on one side.
+        OneSidedDamping = "one_sided_damping" {
+            /// Damping c, kN·s/mm.
+            c: "kN*s/mm" scaled,
+        }
+        /// Relaxation on all time scales, with modulus ∝ t^−order (a spring-pot).
+        Fractional = "fractional" {
+            /// Stiffness at 1 s, kN/mm.
+            stiffness: "kN/mm" scaled,
+            /// Order of the spring-pot, 0…1.
+            order: "1",
+        }
+        /// F = k·ln(frequency/1 Hz)·y with the frequency of the running block; 1 Hz if the frequency is not known.
+        FrequencyStiffness = "frequency_stiffness" {
+            /// Stiffness k, kN/mm.
+            stiffness: "kN/mm" scaled,
+        }
+        /// F = f·e^(−((y − place)/width)²)·sgn v: friction at one position.
+        PlaceFriction = "place_friction" {
+            /// Force f, kN.
+            force: "kN" scaled,
+            /// Place, mm.
+            place: "mm",
+            /// Width, mm.
+            width: "mm",
+        }
+        /// A zero of the load cell that drifts in a random walk.
+        RandomWalk = "random_walk" {
+            /// RMS after 1 s, kN.
+            force: "kN" scaled,
+            ;
+            /// Seed of the walk.
+            seed: u64,
+        }
+        /// A mass on a spring and a dashpot, hung on the moving end.
+        Resonance = "resonance" {
+            /// Mass, kg.
+            mass: "kg" scaled,
+            /// Natural frequency, Hz.
+            frequency: "Hz",
+            /// Damping ratio.
+            damping: "1",
+        }
+    }
 }
 
 impl Unlisted {
-    /// Its name in a confusion matrix.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::LoadFriction { .. } => "load_friction",
-            Self::VelocityWeakening { .. } => "velocity_weakening",
-            Self::CrossLinear { .. } => "cross_linear",
-            Self::CrossSquare { .. } => "cross_square",
-            Self::Creep { .. } => "creep",
-            Self::Mullins { .. } => "mullins",
-            Self::QuadraticDrag { .. } => "quadratic_drag",
-            Self::OneWayDamping { .. } => "one_way_damping",
-            Self::OneSidedDamping { .. } => "one_sided_damping",
-            Self::Fractional { .. } => "fractional",
-            Self::FrequencyStiffness { .. } => "frequency_stiffness",
-            Self::PlaceFriction { .. } => "place_friction",
-            Self::RandomWalk { .. } => "random_walk",
-            Self::Resonance { .. } => "resonance",
-        }
-    }
-
-    /// The parameter to which its force is proportional.
-    pub(super) fn size_mut(&mut self) -> &mut f64 {
-        match self {
-            Self::LoadFriction { mu } => mu,
-            Self::VelocityWeakening { force, .. }
-            | Self::Creep { force, .. }
-            | Self::PlaceFriction { force, .. }
-            | Self::RandomWalk { force, .. } => force,
-            Self::CrossLinear { a } | Self::CrossSquare { a } => a,
-            Self::Mullins { stiffness, .. }
-            | Self::Fractional { stiffness, .. }
-            | Self::FrequencyStiffness { stiffness } => stiffness,
-            Self::QuadraticDrag { c } | Self::OneWayDamping { c } | Self::OneSidedDamping { c } => {
-                c
-            }
-            Self::Resonance { mass, .. } => mass,
-        }
-    }
-
-    /// Its parameters as (name, value, unit).
-    pub fn parameters(&self) -> Vec<(&'static str, f64, &'static str)> {
-        match *self {
-            Self::LoadFriction { mu } => vec![("mu", mu, "kN/mm")],
-            Self::VelocityWeakening { force, velocity } => {
-                vec![("force", force, "kN"), ("velocity", velocity, "mm/s")]
-            }
-            Self::CrossLinear { a } => vec![("a", a, "kN*s/mm2")],
-            Self::CrossSquare { a } => vec![("a", a, "kN*s/mm3")],
-            Self::Creep { force, time } => vec![("force", force, "kN"), ("time", time, "s")],
-            Self::Mullins { stiffness, stretch } => {
-                vec![
-                    ("stiffness", stiffness, "kN/mm"),
-                    ("stretch", stretch, "mm"),
-                ]
-            }
-            Self::QuadraticDrag { c } => vec![("c", c, "kN*s2/mm2")],
-            Self::OneWayDamping { c } | Self::OneSidedDamping { c } => vec![("c", c, "kN*s/mm")],
-            Self::Fractional { stiffness, order } => {
-                vec![("stiffness", stiffness, "kN/mm"), ("order", order, "1")]
-            }
-            Self::FrequencyStiffness { stiffness } => vec![("stiffness", stiffness, "kN/mm")],
-            Self::PlaceFriction {
-                force,
-                place,
-                width,
-            } => vec![
-                ("force", force, "kN"),
-                ("place", place, "mm"),
-                ("width", width, "mm"),
-            ],
-            Self::RandomWalk { force, .. } => vec![("force", force, "kN")],
-            Self::Resonance {
-                mass,
-                frequency,
-                damping,
-            } => vec![
-                ("mass", mass, "kg"),
-                ("frequency", frequency, "Hz"),
-                ("damping", damping, "1"),
-            ],
-        }
-    }
-
     /// Whether its scales are above zero.
     pub(super) fn is_admissible(&self) -> bool {
         match *self {

@@ -1,16 +1,16 @@
 //! Attacks on the rig, a part of the campaign's: hazards that it must prevent, and requirements on its monitor.
 
 use mesh_damper::health::Channel;
-use mesh_damper_rig::faults::{
-    Attack, AttackKind, AttackSummary, AttackTrial, Behind, Campaign, Headroom, Outcomes, Quantity,
-    adversary, forgeries, missed, run_attack,
+use mesh_damper_rig::campaign::{
+    Behind, Campaign, Change, Close, Headroom, Injected, Quantity, Set, Summary, Trial, adversary,
+    forgeries, missed, run_trial,
 };
 
 /// `cargo hil faults --check` is the whole.
 #[test]
 fn a_part_of_the_attacks_meets_the_requirement() {
     let campaign = Campaign {
-        kinds: Vec::new(),
+        known: Vec::new(),
         healthy_cycles: 0,
         ..Campaign::part()
     };
@@ -22,23 +22,17 @@ fn a_part_of_the_attacks_meets_the_requirement() {
 
 #[test]
 fn the_adversary_does_the_same_twice() {
-    let run = |seed| run_attack(&adversary(seed)).unwrap();
+    let run = |seed| run_trial(&adversary(seed)).unwrap();
     let once: Vec<_> = (0..6).map(run).collect();
     let twice: Vec<_> = (0..6).map(run).collect();
     assert_eq!(once, twice);
-    let summary = AttackSummary::of(
-        Outcomes {
-            adversary: once,
-            ..Outcomes::default()
-        },
-        Vec::new(),
-    );
-    assert_eq!(summary.trials(), 6);
-    assert_eq!(summary.adversary.trials + summary.adversary.hidden, 6);
+    let attacks = Summary::of(once, Vec::new(), Vec::new(), Vec::new()).attacks;
+    assert_eq!(attacks.trials(), 6);
+    assert_eq!(attacks.adversary.trials + attacks.adversary.hidden, 6);
 }
 
-fn attack(kind: AttackKind, size: f64, begins: f64) -> Attack {
-    Attack {
+fn attack(kind: Change, size: f64, begins: f64) -> Injected {
+    Injected {
         kind,
         size,
         begins,
@@ -46,9 +40,17 @@ fn attack(kind: AttackKind, size: f64, begins: f64) -> Attack {
     }
 }
 
-fn trial(attacks: Vec<Attack>) -> AttackTrial {
-    AttackTrial {
-        attacks,
+fn close(headroom: f64) -> Option<Close> {
+    Some(Close {
+        headroom: Headroom::of_all(headroom),
+        range: 2.0,
+    })
+}
+
+fn trial(changes: Vec<Injected>) -> Trial {
+    Trial {
+        set: Set::Adversary,
+        changes,
         density: 3.0,
         amplitude: 0.1,
         frequency: 10.0,
@@ -56,8 +58,7 @@ fn trial(attacks: Vec<Attack>) -> AttackTrial {
         follow: 0.0,
         blocks: vec![12],
         run_in: 200,
-        headroom: Headroom::of_all(1.5),
-        range: 2.0,
+        close: close(1.5),
         seed: 1,
     }
 }
@@ -66,9 +67,9 @@ fn trial(attacks: Vec<Attack>) -> AttackTrial {
 /// shown.
 #[test]
 fn a_hazard_behind_a_constant_gain_is_seen_and_told_apart() {
-    let less = attack(AttackKind::GainFromStart(Channel::Force), -0.6, -2.0);
-    let stiff = attack(AttackKind::Stiffened, 2.0, 6.3);
-    let outcome = run_attack(&trial(vec![less, stiff])).unwrap();
+    let less = attack(Change::GainFromStart(Channel::Force), -0.6, -2.0);
+    let stiff = attack(Change::Stiffened, 2.0, 6.3);
+    let outcome = run_trial(&trial(vec![less, stiff])).unwrap();
     let force = |behind| {
         let hazards = outcome.hazards.iter();
         hazards
@@ -84,14 +85,14 @@ fn a_hazard_behind_a_constant_gain_is_seen_and_told_apart() {
 #[test]
 fn a_healthy_rig_is_in_no_hazardous_state_within_the_closest_limits() {
     for (frequency, density, amplitude) in [(5.0, 3.0, 0.1), (8.0, 2.0, 0.25), (8.0, 4.0, 0.05)] {
-        let quiet = AttackTrial {
+        let quiet = Trial {
             frequency,
             density,
             amplitude,
-            headroom: Headroom::of_all(1.2),
+            close: close(1.2),
             ..trial(Vec::new())
         };
-        let outcome = run_attack(&quiet).unwrap();
+        let outcome = run_trial(&quiet).unwrap();
         assert!(!outcome.found && outcome.hazards.is_empty(), "{outcome:?}");
         assert_eq!(outcome.stopped, None);
     }

@@ -22,7 +22,7 @@ use super::sizes;
 /// The name of the sizes.
 pub const NAME: &str = "firmware";
 /// The name of the round trips.
-pub const ROUND_TRIPS: &str = "round trips with the image";
+const ROUND_TRIPS: &str = "round trips with the image";
 
 /// g/cm³ and mm
 const DENSITY: f64 = 3.0;

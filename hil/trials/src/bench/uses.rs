@@ -7,7 +7,7 @@ use super::count::{Core, run_to_end};
 use super::results::Size;
 
 /// Mixed damping law, stick-slip and the results of each cycle, in a law of a static type.
-pub const STATIC_LAW: &str = "static-law";
+const STATIC_LAW: &str = "static-law";
 /// A law read from a pack.
 const RUNNING_LAW: &str = "running-law";
 /// The law with one effect: as a static type, or read from a pack.

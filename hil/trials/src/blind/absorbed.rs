@@ -1,6 +1,6 @@
 //! The part of a force that eq 13 cannot absorb.
 
-use mesh_damper_reference::protocol::TestBlock;
+use mesh_damper_reference::protocol::{MotionSample, TestBlock};
 use nalgebra::{Matrix3, Vector3};
 
 use super::test_rig::Truth;
@@ -41,8 +41,21 @@ pub fn left_by_eq13(truth: &Truth, blocks: &[TestBlock]) -> f64 {
     (sum / count as f64).sqrt()
 }
 
+/// Approximate number of samples that determine how much of an effect eq 13 absorbs over any motion.
+const SIZED_BY: usize = 4000;
+
+/// RMS of the residual of eq 13 with one set of coefficients for all amplitudes, kN.
+pub fn left_by_one_eq13(motion: &[MotionSample], force: &[f64]) -> f64 {
+    let step = (force.len() / SIZED_BY).max(1);
+    let samples = motion.iter().zip(force).step_by(step);
+    let samples: Vec<[f64; 3]> = samples
+        .map(|(m, force)| [m.displacement, m.velocity, *force])
+        .collect();
+    (least_squares(&samples) / samples.len() as f64).sqrt()
+}
+
 /// Smallest sum of squares of force − eq 13 over (displacement, velocity, force): a linear problem for each exponent.
-pub(super) fn least_squares(samples: &[[f64; 3]]) -> f64 {
+fn least_squares(samples: &[[f64; 3]]) -> f64 {
     let rest = |alpha: f64| linear_rest(samples, alpha);
     let tried = (0..=EXPONENTS).map(|i| i as f64 * EXPONENT_STEP);
     let best = tried

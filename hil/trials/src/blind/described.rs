@@ -17,10 +17,11 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::absorbed::left_by_eq13;
-use super::draw::{Class, Hidden, Secret, Sized, Tests, Trial, rms};
+use super::blocks::{Tests, rms};
 use super::families::{idle, log_uniform, schedule};
 use super::programme::{self, TestShape};
 use super::test_rig::{Sensors, Truth, answer, record};
+use super::trial::{Blocks, Class, Hidden, Secret, Sized, Test, Trial};
 
 /// Ticks per second of the law that represents the specimen.
 const TICK_RATE: f64 = 4000.0;
@@ -79,7 +80,7 @@ pub fn described() -> u64 {
 }
 
 /// The trial of `seed` over the descriptions: the same for the same seed. `None` where no test shows the effect.
-pub fn draw_described(seed: u64) -> Option<Trial> {
+pub(super) fn draw_described(seed: u64) -> Option<Trial> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let description = &DESCRIPTIONS[(seed % described()) as usize];
     (0..DRAWS).find_map(|lost| drawn(seed, description, VARIED * WIDER.powi(lost), &mut rng))
@@ -149,11 +150,13 @@ fn drawn(seed: u64, description: &Description, within: f64, rng: &mut impl Rng) 
         class: Class::Listed,
         density,
         effects: vec![hidden],
-        programme,
         rate,
-        noise,
-        warms: true,
-        is_set: true,
+        test: Test::Blocks(Blocks {
+            programme,
+            noise,
+            warms: true,
+            is_set: true,
+        }),
     }))
 }
 
@@ -230,7 +233,9 @@ mod tests {
             for (drawn, typical) in drawn.filter(|(_, typical)| **typical != 0.0) {
                 assert!((0.25..4.0).contains(&(drawn / typical)), "{name}: {drawn}");
             }
-            let programme = &trial.secret.programme;
+            let Test::Blocks(Blocks { programme, .. }) = &trial.secret.test else {
+                panic!("{name}: a test has blocks")
+            };
             assert_ne!(programme.training, programme.held_out, "{name}");
         }
     }

@@ -1,11 +1,18 @@
 //! The answer of a tracer to a trial, and the right answer.
 
-use mesh_damper_identify::trace::result::{TraceResult, Verdict};
+use std::time::Instant;
+
+use mesh_damper_identify::trace::result::{Estimate, TraceResult, Verdict};
 use mesh_damper_identify::trace::{TraceError, trace};
 use mesh_damper_model::correction::Remembered;
+use mesh_damper_model::predict::NINETY_PERCENT;
+use mesh_damper_recording::motion::MotionEstimate;
+use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
-use super::draw::{Class, Secret, Trial};
+use super::motion;
+use super::sensors::Flaw;
+use super::trial::{Class, Secret, Test, Trial};
 
 /// A trial, its truth and its answer.
 #[derive(Clone, Debug, Serialize)]
@@ -15,6 +22,15 @@ pub struct Outcome {
     pub secret: Secret,
     /// The answer of the trace, or the reason why it was refused.
     pub said: Result<Said, String>,
+    /// Duration of the trace, s; trials run in parallel.
+    #[serde(skip)]
+    pub seconds: f64,
+    /// Duration of the trace over the duration of both recordings.
+    #[serde(skip)]
+    pub time: f64,
+    /// Error of the estimated velocity in the training test, over any motion.
+    #[serde(skip)]
+    pub velocity: VelocityError,
 }
 
 /// The answer of a trace.
@@ -31,10 +47,53 @@ pub struct Said {
     pub before: f64,
     /// Held-out error of the embedded law over the noise.
     pub after: f64,
+    /// Whether a remainder is reported.
+    #[serde(skip)]
+    pub has_remainder: bool,
+    /// How many of the 90 % intervals of the law's coefficients contain the true value, and how many intervals there are. Both are
+    /// 0 unless one set of coefficients holds for all amplitudes.
+    #[serde(skip)]
+    pub intervals: [usize; 2],
+}
+
+/// The error of the estimated velocity.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct VelocityError {
+    /// RMS of the error over the RMS of the error of cubics in windows alone.
+    #[serde(serialize_with = "super::summary::if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub over_cubics: f64,
+    /// Fraction of the samples whose error is within 1.645 of its stated standard deviation. It is 0.9 if those are correct.
+    #[serde(serialize_with = "super::summary::if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub covered: f64,
+}
+
+impl VelocityError {
+    /// For the estimate from the training test of `trial`; not a number if it is refused, or if the true motion is not known.
+    fn of(trial: &Trial) -> Self {
+        let (mut own, mut other, mut covered, mut count) = (0.0, 0.0, 0, 0);
+        if let (Ok(trajectory), [_, ..]) = (Trajectory::of(&trial.training), &trial.motion[..]) {
+            let cubics = MotionEstimate::of(&trial.training.displacement, trajectory.tick);
+            let said = trajectory.variance_of(&trajectory.motion_error.velocity);
+            count = trajectory.len();
+            for (index, truth) in trial.motion.iter().enumerate().take(count) {
+                let error = (trajectory.motion.velocity[index] - truth.velocity).powi(2);
+                own += error;
+                other += (cubics.velocity[index] - truth.velocity).powi(2);
+                covered += usize::from(error <= NINETY_PERCENT.powi(2) * said[index]);
+            }
+        }
+        Self {
+            over_cubics: f64::sqrt(own / other),
+            covered: covered as f64 / count as f64,
+        }
+    }
 }
 
 /// The correctness of an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
@@ -42,40 +101,84 @@ pub enum Mark {
     Right,
     /// The truth is among several effects that the trace could not distinguish.
     Among,
-    /// Any other answer.
-    Wrong,
+    /// "Something is missing", although nothing is, or although the missing effect has a name.
+    Honest,
+    /// An effect that is not present.
+    False,
+    /// "Nothing is missing", although an effect is visible.
+    Missed,
+    /// The trace was refused.
+    Refused,
+}
+
+impl Mark {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Right,
+        Self::Among,
+        Self::Honest,
+        Self::False,
+        Self::Missed,
+        Self::Refused,
+    ];
+
+    /// Whether the truth was named, alone or among several.
+    pub fn is_named(self) -> bool {
+        matches!(self, Self::Right | Self::Among)
+    }
 }
 
 /// Traces `trial` and stores the answer.
 pub fn judge(trial: &Trial) -> Outcome {
     let training = std::slice::from_ref(&trial.training);
     let held_out = std::slice::from_ref(&trial.held_out);
-    let said = trace(training, held_out, &|_| ())
-        .map(|found| Said::of(&found.result, trial.held_out_noise))
-        .map_err(|error: TraceError| error.to_string());
+    let started = Instant::now();
+    let said = trace(training, held_out, &|_| ());
+    let seconds = started.elapsed().as_secs_f64();
+    let samples = trial.training.len() + trial.held_out.len();
     Outcome {
         secret: trial.secret.clone(),
-        said,
+        said: said
+            .map(|found| Said::of(&found.result, trial))
+            .map_err(|error: TraceError| error.to_string()),
+        seconds,
+        time: seconds / (samples as f64 / trial.secret.rate),
+        velocity: VelocityError::of(trial),
     }
 }
 
 impl Said {
-    fn of(result: &TraceResult, noise: f64) -> Self {
+    fn of(result: &TraceResult, trial: &Trial) -> Self {
+        let noise = trial.held_out_noise;
+        let families = result.effects.iter().map(|effect| effect.family.clone());
+        let correction = result.correction.as_ref();
         Self {
             verdict: result.verdict,
-            families: result
-                .effects
-                .iter()
-                .map(|effect| effect.family.clone())
-                .collect(),
-            remembers: result
-                .correction
-                .as_ref()
-                .and_then(|correction| correction.remembers),
+            families: families.collect(),
+            remembers: correction.and_then(|correction| correction.remembers),
             before: result.baseline.nrmse_held_out / noise,
             after: result.on_target.nrmse_held_out / noise,
+            has_remainder: result.remainder.is_some(),
+            intervals: intervals(result, &trial.secret),
         }
     }
+}
+
+/// As [`Said::intervals`].
+fn intervals(result: &TraceResult, secret: &Secret) -> [usize; 2] {
+    let (Test::Motion(_), [law]) = (&secret.test, &result.law[..]) else {
+        return [0, 0];
+    };
+    let truth = motion::law(secret.density);
+    let pairs = [
+        (&law.k1, truth.k1),
+        (&law.k3, truth.k3),
+        (&law.c, truth.c),
+        (&law.alpha, truth.alpha),
+    ];
+    let holds =
+        |(estimate, truth): &(&Estimate, f64)| (estimate.low..=estimate.high).contains(truth);
+    [pairs.iter().filter(|pair| holds(pair)).count(), pairs.len()]
 }
 
 impl Outcome {
@@ -84,40 +187,49 @@ impl Outcome {
         self.secret.visible() >= super::LEAST_VISIBLE
     }
 
-    /// How well the answer fits. A listed effect has to be the only one named, and both of a pair have to be named. An unlisted
-    /// effect has to be reported as unlisted, or by its name if the tracer has learnt it and the law is corrected with it.
+    /// How well the answer fits. A listed effect has to be the only one named, and both of a pair have to be named: over any motion
+    /// nothing else, of blocks possibly with others. An unlisted effect has to be reported as unlisted, or by its name if the tracer
+    /// has learnt it and the law is corrected with it.
     pub fn mark(&self) -> Mark {
         let Ok(said) = &self.said else {
-            return Mark::Wrong;
+            return Mark::Refused;
         };
-        let hidden = self.secret.families();
-        let all_named = hidden
-            .iter()
-            .all(|family| said.families.iter().any(|named| named == learnt_as(family)));
-        let right = match self.secret.class {
-            Class::None => said.verdict == Verdict::None,
-            Class::Listed => {
-                said.verdict == Verdict::Found && all_named && said.families.len() == 1
-            }
-            Class::Pair => said.verdict == Verdict::Found && all_named,
-            Class::Unlisted => {
-                said.verdict == Verdict::Unlisted
-                    || (said.verdict == Verdict::Found && all_named && self.is_augmented())
-            }
+        let hidden: Vec<&str> = self.secret.families().into_iter().map(learnt_as).collect();
+        let is_named = |family: &&str| said.families.iter().any(|named| named == family);
+        let all_named = hidden.iter().all(is_named);
+        // A hum on the force is a tone there.
+        let may_hum = match &self.secret.test {
+            Test::Motion(motion) => motion.sensors.flaw == Flaw::Hum,
+            Test::Blocks(_) => false,
         };
-        if right {
-            Mark::Right
-        } else if said.verdict == Verdict::Ambiguous && all_named && !hidden.is_empty() {
-            Mark::Among
-        } else {
-            Mark::Wrong
+        let is_there =
+            |name: &String| hidden.contains(&name.as_str()) || (may_hum && name == "periodic");
+        let only_hidden = said.families.iter().all(is_there);
+        let is_complete = all_named
+            && match (&self.secret.test, self.secret.class) {
+                (Test::Motion(_), _) => only_hidden,
+                (Test::Blocks(_), Class::Pair) => true,
+                (Test::Blocks(_), Class::Unlisted) => self.is_augmented(),
+                (Test::Blocks(_), Class::Listed) => said.families.len() == 1,
+                (Test::Blocks(_), Class::None) => false,
+            };
+        match said.verdict {
+            Verdict::None if hidden.is_empty() => Mark::Right,
+            Verdict::None => Mark::Missed,
+            Verdict::Found if is_complete => Mark::Right,
+            Verdict::Ambiguous if all_named && !hidden.is_empty() => Mark::Among,
+            // A confirmed effect is there, and the rest is reported as a remainder.
+            Verdict::Found if only_hidden && said.has_remainder => Mark::Honest,
+            Verdict::Found | Verdict::Ambiguous => Mark::False,
+            Verdict::Unlisted if self.secret.class == Class::Unlisted => Mark::Right,
+            Verdict::Unlisted => Mark::Honest,
         }
     }
 
     /// Whether it was given a wrong name.
     pub fn is_called_another(&self) -> bool {
         let found = |said: &Said| matches!(said.verdict, Verdict::Found | Verdict::Ambiguous);
-        self.said.as_ref().is_ok_and(found) && self.mark() == Mark::Wrong
+        self.said.as_ref().is_ok_and(found) && !self.mark().is_named()
     }
 
     /// Whether the law was augmented well: held-out error at most 1.5 times the noise, or a tenth of eq 13's.
@@ -125,6 +237,19 @@ impl Outcome {
         self.said
             .as_ref()
             .is_ok_and(|said| said.after <= 1.5 || said.after <= 0.1 * said.before)
+    }
+
+    /// Held-out error of the embedded law over the noise; not a number if the trace was refused.
+    pub fn error(&self) -> f64 {
+        self.said.as_ref().map_or(f64::NAN, |said| said.after)
+    }
+
+    /// [`Said::intervals`], counted only if the hidden effect was found.
+    pub fn intervals(&self) -> [usize; 2] {
+        match &self.said {
+            Ok(said) if self.mark() == Mark::Right => said.intervals,
+            _ => [0, 0],
+        }
     }
 
     /// The truth as a row of the confusion matrix.

@@ -1,29 +1,36 @@
 //! The blind trial: specimens whose effect, size, noise and test are drawn from a seed that the tracer never sees.
 
 mod absorbed;
+mod blocks;
 mod described;
-mod draw;
 mod families;
+mod flat;
 mod floors;
 mod judge;
-pub mod motions;
+mod motion;
+mod path;
 mod programme;
+mod sensors;
 mod summary;
 mod test_rig;
+mod trial;
 
 use std::ops::Range;
 
 use rayon::iter::{Either, IntoParallelIterator, ParallelIterator};
 
-pub use described::{DescribedEffect, described, draw_described};
-pub use draw::{Class, GROUP, Hidden, Secret, Sized, Trial, draw, draw_unlisted};
-pub use floors::{
-    FLOORS, FLOORS_OF_A_PART, FLOORS_OF_THE_DESCRIBED, FLOORS_OF_THE_UNLISTED, Floors, PART,
-};
-pub use judge::{Mark, Outcome, Said, judge};
+pub use blocks::GROUP;
+pub use described::{DescribedEffect, described};
+pub use families::Version;
+pub use flat::MotionOutcome;
+pub use floors::{Floors, PART};
+pub use judge::{Mark, Outcome, Said, VelocityError, judge};
+pub use path::{Kind, Path};
 pub use programme::{Programme, TestShape};
-pub use summary::{Rate, Ratios, Summary};
+pub use sensors::{Flaw, MotionSensors};
+pub use summary::{Rate, Ratios, Results, Row, Summary};
 pub use test_rig::{Sensors, Truth, answer, record};
+pub use trial::{AnyMotion, Blocks, Class, Hidden, Secret, Sized, Test, Trial};
 
 /// A trial counts if the residual of eq 13 for the hidden effect is at least this multiple of the noise.
 pub const LEAST_VISIBLE: f64 = 3.0;
@@ -31,40 +38,45 @@ pub const LEAST_VISIBLE: f64 = 3.0;
 /// How a seed makes a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draw {
-    /// [`draw()`]: specimens with separate physics.
+    /// Specimens with separate physics, tested with blocks of sines.
     Specimens,
-    /// [`draw_unlisted`]: those of them with an unlisted effect.
+    /// Those of them with an unlisted effect.
     Unlisted,
-    /// [`draw_described`]: the effects that the crate describes.
+    /// The effects that the crate describes, tested with blocks of sines.
     Described,
+    /// Specimens with separate physics, tested over any motion.
+    Motions,
 }
 
 impl Draw {
     /// Its requirements.
-    pub fn floors(self) -> &'static Floors {
+    pub fn floors(self) -> Floors {
         match self {
-            Self::Specimens => &FLOORS,
-            Self::Unlisted => &FLOORS_OF_THE_UNLISTED,
-            Self::Described => &FLOORS_OF_THE_DESCRIBED,
+            Self::Specimens => Floors::Specimens,
+            Self::Unlisted => Floors::Unlisted,
+            Self::Described => Floors::Described,
+            Self::Motions => Floors::Motions,
         }
     }
 
-    /// The trial of `seed`; `None` if no test shows its effect.
-    pub fn trial(self, seed: u64) -> Option<Trial> {
+    /// The trial of `seed`, the same for the same `version`; `None` if no test shows its effect. The version does not matter for
+    /// the effects that the crate describes.
+    pub fn trial(self, version: Version, seed: u64) -> Option<Trial> {
         match self {
-            Self::Specimens => Some(draw(seed)),
-            Self::Unlisted => Some(draw_unlisted(seed)),
-            Self::Described => draw_described(seed),
+            Self::Specimens => Some(blocks::draw(version, seed)),
+            Self::Unlisted => Some(blocks::draw_unlisted(version, seed)),
+            Self::Described => described::draw_described(seed),
+            Self::Motions => Some(motion::draw(version, seed)),
         }
     }
 }
 
 /// Runs the trials of `seeds`; `done` is called after each seed.
-pub fn run(seeds: Range<u64>, draw: Draw, done: &(dyn Fn() + Sync)) -> Summary {
+pub fn run(seeds: Range<u64>, draw: Draw, version: Version, done: &(dyn Fn() + Sync)) -> Summary {
     let (outcomes, not_shown) = seeds.into_par_iter().partition_map(|seed| {
-        let outcome = draw.trial(seed).map(|trial| judge(&trial));
+        let outcome = draw.trial(version, seed).map(|trial| judge(&trial));
         done();
         outcome.map_or(Either::Right(seed), Either::Left)
     });
-    Summary::of(outcomes, not_shown)
+    Summary::of(version, outcomes, not_shown)
 }

@@ -1,11 +1,12 @@
-//! Rates, error ratios and the confusion matrix of many trials.
+//! The results of many trials: rates, error ratios, the confusion matrix, and a row for each group.
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use super::draw::Class;
-use super::judge::{Mark, Outcome};
+use super::families::Version;
+use super::judge::{Mark, Outcome, VelocityError};
+use super::trial::{Class, Test};
 
 /// A count out of a total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -48,10 +49,101 @@ pub struct Ratios {
     pub worst: f64,
 }
 
+/// The results of a group of trials that count.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Row {
+    /// Name of the group.
+    pub of: String,
+    /// Number of trials that count.
+    pub count: usize,
+    /// Number of trials for each [`Mark`], in order.
+    pub marks: [usize; 6],
+    /// Median of the held-out error over that of the true law.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub median: f64,
+    /// Ninth decile of the held-out error over that of the true law.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub ninth_decile: f64,
+    /// Median duration of a trace, s.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub seconds: f64,
+    /// Largest duration of a trace over that of its recordings.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub time: f64,
+    /// Fraction of the 90 % intervals of the law's coefficients that contain the true value.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub intervals: f64,
+    /// Geometric mean of the error of the estimated velocity over that of cubics in windows alone.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub over_cubics: f64,
+    /// Fraction of the samples at which the velocity error is within its 90 % interval.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub covered: f64,
+}
+
+/// A quotient over nothing is NaN, and null in a file.
+pub(super) fn if_any<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    value.is_finite().then_some(value).serialize(serializer)
+}
+
+impl Row {
+    fn of(name: String, outcomes: &[&Outcome]) -> Self {
+        let count = |mark: Mark| outcomes.iter().filter(|o| o.mark() == mark).count();
+        let quantile = |of: fn(&Outcome) -> f64, part: f64| {
+            let each = outcomes.iter().map(|o| of(o));
+            let mut values: Vec<f64> = each.filter(|value| value.is_finite()).collect();
+            values.sort_by(f64::total_cmp);
+            let place = (part * values.len() as f64) as usize;
+            let place = place.min(values.len().saturating_sub(1));
+            values.get(place).copied().unwrap_or(f64::NAN)
+        };
+        let mean = |of: &dyn Fn(&VelocityError) -> f64| {
+            let each = outcomes.iter().map(|o| of(&o.velocity));
+            let values = each.filter(|value| value.is_finite());
+            let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+            sum / count
+        };
+        let [held, of] =
+            [0, 1].map(|which| outcomes.iter().map(|o| o.intervals()[which]).sum::<usize>());
+        Self {
+            of: name,
+            count: outcomes.len(),
+            marks: Mark::ALL.map(count),
+            median: quantile(Outcome::error, 0.5),
+            ninth_decile: quantile(Outcome::error, 0.9),
+            seconds: quantile(|o| o.seconds, 0.5),
+            time: outcomes.iter().map(|o| o.time).fold(0.0, f64::max),
+            intervals: held as f64 / of as f64,
+            over_cubics: mean(&|velocity| velocity.over_cubics.ln()).exp(),
+            covered: mean(&|velocity| velocity.covered),
+        }
+    }
+
+    /// The fraction with the right answer, or with the truth among effects that cannot be distinguished.
+    pub fn right(&self) -> f64 {
+        (self.marks[0] + self.marks[1]) as f64 / self.count as f64
+    }
+
+    /// The fraction that is false or missed.
+    pub fn wrong(&self) -> f64 {
+        (self.marks[3] + self.marks[4]) as f64 / self.count as f64
+    }
+}
+
 /// The results of many trials. Rates of hidden effects count only effects that are at least three times the noise.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Summary {
+pub struct Results {
+    /// Version of the draw: a seed hides the same effects only with the same version.
+    pub draw_version: u32,
     /// Trials with one listed effect, in which only that effect was named.
     pub listed: Rate,
     /// Trials with one listed effect that was named, alone or among several indistinguishable effects.
@@ -73,46 +165,106 @@ pub struct Summary {
     pub ratios: BTreeMap<Class, Ratios>,
     /// How often each answer was given for each truth. Unlisted truths are in brackets.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    /// The results of all trials that count.
+    pub all: Row,
+    /// Results by each property in turn: by motion or shape of the test, by sensors, and by hidden effect.
+    pub rows: Vec<Row>,
     /// Seeds of trials whose effect no test shows.
     pub not_shown: Vec<u64>,
+}
+
+/// The results of many trials, and the trials.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Summary<O = Outcome> {
+    /// The results.
+    #[serde(flatten)]
+    pub results: Results,
     /// The trials.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<O>,
 }
 
 impl Summary {
     /// Counts `outcomes`; the seeds `not_shown` are separate.
-    pub fn of(outcomes: Vec<Outcome>, not_shown: Vec<u64>) -> Self {
-        let counted = |class| {
-            outcomes
-                .iter()
-                .filter(move |o| o.secret.class == class && o.counts())
+    pub fn of(version: Version, outcomes: Vec<Outcome>, not_shown: Vec<u64>) -> Self {
+        let counted: Vec<&Outcome> = outcomes.iter().filter(|o| o.counts()).collect();
+        let of_class = |class| {
+            let all = counted.iter().copied();
+            all.filter(move |o| o.secret.class == class)
         };
         let right = |outcome: &Outcome| outcome.mark() == Mark::Right;
-        let named = |outcome: &Outcome| outcome.mark() != Mark::Wrong;
+        let named = |outcome: &Outcome| outcome.mark().is_named();
         let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
         for outcome in &outcomes {
             let row = confusion.entry(outcome.truth()).or_default();
             *row.entry(outcome.answer()).or_default() += 1;
         }
         let classes = [Class::None, Class::Listed, Class::Pair, Class::Unlisted];
-        Self {
-            listed: Rate::over(counted(Class::Listed), right),
-            listed_or_among: Rate::over(counted(Class::Listed), named),
-            false_discoveries: Rate::over(counted(Class::None), |outcome| !right(outcome)),
-            pairs: Rate::over(counted(Class::Pair), right),
-            pairs_or_among: Rate::over(counted(Class::Pair), named),
-            unlisted: Rate::over(counted(Class::Unlisted), right),
-            unlisted_named: Rate::over(counted(Class::Unlisted), Outcome::is_called_another),
-            unlisted_augmented: Rate::over(counted(Class::Unlisted), Outcome::is_augmented),
+        let results = Results {
+            draw_version: version.number(),
+            listed: Rate::over(of_class(Class::Listed), right),
+            listed_or_among: Rate::over(of_class(Class::Listed), named),
+            false_discoveries: Rate::over(of_class(Class::None), |outcome| !right(outcome)),
+            pairs: Rate::over(of_class(Class::Pair), right),
+            pairs_or_among: Rate::over(of_class(Class::Pair), named),
+            unlisted: Rate::over(of_class(Class::Unlisted), right),
+            unlisted_named: Rate::over(of_class(Class::Unlisted), Outcome::is_called_another),
+            unlisted_augmented: Rate::over(of_class(Class::Unlisted), Outcome::is_augmented),
             ratios: classes
                 .into_iter()
                 .filter_map(|class| Some((class, ratios(&outcomes, class)?)))
                 .collect(),
             confusion,
+            all: Row::of("all".to_owned(), &counted),
+            rows: rows(&counted),
             not_shown,
-            outcomes,
-        }
+        };
+        Self { results, outcomes }
     }
+}
+
+/// By motion or shape, by sensors, and by hidden effect; each sorted by its name.
+fn rows(counted: &[&Outcome]) -> Vec<Row> {
+    let by: [fn(&Outcome) -> Option<String>; 3] = [
+        |o| {
+            Some(match &o.secret.test {
+                Test::Blocks(blocks) => name(&blocks.programme.shape),
+                Test::Motion(motion) => name(&motion.kind),
+            })
+        },
+        |o| match &o.secret.test {
+            Test::Blocks(_) => None,
+            Test::Motion(motion) => Some(format!("sensors: {}", name(&motion.sensors.flaw))),
+        },
+        |o| {
+            Some(match &o.secret.families()[..] {
+                [] => "hidden: nothing".to_owned(),
+                [one] => format!("hidden: {one}"),
+                _ => "hidden: two".to_owned(),
+            })
+        },
+    ];
+    let mut rows = Vec::new();
+    for by in by {
+        let mut groups: BTreeMap<String, Vec<&Outcome>> = BTreeMap::new();
+        for outcome in counted {
+            if let Some(name) = by(outcome) {
+                groups.entry(name).or_default().push(outcome);
+            }
+        }
+        rows.extend(
+            groups
+                .into_iter()
+                .map(|(name, these)| Row::of(name, &these)),
+        );
+    }
+    rows
+}
+
+/// The word in its JSON.
+fn name(of: &impl Serialize) -> String {
+    let json = serde_json::to_string(of).unwrap_or_default();
+    json.trim_matches('"').replace('_', " ")
 }
 
 fn ratios(outcomes: &[Outcome], class: Class) -> Option<Ratios> {

@@ -1,17 +1,17 @@
 //! `hil blind`: the blind trial of the tracer.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use clap::Args;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Outputs, Plan};
-use mesh_damper_recording::Recording;
 use mesh_damper_rig::check::failures;
-use mesh_damper_trials::blind::{self, Class, Draw, Mark, Outcome, Rate, Summary};
+use mesh_damper_trials::blind::{self, Draw, Outcome, Version};
 
+use super::blind_text::{in_words, line, print, tested};
 use super::junit::{Case, Junit, judged};
-use super::motions;
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, is_free_for_text, say};
@@ -49,6 +49,12 @@ pub struct BlindCommand {
     /// Use other motions and sensors instead of blocks of sines: random, stepped, slow, swept, with pauses
     #[arg(long, conflicts_with_all = ["described", "unlisted"])]
     motions: bool,
+    /// Version of the draw, 1 to the newest
+    ///
+    /// A version adds effects that a seed may hide: published figures name the version with which they were made.
+    #[arg(long, value_name = "N", default_value_t = Version::NEWEST.number(), conflicts_with = "described",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(Version::NEWEST.number())))]
+    draw_version: u32,
     /// Fail with exit code 1 if a rate or an error is worse than its limit, the level reached before
     #[arg(long)]
     check: bool,
@@ -63,14 +69,7 @@ pub struct BlindCommand {
 impl BlindCommand {
     pub fn run(self) -> Result<(), Failure> {
         if let Some(seed) = self.show {
-            if self.motions {
-                return motions::show(seed, self.out.as_deref());
-            }
             return self.show(seed);
-        }
-        if self.motions {
-            let seeds = self.first..self.first + self.seeds;
-            return motions::run(seeds, &self.json, &self.junit, self.check);
         }
         let mut outputs = Plan::new().writes(&self.json).writes(&self.junit).begin()?;
         judged(
@@ -85,25 +84,32 @@ impl BlindCommand {
         let progress = Progress::of(self.seeds);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
-        let summary = blind::run(self.first..self.first + self.seeds, self.draw(), &|| {
+        let seeds = self.first..self.first + self.seeds;
+        let summary = blind::run(seeds, self.draw(), self.version(), &|| {
             progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
         });
         drop(progress);
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
-        let checks = self.draw().floors().checks(&summary);
+        let checks = self.draw().floors().checks(&summary.results);
         junit.property("specimens", format!("{:?}", self.draw()));
+        junit.property("draw version", self.draw_version);
         junit.property("first seed", self.first);
         junit.property("seeds", self.seeds);
         junit.checks("floor", checks.iter().cloned());
         for outcome in &summary.outcomes {
             let name = format!("seed {}: {}", outcome.secret.seed, outcome.truth());
-            junit.case("seed", &name, case_of(outcome), None);
+            let time = Duration::from_secs_f64(outcome.seconds);
+            junit.case("seed", &name, case_of(outcome), Some(time));
         }
-        for seed in &summary.not_shown {
+        for seed in &summary.results.not_shown {
             let reason = "no test shows the effect that this seed hides".to_owned();
             junit.case("seed", &format!("seed {seed}"), Case::Skipped(reason), None);
+        }
+        match &self.json {
+            Some(json) if self.motions => {
+                outputs.add_document(json, &summary.clone().over_any_motion())?;
+            }
+            Some(json) => outputs.add_document(json, &summary)?,
+            None => {}
         }
         junit.add(outputs, self.junit.as_deref())?;
         outputs.write()?;
@@ -117,8 +123,14 @@ impl BlindCommand {
         Ok(())
     }
 
+    fn version(&self) -> Version {
+        Version::new(self.draw_version).unwrap_or(Version::NEWEST)
+    }
+
     fn draw(&self) -> Draw {
-        if self.described {
+        if self.motions {
+            Draw::Motions
+        } else if self.described {
             Draw::Described
         } else if self.unlisted {
             Draw::Unlisted
@@ -128,31 +140,32 @@ impl BlindCommand {
     }
 
     fn show(&self, seed: u64) -> Result<(), Failure> {
-        let mut outputs = recordings(self.out.as_deref())?;
-        let trial = (self.draw().trial(seed)).ok_or_else(|| {
+        let mut outputs = Plan::new().fills(self.out.as_deref(), RECORDINGS).begin()?;
+        let trial = self.draw().trial(self.version(), seed).ok_or_else(|| {
             let what = "no test shows the effect that this seed hides";
             InputError::new(format!("described seed {seed}"), what, "show another seed")
         })?;
-        add_recordings(
-            &mut outputs,
-            self.out.as_deref(),
-            [&trial.training, &trial.held_out],
-        )?;
+        if let Some(out) = &self.out {
+            for (name, recording) in RECORDINGS
+                .into_iter()
+                .zip([&trial.training, &trial.held_out])
+            {
+                let path = out.join(name);
+                outputs.add(&path, recording.to_file(&path)?);
+            }
+        }
         outputs.write()?;
         let progress = Progress::steps();
         progress.step("tracing");
         let outcome = blind::judge(&trial);
         drop(progress);
         say(&line(&outcome));
-        let secret = &outcome.secret;
         say(&format!(
-            "{:.2} g/cm3, {:?}, {} Hz, noise {:.2} %",
-            secret.density,
-            secret.programme.shape,
-            secret.rate,
-            100.0 * secret.noise
+            "{}, draw version {}",
+            tested(&outcome.secret),
+            self.draw_version
         ));
-        for hidden in &secret.effects {
+        for hidden in &outcome.secret.effects {
             say(&format!(
                 "{}: {}; {:.1} times the noise, {:.1} of it beyond the mixed damping law",
                 hidden.effect.family(),
@@ -172,151 +185,10 @@ fn case_of(outcome: &Outcome) -> Case {
             "does not count: less than 3 times the noise; called {}",
             outcome.answer()
         )),
-        Mark::Right | Mark::Among => Case::Passed,
-        Mark::Wrong => Case::Skipped(format!(
-            "missed; counted in the rates: called {}",
-            outcome.answer()
-        )),
+        mark if mark.is_named() => Case::Passed,
+        _ => Case::Skipped(format!("missed; counted in the rates: {}", line(outcome))),
     }
 }
 
 /// File names of the recordings of a trial.
 const RECORDINGS: [&str; 2] = ["training.csv.gz", "held-out.csv.gz"];
-
-/// The outputs of a trial whose recordings go into `out`.
-pub fn recordings(out: Option<&Path>) -> Result<Outputs, InputError> {
-    Plan::new().fills(out, RECORDINGS).begin()
-}
-
-/// Adds both recordings of a trial, if they were requested.
-pub fn add_recordings(
-    outputs: &mut Outputs,
-    out: Option<&Path>,
-    both: [&Recording; 2],
-) -> Result<(), InputError> {
-    let Some(out) = out else { return Ok(()) };
-    for (name, recording) in RECORDINGS.into_iter().zip(both) {
-        let path = out.join(name);
-        outputs.add(&path, recording.to_file(&path)?);
-    }
-    Ok(())
-}
-
-/// Parameters of an effect, each with name, value and unit.
-pub fn in_words(parameters: &[(&'static str, f64, &'static str)]) -> String {
-    let each = parameters.iter();
-    let each = each.map(|(name, value, unit)| format!("{name} {value:.4} {unit}"));
-    each.collect::<Vec<_>>().join(", ")
-}
-
-/// Truth and answer in one line.
-fn line(outcome: &Outcome) -> String {
-    let mark = match outcome.mark() {
-        Mark::Right => "right",
-        Mark::Among => "among several",
-        Mark::Wrong => "WRONG",
-    };
-    let errors = match &outcome.said {
-        Ok(said) => format!(
-            "held-out error {:.2} -> {:.2} times the noise",
-            said.before, said.after
-        ),
-        Err(reason) => reason.clone(),
-    };
-    let visible = if outcome.secret.effects.is_empty() {
-        String::new()
-    } else {
-        format!(" {:.1}", outcome.secret.visible())
-    };
-    format!(
-        "{:>5} {mark}: {}{visible} was called {}; {errors}",
-        outcome.secret.seed,
-        outcome.truth(),
-        outcome.answer()
-    )
-}
-
-fn print(summary: &Summary) {
-    let wrong: Vec<&Outcome> = summary
-        .outcomes
-        .iter()
-        .filter(|outcome| outcome.counts() && outcome.mark() != Mark::Right)
-        .collect();
-    if !wrong.is_empty() {
-        say("Seeds that count and were not named correctly:");
-        for outcome in wrong {
-            say(&line(outcome));
-        }
-    }
-    if !summary.not_shown.is_empty() {
-        say(&format!(
-            "No test shows the effects of these seeds: {:?}",
-            summary.not_shown
-        ));
-    }
-    say("");
-    say(
-        "Hidden effect, number of seeds, and results of the trace (effects of no family in brackets):",
-    );
-    for (truth, answers) in &summary.confusion {
-        let total: usize = answers.values().sum();
-        let mut answers: Vec<(&String, &usize)> = answers.iter().collect();
-        answers.sort_by(|a, b| b.1.cmp(a.1));
-        let said: Vec<String> = answers
-            .iter()
-            .map(|(answer, count)| format!("{answer} {count}"))
-            .collect();
-        say(&format!("{truth:>28} {total:>4}   {}", said.join(", ")));
-    }
-    say("");
-    say("Held-out error of the embedded law over the noise:  median  9 in 10   worst");
-    for (class, ratios) in &summary.ratios {
-        let name = match class {
-            Class::None => "no hidden effect",
-            Class::Listed => "one effect of a family",
-            Class::Pair => "two",
-            Class::Unlisted => "an effect of no family",
-        };
-        say(&format!(
-            "{name:>50} {:>7.2} {:>8.2} {:>7.2}",
-            ratios.median, ratios.ninth_decile, ratios.worst
-        ));
-    }
-    say("");
-    for (what, rate) in [
-        ("one effect of a family, named alone", summary.listed),
-        ("the same, or named among several", summary.listed_or_among),
-        (
-            "false discoveries without a hidden effect",
-            summary.false_discoveries,
-        ),
-        ("two effects, both named", summary.pairs),
-        ("the same, or named among several", summary.pairs_or_among),
-        (
-            "an effect of no family, verdict unmodelled",
-            summary.unlisted,
-        ),
-        (
-            "an effect of no family, given the name of a family",
-            summary.unlisted_named,
-        ),
-        (
-            "an effect of no family, the law augmented",
-            summary.unlisted_augmented,
-        ),
-    ] {
-        say(&rate_line(what, rate));
-    }
-}
-
-fn rate_line(what: &str, rate: Rate) -> String {
-    if rate.of == 0 {
-        return format!("{what:>50}: none counted");
-    }
-    format!(
-        "{what:>50}: {:>5.1} %  ({} of {})",
-        100.0 * rate.value(),
-        rate.count,
-        rate.of
-    )
-}

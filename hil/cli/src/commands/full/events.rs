@@ -86,16 +86,15 @@ impl EventRow {
             Statistic::Sample if cause == HealthCause::TemperatureImplausible => {
                 format!("it measured {value:.1} °C")
             }
-            Statistic::Sample => match channel_of(cause) {
+            Statistic::Sample => match cause.channel() {
                 Some(Channel::Displacement) => format!("it measured {value:.4} mm"),
                 Some(Channel::Force) => format!("it measured {value:.4} kN"),
                 None => format!("a sample of {value:.4}"),
             },
         };
         format!(
-            "{}{}; {evidence}",
-            named(cause),
-            or.map_or_else(String::new, |or| format!(" or {}", named(or)))
+            "{cause}{}; {evidence}",
+            or.map_or_else(String::new, |or| format!(" or {or}"))
         )
     }
 
@@ -109,54 +108,5 @@ impl EventRow {
             fault: self.fault,
             text: self.what(),
         }
-    }
-}
-
-fn channel_of(cause: HealthCause) -> Option<Channel> {
-    match cause {
-        HealthCause::SensorStuck(channel)
-        | HealthCause::SensorDroppedOut(channel)
-        | HealthCause::SensorClipped(channel)
-        | HealthCause::SensorSpiking(channel)
-        | HealthCause::SensorDrifting(channel)
-        | HealthCause::SensorGain(channel)
-        | HealthCause::SensorNoisy(channel)
-        | HealthCause::SensorReversed(channel) => Some(channel),
-        _ => None,
-    }
-}
-
-fn named(cause: HealthCause) -> String {
-    let sensor = |what: &str| {
-        let channel = match channel_of(cause) {
-            Some(Channel::Force) => "force",
-            _ => "displacement",
-        };
-        format!("the {channel} sensor {what}")
-    };
-    match cause {
-        HealthCause::WireBreakage => "wire breakage".into(),
-        HealthCause::FrictionWear => "friction wear".into(),
-        HealthCause::Loosening => "loosening".into(),
-        HealthCause::PreloadShift => "the preload has shifted".into(),
-        HealthCause::Unexplained => "a change without a known cause".into(),
-        HealthCause::RunIn => "the run-in".into(),
-        HealthCause::Temperature => "the temperature".into(),
-        HealthCause::SensorStuck(_) => sensor("is stuck"),
-        HealthCause::SensorDroppedOut(_) => sensor("has dropped out"),
-        HealthCause::SensorClipped(_) => sensor("is clipped"),
-        HealthCause::SensorSpiking(_) => sensor("spikes"),
-        HealthCause::SensorDrifting(_) => sensor("drifts"),
-        HealthCause::ActuatorSaturated => "the actuator is saturated".into(),
-        HealthCause::ActuatorLagging => "the actuator lags".into(),
-        HealthCause::ActuatorDead => "the actuator is dead".into(),
-        HealthCause::FrictionRise => "friction rises".into(),
-        HealthCause::Stiffening => "the specimen stiffens".into(),
-        HealthCause::SensorGain(_) => sensor("has changed its gain"),
-        HealthCause::SensorNoisy(_) => sensor("has too much noise or hum"),
-        HealthCause::SpecimenAbsent => "there is no specimen".into(),
-        HealthCause::SensorReversed(_) => sensor("is reversed"),
-        HealthCause::LawMismatch => "the specimen is far from the law".into(),
-        HealthCause::TemperatureImplausible => "the temperature is implausible".into(),
     }
 }

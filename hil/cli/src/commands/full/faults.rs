@@ -5,25 +5,21 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use clap::Args;
 use mesh_damper_link::image::Board;
-use mesh_damper_link::lockstep::Image;
-use mesh_damper_link::lockstep::{run_attack_on, run_trial_on};
+use mesh_damper_link::lockstep::{Image, run_trial_on};
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Outputs, Plan};
 use mesh_damper_report::campaign;
 use mesh_damper_rig::SetupError;
+use mesh_damper_rig::campaign::{Campaign, Summary, Trial, requirements};
 use mesh_damper_rig::check::failures;
-use mesh_damper_rig::faults::{
-    AttackSummary, AttackTrial, CHANGING, Campaign, FOLLOW, Outcomes, Summary, Surroundings,
-    requirements,
-};
 use mesh_damper_sources::Sources;
 
-use super::faults_attacks;
+use super::faults_text;
 use super::image::{IMAGES, On, say_where};
 use super::junit::{Junit, judged};
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
-use crate::commands::{Failure, is_free_for_text, say};
+use crate::commands::{Failure, is_free_for_text};
 
 /// Inject faults into the simulated rig, attack its signals, and count what its monitor finds
 ///
@@ -106,34 +102,18 @@ fn at_once<T: Sync, R: Send>(
 /// Injects the faults and attacks of `chosen`, each into an image that was just started.
 fn on_image(chosen: &Campaign) -> Result<Summary, InputError> {
     say_where(&Sources::find()?, "the firmware's image", IMAGES);
-    let trials = chosen.trials();
-    let attacks = chosen.attack_trials().over_a_link();
-    let progress = Progress::of((trials.len() + attacks.len()) as u64);
+    let mut trials = chosen.trials();
+    trials.retain(Trial::is_possible_over_a_link);
+    let progress = Progress::of(trials.len() as u64);
     progress.step("testing the image");
     let finished = AtomicU64::new(0);
-    let done = || progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-    let start = || Image::start(Board::Mps2An386, Box::new(|_| {}));
     let outcomes = at_once(&trials, |trial| {
-        let outcome = run_trial_on(&mut start()?, trial).map_err(refused);
-        done();
+        let mut image = Image::start(Board::Mps2An386, Box::new(|_| {}))?;
+        let outcome = run_trial_on(&mut image, trial).map_err(refused);
+        progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
         outcome
     })?;
-    let run = |trials: &[AttackTrial]| {
-        at_once(trials, |trial| {
-            let outcome = run_attack_on(&mut start()?, trial).map_err(refused);
-            done();
-            outcome
-        })
-    };
-    let attacks = AttackSummary::of(
-        Outcomes {
-            singles: run(&attacks.singles)?,
-            pairs: run(&attacks.pairs)?,
-            adversary: run(&attacks.adversary)?,
-        },
-        Vec::new(),
-    );
-    Ok(Summary::of(outcomes, Vec::new(), Vec::new(), attacks))
+    Ok(Summary::of(outcomes, Vec::new(), Vec::new(), Vec::new()))
 }
 
 impl FaultsCommand {
@@ -191,152 +171,19 @@ impl FaultsCommand {
         }
         let checks = requirements(&summary);
         junit.property("on", self.on.name());
-        junit.property("trials", summary.trials);
+        junit.property("trials", summary.counts.trials);
         junit.property("attack trials", summary.attacks.trials());
         junit.property("healthy cycles", summary.healthy_cycles);
         junit.checks("requirement", checks.iter().cloned());
         junit.add(outputs, self.junit.as_deref())?;
         outputs.write()?;
         if is_free_for_text([&self.json, &self.junit]) {
-            print(&summary);
-            faults_attacks::print(&summary);
+            faults_text::print(&summary);
         }
         let missed = failures(checks);
         if self.check && !missed.is_empty() {
             return Err(Failure::Check(missed.join("; ")));
         }
         Ok(())
-    }
-}
-
-fn print(summary: &Summary) {
-    if summary.outcomes.is_empty() {
-        return;
-    }
-    let wrong = summary
-        .outcomes
-        .iter()
-        .filter(|one| !(one.right || one.both) || !one.in_time());
-    for one in wrong {
-        let trial = &one.trial;
-        say(&format!(
-            "{:?} of {} in {} g/cm3, {} mm, {} Hz, noise {} %, at {} of the cycle: {} after {} cycles",
-            trial.kind,
-            trial.size,
-            trial.density,
-            trial.amplitude,
-            trial.frequency,
-            100.0 * trial.noise,
-            trial.moment,
-            one.named.first().map_or("nothing", String::as_str),
-            one.cycles
-                .map_or_else(|| "-".into(), |cycles| format!("{cycles:.2}")),
-        ));
-    }
-    say("");
-    say(
-        "                   fault   size  trials  found  in time  right   both  cycles: median   most",
-    );
-    for kind in &summary.kinds {
-        let cycles = |cycles: Option<f64>| cycles.map_or_else(|| "-".into(), |c| format!("{c:.2}"));
-        say(&format!(
-            "{:>24} {:>6} {:>7} {:>6} {:>8} {:>6} {:>6} {:>15} {:>6}",
-            format!("{:?}", kind.kind),
-            kind.size,
-            kind.trials,
-            kind.found,
-            kind.in_time,
-            kind.right,
-            kind.both,
-            cycles(kind.median_cycles),
-            cycles(kind.worst_cycles)
-        ));
-    }
-    let percent = |part: usize| 100.0 * part as f64 / summary.trials.max(1) as f64;
-    say("");
-    say(&format!(
-        "{} trials: {:.1} % found, {:.1} % in time, {:.1} % named correctly, {:.1} % by two causes of which one is correct; {} alarms before the fault",
-        summary.trials,
-        percent(summary.found),
-        percent(summary.in_time),
-        percent(summary.right),
-        percent(summary.both),
-        summary.early
-    ));
-    if !summary.healthy.is_empty() {
-        print_healthy(summary);
-    }
-    if !summary.slow.is_empty() {
-        print_slow(summary);
-    }
-    say("");
-    say(&format!(
-        "largest displacement {:.2}, force {:.2} of their limits, beyond a limit for at most {} ticks; {} trips, {} of them in time",
-        summary.displacement,
-        summary.force,
-        summary.ticks_beyond,
-        summary.stopped,
-        summary.stopped_in_time
-    ));
-}
-
-fn print_healthy(summary: &Summary) {
-    say(&format!(
-        "{} healthy cycles with run-in and temperature: {} false alarms",
-        summary.healthy_cycles, summary.false_alarms
-    ));
-    for surroundings in Surroundings::ALL {
-        let these = || {
-            let all = summary.healthy.iter();
-            all.filter(move |one| one.surroundings == surroundings)
-        };
-        say(&format!(
-            "{:>24} {:>7} cycles, {} false alarms",
-            format!("{surroundings:?}"),
-            these().map(|one| u64::from(one.cycles)).sum::<u64>(),
-            these().map(|one| one.false_alarms.len()).sum::<usize>(),
-        ));
-    }
-    for one in &summary.healthy {
-        for (cycle, cause) in &one.false_alarms {
-            say(&format!(
-                "{:?}, {} g/cm3, {} mm, cycle {cycle}: {cause}",
-                one.surroundings, one.density, one.amplitude
-            ));
-        }
-    }
-}
-
-fn print_slow(summary: &Summary) {
-    say("");
-    say(&format!(
-        "Slow changes over {CHANGING} cycles, then a break; the adaptation follows up to {:.0} %:",
-        100.0 * FOLLOW
-    ));
-    say("                             error of the law, %             of its energy, %");
-    say(
-        "  changing  by %  g/cm3    before  fixed law  adapted      fixed law  adapted   reported at; break",
-    );
-    for one in &summary.slow {
-        let change = &one.change;
-        let named = one.named.first().map_or_else(
-            || {
-                let broken = one.broken.as_ref();
-                let broken = broken.map(|(cycles, cause)| format!("-; {cycles} cycles: {cause}"));
-                broken.unwrap_or_else(|| "-".into())
-            },
-            |(_, cause, come_to)| format!("{:+.1} %: {cause}", 100.0 * come_to),
-        );
-        say(&format!(
-            "{:>10} {:>+5.0} {:>6} {:>9.2} {:>10.2} {:>8.2} {:>14.2} {:>8.2}   {named}",
-            format!("{:?}", change.changing),
-            100.0 * change.size,
-            change.density,
-            100.0 * one.before,
-            100.0 * one.stayed.error,
-            100.0 * one.followed.error,
-            100.0 * one.stayed.energy,
-            100.0 * one.followed.energy,
-        ));
     }
 }

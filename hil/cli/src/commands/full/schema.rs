@@ -13,7 +13,7 @@ use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Label, LabelField, Plan};
 use mesh_damper_paper::amplitude_independent::Study;
 use mesh_damper_paper::claims::Paper;
-use mesh_damper_rig::faults;
+use mesh_damper_rig::campaign;
 use mesh_damper_trials::bench::{Baseline, Results};
 use mesh_damper_trials::blind;
 use mesh_damper_trials::bouc_wen::BoucWenResult;
@@ -83,9 +83,12 @@ struct Entry {
 
 /// A type gets its name as a document only here, so no command writes JSON without a schema.
 macro_rules! documents {
-    (named elsewhere { $($known:ty, $known_by:literal;)* } $($type:ty, $name:literal by $label:ident, $by:literal;)*) => {
+    (named elsewhere { $($known:ty, $known_by:literal;)* } $($type:ty, $name:literal $(version $version:literal)? by $label:ident, $by:literal;)*) => {
         $(impl Document for $type {
-            const LABEL: Label = Label::new($name, LabelField::$label);
+            const LABEL: Label = Label {
+                $(version: $version,)?
+                ..Label::new($name, LabelField::$label)
+            };
         })*
 
         const ALL: &[Entry] = &[
@@ -118,10 +121,10 @@ documents! {
     Comparison, "comparison" by Own, "hil compare --json";
     Study, "amplitude-free" by Format, "hil amplitude-free --json";
     Paper, "paper" by Format, "hil paper --json";
-    faults::Summary, "faults" by Format, "hil faults --json";
+    campaign::Summary, "faults" by Format, "hil faults --json";
     blind::Summary, "blind" by Format, "hil blind --json";
-    blind::motions::Summary, "blind-motions" by Format, "hil blind --motions --json";
-    Results, "bench" by Format, "hil bench --json";
+    blind::Summary<blind::MotionOutcome>, "blind-motions" by Format, "hil blind --motions --json";
+    Results, "bench" version 2 by Format, "hil bench --json";
     Baseline, "bench-baseline" by Own, "hil bench --bless";
     Costs, "study-numbers" by Format, "hil study numbers --json";
     BoucWenResult, "study-bouc-wen" by Format, "hil study bouc-wen --json";
