@@ -4,7 +4,11 @@ use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
 
+use crate::extremes::least_and_largest;
 use crate::faults::kind::{ChannelFault, ChannelFaultKind};
+use crate::faults::quantile;
+use crate::resample::ResamplePolicy;
+use crate::steady::{Steady, quantum};
 
 crate::numbers! {
     /// How the clock behind a recording's times is found.
@@ -12,20 +16,30 @@ crate::numbers! {
         /// If no time is off its tick by more than this fraction of a period, the samples are taken to lie on the ticks. At a velocity v
         /// the displacement is then off by at most this fraction of v·period.
         rounding: f64 = 0.05, Convention("the rounding of printed times");
-        /// A time step of more than this many periods is a gap, in the first estimate of the period and in times that follow no clock.
+        /// Times that are known only to a multiple of some step lie on the ticks too if none is off by more than this fraction of that step.
+        rounded: f64 = 0.55, Derived("half a step, and a tenth of that for the error of the period");
+        /// All times are multiples of a step if none is off one by more than this fraction of it.
+        multiple: f64 = 0.05, Derived("covers the rounding when a time is read, in seconds since 1970");
+        /// A time step of more than this many periods is a gap, after which the ticks may begin anywhere, and in times that follow no clock.
         gap: f64 = 1.75, Tuned("the injected channel faults");
-        /// Gaps are taken as whole numbers of periods if this changes the estimated period by less than this fraction.
-        refinement: f64 = 1e-3, Tuned("the injected channel faults");
+        /// Uneven steps are due to rounding, and not to missing samples or wrong stamps, if at least this many of the rarer kind lie as
+        /// evenly as rounding spreads them; fewer only if the displacement is smoother over equal steps.
+        fewest_spread: usize = 9, Derived("so many fall into as many equal parts by chance once in a thousand: 9!/9⁹");
+        /// The displacement decides between missing samples and rounding if it is smoother by this factor about the steps in question.
+        smoother: f64 = 2.0, Convention("noise alone makes it as smooth over both");
+        /// A clock may lack as many samples as this times those that follow the one before without a gap.
+        most_missing: f64 = 4.0, Convention("a quarter of the samples is there");
+        /// Steps are uneven by design, and do not jitter, if the step below which nine tenths of them lie is more than this many times that
+        /// below which a tenth does.
+        by_design: f64 = 3.0, Convention("no jitter that keeps the order of the samples makes such steps the rule");
+        /// Samples whose steps are uneven by design are brought to the step below which this fraction of them lies.
+        short: f64 = 0.1, Convention("one step in ten is shorter");
         /// Times follow no clock if their RMS deviation from the ticks exceeds this many periods.
         keeps_no_clock: f64 = 0.45, Tuned("the injected channel faults");
         /// Jitter is reported only if the RMS deviation of the times from the ticks exceeds this many periods.
         worth_saying: f64 = 0.03, Convention("the error of the velocity is then as small");
         /// The first estimate of a jittering clock uses this many samples.
         first: usize = 32, Tuned("the injected channel faults");
-        /// Times count as rounded, and not as jittering, if none is off its tick by more than this fraction of the rounding step.
-        rounded: f64 = 0.55, Derived("half a step, and a tenth of that for the error of the period");
-        /// Times are rounded to a decimal step if none is off a multiple of the step by more than this fraction of it.
-        decimal: f64 = 1e-4, Derived("covers the rounding when a time is read, in a recording of days");
     }
 }
 
@@ -34,34 +48,54 @@ crate::numbers! {
 pub(super) struct Clock {
     /// Time between ticks, s.
     pub period: f64,
-    /// The tick of each sample relative to the first one's, strictly increasing.
+    /// The tick of each sample relative to the first one's. It increases strictly, unless the steps are uneven by design.
     pub ticks: Vec<usize>,
     /// Whether the samples were taken on the ticks, whatever their times say.
     pub on_ticks: bool,
     /// RMS of the times from their ticks, periods; 0 if it is only rounding.
     pub jitter: f64,
+    /// The shortest and the longest step, s, if they are uneven by design.
+    pub uneven: Option<[f64; 2]>,
+    /// Whether a row was written only where a value changed: it stays the same until the next.
+    pub holds: bool,
 }
+
+/// A recording with uneven steps is brought to at most this many ticks. Convention: the size of a long recording, which is traced in
+/// minutes.
+pub(super) const MOST_TICKS: usize = 1 << 18;
 
 impl Clock {
     /// The clock of `time`, s, increasing. `displacement`, which is smooth over time, shows whether jittering times are true.
     pub fn of(time: &[f64], displacement: &[f64]) -> Self {
-        let period = mean_step(time);
-        let positions: Vec<f64> = time.iter().map(|t| (t - time[0]) / period).collect();
-        if positions
-            .iter()
-            .all(|p| (p - p.round()).abs() <= ClockPolicy::in_use().rounding)
-        {
+        let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut steps: Vec<f64> = steps.collect();
+        let [short, middle, long] =
+            [ClockPolicy::in_use().short, 0.5, 0.9].map(|part| quantile(&mut steps, part));
+        let uneven = (long > ClockPolicy::in_use().by_design * short).then(|| {
+            let (shortest, longest) = least_and_largest(&steps);
+            [shortest, longest]
+        });
+        let is_clock = |steady: &Steady| is_rounding(steady, time, displacement);
+        if let Some(steady) = Steady::of(time, quantum(time), is_clock) {
             return Self {
-                period,
-                ticks: positions.iter().map(|p| p.round() as usize).collect(),
+                period: steady.period,
+                ticks: steady.ticks,
                 on_ticks: true,
                 jitter: 0.0,
+                uneven,
+                holds: false,
             };
+        }
+        if let Some(steps) = uneven {
+            return Self::uneven(time, short, steps);
         }
         if let Some(clock) = Self::jittering(time, displacement) {
             return clock;
         }
         // Times that wander: gaps are long steps, and ticks follow the times.
+        let short = (steps.iter()).filter(|step| **step <= ClockPolicy::in_use().gap * middle);
+        let (sum, count) = short.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
+        let period = sum / count;
         let mut ticks = vec![0];
         for pair in time.windows(2) {
             let step = (pair[1] - pair[0]) / period;
@@ -80,6 +114,24 @@ impl Clock {
             ticks,
             on_ticks: false,
             jitter: rms(apart),
+            uneven: None,
+            holds: false,
+        }
+    }
+
+    /// Ticks of the length of a `short` step, s, as far as there is room for them.
+    fn uneven(time: &[f64], short: f64, steps: [f64; 2]) -> Self {
+        let span = time[time.len() - 1] - time[0];
+        let most = MOST_TICKS.max(ResamplePolicy::in_use().most_ticks_per_sample * time.len());
+        let period = short.max(span / (most - 1) as f64);
+        let tick = |time: f64| (time / period).round() as usize;
+        Self {
+            period,
+            ticks: time.iter().map(|now| tick(now - time[0])).collect(),
+            on_ticks: false,
+            jitter: 0.0,
+            uneven: Some(steps),
+            holds: false,
         }
     }
 
@@ -108,11 +160,7 @@ impl Clock {
         if jitter > ClockPolicy::in_use().keeps_no_clock {
             return None;
         }
-        let largest = apart
-            .iter()
-            .fold(0.0_f64, |largest, a| largest.max(a.abs()));
-        let rounded = largest * period <= ClockPolicy::in_use().rounded * rounding(time);
-        let on_ticks = rounded || smoother_over_ticks(time, &ticks, displacement);
+        let on_ticks = is_smoother_over_ticks(time, &ticks, displacement);
         // The channels are interpolated anyway, so the ticks end with the samples.
         let span = time[time.len() - 1] - time[0];
         let period = if on_ticks {
@@ -124,7 +172,9 @@ impl Clock {
             period,
             ticks,
             on_ticks,
-            jitter: if rounded { 0.0 } else { jitter },
+            jitter,
+            uneven: None,
+            holds: false,
         })
     }
 
@@ -150,34 +200,23 @@ impl Clock {
             faults.push(ChannelFault { channel, kind });
         }
         let gaps = self.gaps();
-        if !gaps.is_empty() {
-            let kind = ChannelFaultKind::Missing {
-                samples: gaps.iter().map(|(_, missing)| missing).sum(),
+        let samples = gaps.iter().map(|(_, missing)| missing).sum();
+        let kind = match self.uneven {
+            _ if self.holds => ChannelFaultKind::ChangesOnly { samples },
+            Some([shortest, longest]) => ChannelFaultKind::Uneven {
+                shortest,
+                longest,
+                period: self.period,
+            },
+            None => ChannelFaultKind::Missing {
+                samples,
                 gaps: gaps.len(),
-            };
+            },
+        };
+        if self.uneven.is_some() || samples > 0 {
             faults.push(ChannelFault { channel, kind });
         }
         faults
-    }
-}
-
-/// Mean of the steps that are not gaps, so that the rounding of printed times does not bias it.
-fn mean_step(time: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let (short, long): (Vec<f64>, Vec<f64>) = steps
-        .into_iter()
-        .partition(|step| *step <= ClockPolicy::in_use().gap * median);
-    let period = short.iter().sum::<f64>() / short.len() as f64;
-    // Over gaps of whole periods the count is longer and the period finer.
-    let missing: f64 = long.iter().map(|step| (step / period).round()).sum();
-    let span = time[time.len() - 1] - time[0];
-    let refined = span / (short.len() as f64 + missing);
-    if (refined / period - 1.0).abs() < ClockPolicy::in_use().refinement {
-        refined
-    } else {
-        period
     }
 }
 
@@ -252,22 +291,58 @@ fn isotonic(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The decimal step to which all of `time` were rounded, s; 0 if there is none above a nanosecond.
-fn rounding(time: &[f64]) -> f64 {
-    (0..=9)
-        .map(|decimals| 10f64.powi(-decimals))
-        .find(|step| {
-            time.iter()
-                .all(|t| (t / step - (t / step).round()).abs() < ClockPolicy::in_use().decimal)
-        })
-        .unwrap_or(0.0)
+/// Whether rounding, with the steps of a clock between that of one quantum and two, explains why steps differ. A sample may be missing
+/// instead where the step is two quanta, and a stamp may be wrong where it repeats.
+fn is_rounding(steady: &Steady, time: &[f64], displacement: &[f64]) -> bool {
+    let ClockPolicy {
+        gap,
+        fewest_spread,
+        smoother,
+        ..
+    } = *ClockPolicy::in_use();
+    if steady.period >= gap * steady.quantum {
+        return true;
+    }
+    let repeats = steady.period < steady.quantum;
+    let is_long = |index: usize| {
+        let quanta = (time[index + 1] - time[index]) / steady.quantum;
+        steady.ticks[index + 1] - steady.ticks[index] == 1
+            && quanta > if repeats { 0.5 } else { 1.5 }
+    };
+    let long = (0..time.len() - 1).filter(|&index| is_long(index)).count();
+    let rarer = long.min(time.len() - 1 - long);
+    if repeats {
+        return rarer >= fewest_spread;
+    }
+    if long == 0 {
+        return true;
+    }
+    let about = |index: usize| (index - 2..index + 2).any(is_long);
+    let [over_ticks, over_times] = roughness(time, &steady.ticks, displacement, about);
+    if rarer >= fewest_spread {
+        over_ticks <= smoother * over_times
+    } else {
+        smoother * over_ticks < over_times
+    }
 }
 
-/// Whether the cubic through its four neighbours predicts each displacement better over the ticks than over the times.
-fn smoother_over_ticks(time: &[f64], ticks: &[usize], displacement: &[f64]) -> bool {
+/// Whether the displacement is smoother over the ticks than over the times.
+fn is_smoother_over_ticks(time: &[f64], ticks: &[usize], displacement: &[f64]) -> bool {
+    let [over_ticks, over_times] = roughness(time, ticks, displacement, |_| true);
+    over_ticks < over_times
+}
+
+/// How far each displacement usually is from the cubic through its four neighbours, over the ticks and over the times, for samples
+/// without a gap near them that `count`.
+fn roughness(
+    time: &[f64],
+    ticks: &[usize],
+    displacement: &[f64],
+    counts: impl Fn(usize) -> bool,
+) -> [f64; 2] {
     let left_out = |at: &dyn Fn(usize) -> f64| {
         let mut errors: Vec<f64> = (2..time.len().saturating_sub(2))
-            .filter(|&index| ticks[index + 2] - ticks[index - 2] == 4)
+            .filter(|&index| ticks[index + 2] - ticks[index - 2] == 4 && counts(index))
             .map(|index| {
                 let near = [index - 2, index - 1, index + 1, index + 2];
                 let (mut error, mut variance) = (displacement[index], 1.0);
@@ -282,11 +357,12 @@ fn smoother_over_ticks(time: &[f64], ticks: &[usize], displacement: &[f64]) -> b
                 error.abs() / variance.sqrt()
             })
             .collect();
-        let middle = errors.len() / 2;
-        errors.sort_by(f64::total_cmp);
-        errors.get(middle).copied().unwrap_or(0.0)
+        quantile(&mut errors, 0.5)
     };
-    left_out(&|index| ticks[index] as f64) < left_out(&|index| time[index])
+    [
+        left_out(&|index| ticks[index] as f64),
+        left_out(&|index| time[index]),
+    ]
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -57,6 +57,8 @@ mod rest;
 mod smoother;
 pub mod spectrum;
 mod stated_rate;
+mod steady;
+mod times;
 pub mod trajectory;
 mod words;
 mod write;
@@ -254,6 +256,21 @@ impl Recording {
         self.lines.line(index).unwrap_or(index as u64 + 1)
     }
 
+    /// Keeps the samples that `is_kept`, with their rows of the file.
+    fn keep(&mut self, is_kept: &[bool]) {
+        let controls = self.controls.iter_mut().map(|control| &mut control.values);
+        let channels = [&mut self.time, &mut self.displacement, &mut self.force];
+        let optional = self.velocity.iter_mut().chain(&mut self.temperature);
+        for values in channels.into_iter().chain(optional).chain(controls) {
+            let mut is_kept = is_kept.iter();
+            values.retain(|_| *is_kept.next().unwrap_or(&false));
+        }
+        self.lines.keep(is_kept);
+        if let Some(source) = &mut self.source {
+            source.rows.keep(source.header.len(), is_kept);
+        }
+    }
+
     /// Checks the invariants in the type's documentation.
     fn check(&self) -> Result<(), InputError> {
         if self.is_empty() {
@@ -315,12 +332,13 @@ impl Recording {
         let (how, remedy) = if after == before {
             (
                 "stands still",
-                "remove the repeated row, or write time with more decimals",
+                "write time with more decimals, or give the sampling rate with --rate HZ, which counts every row",
             )
         } else {
             (
                 "runs backwards",
-                "put the rows in order of time, and recordings of several tests into several files",
+                "write recordings of several tests into several files; if the clock was set here, correct the times, or give the sampling \
+                 rate with --rate HZ, which takes the rows in their order",
             )
         };
         Err(InputError::new(

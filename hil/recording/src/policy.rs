@@ -7,11 +7,13 @@ use crate::cycles::CyclesPolicy;
 use crate::faults::FaultsPolicy;
 use crate::faults::bridge::BridgePolicy;
 use crate::faults::clipping::ClippingPolicy;
+use crate::faults::counter::CounterPolicy;
 use crate::faults::held::HeldPolicy;
 use crate::faults::hum::HumPolicy;
 use crate::faults::scale::ScalePolicy;
 use crate::faults::shift::ShiftPolicy;
 use crate::faults::sign::SignPolicy;
+use crate::faults::slower::SlowerPolicy;
 use crate::faults::spikes::SpikesPolicy;
 use crate::faults::velocity::VelocityPolicy;
 use crate::harmonic::HarmonicPolicy;
@@ -38,6 +40,8 @@ crate::policy! {
     clock: ClockPolicy,
     /// Recordings that contradict each other.
     consistency: ConsistencyPolicy,
+    /// A displacement whose counter began again.
+    counter: CounterPolicy,
     /// Cycles, and blocks of like ones.
     cycles: CyclesPolicy,
     /// What all searches for channel faults share.
@@ -68,6 +72,8 @@ crate::policy! {
     shift: ShiftPolicy,
     /// A force with the wrong sign.
     sign: SignPolicy,
+    /// A channel that is slower than the rows.
+    slower: SlowerPolicy,
     /// Motions of few samples to the cycle.
     smoother: SmootherPolicy,
     /// Samples that stand out.

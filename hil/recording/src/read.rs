@@ -11,8 +11,10 @@ use mesh_damper_tables::files::{self, Kept, Needs, Reading, Tables, Values, Want
 use mesh_damper_tables::units::Units;
 
 use super::stated_rate::{Certain, Times, contradiction};
-use super::{Recording, Source};
-use crate::faults::kind::{ChannelFault, ChannelFaultKind};
+use super::{FEWEST_SAMPLES, Recording, Source, times};
+use crate::faults::bridge::lines;
+use crate::faults::kind::{Between, ChannelFault, ChannelFaultKind};
+use crate::resample::interpolate;
 
 impl Recording {
     /// Reads a file of any format of [`files::FORMATS`], gzipped text included; its content determines the format, not its name. A
@@ -178,6 +180,14 @@ impl Recording {
         let samples = Samples::of(name, chosen, column_names, values)?;
         let mut recording = samples.recording().map_err(placed)?;
         recording.table.clone_from(&table);
+        let are_dates = matches!(time_column, Some((_, Certain::Dates)));
+        if time_column.is_some() && !recording.time.is_empty() {
+            let unit = recording.units.time.scale;
+            let found = times::put_right(&mut recording.time, are_dates, unit);
+            // The cells hold the times as they were.
+            recording.source = recording.source.filter(|_| found.is_empty());
+            recording.faults.extend(found);
+        }
         let source = match &time_column {
             Some((name, certain)) => Times::Column(name, recording.units.time, *certain),
             None if reading.rate.is_some() => Times::Given,
@@ -231,6 +241,7 @@ struct Samples {
     channels: Vec<Vec<f64>>,
     inputs: Vec<Option<Vec<f64>>>,
     values: Values,
+    faults: Vec<ChannelFault>,
 }
 
 impl Samples {
@@ -252,6 +263,7 @@ impl Samples {
             column_names,
             inputs,
             values,
+            faults: Vec::new(),
         };
         samples.hold_inputs();
         Ok(samples)
@@ -278,19 +290,25 @@ impl Samples {
 
     fn recording(mut self) -> Result<Recording, InputError> {
         let rows = self.channels.first().map_or(0, Vec::len);
+        self.fill_others();
+        self.fill_faster();
         let may_be_blank: Vec<bool> = (self.chosen.used.iter())
             .map(|used| matches!(used.channel, Channel::Displacement | Channel::Force))
             .collect();
         let mut is_kept = vec![true; rows];
-        let (mut blank, mut first_blank, mut repeated) = (0, None, 0);
+        self.leave_out_zeros(&mut is_kept);
+        let (mut blank, mut first_blank, mut repeated) = (vec![0; self.channels.len()], None, 0);
         let mut last = None;
         for row in 0..rows {
+            if !is_kept[row] {
+                continue;
+            }
             let is_nan = |index: &usize| self.channels[*index][row].is_nan();
             if let Some(index) = (0..self.channels.len()).find(is_nan) {
                 if !may_be_blank[index] {
                     return Err(self.blank(row, index));
                 }
-                blank += 1;
+                blank[index] += 1;
                 first_blank = first_blank.or(Some((row, index)));
                 is_kept[row] = false;
                 continue;
@@ -305,10 +323,23 @@ impl Samples {
             }
             last = Some(row);
         }
-        if 2 * blank > rows - repeated
-            && let Some((row, index)) = first_blank
-        {
-            return Err(self.blank(row, index));
+        let kept = is_kept.iter().filter(|kept| **kept).count();
+        if let Some((row, index)) = first_blank {
+            if kept < FEWEST_SAMPLES {
+                return Err(self.blank(row, index));
+            }
+            // Some are samples that are missing; many mean that the channel is slower.
+            let often = (0..blank.len()).max_by_key(|&index| blank[index]);
+            let slower = often.filter(|_| 3 * blank.iter().sum::<usize>() >= rows);
+            if let Some(slower) = slower {
+                self.faults.push(ChannelFault {
+                    channel: self.chosen.used[slower].channel,
+                    kind: ChannelFaultKind::Slower {
+                        rows: rows as f64 / kept as f64,
+                        between: Between::Nothing,
+                    },
+                });
+            }
         }
         let time = self.chosen.clock.map(|clock| {
             let times = (0..rows).map(|row| clock.start + clock.step * row as f64);
@@ -335,6 +366,104 @@ impl Samples {
         ))
     }
 
+    /// Velocity and temperature, which are not needed, where they are empty: the line between the values around. A channel without any
+    /// value is not there.
+    fn fill_others(&mut self) {
+        for index in (0..self.channels.len()).rev() {
+            let channel = self.chosen.used[index].channel;
+            let empty: Vec<bool> = self.channels[index]
+                .iter()
+                .map(|value| value.is_nan())
+                .collect();
+            let samples = empty.iter().filter(|empty| **empty).count();
+            if !matches!(channel, Channel::Velocity | Channel::Temperature) || samples == 0 {
+                continue;
+            }
+            if samples == empty.len() {
+                self.channels.remove(index);
+                self.chosen.used.remove(index);
+                self.column_names.remove(index);
+                continue;
+            }
+            lines(&mut self.channels[index], &empty);
+            let kind = ChannelFaultKind::Blank { samples };
+            self.faults.push(ChannelFault { channel, kind });
+        }
+    }
+
+    /// Two channels that were sampled at times of their own share no rows. The one with more values is interpolated in the rows of the
+    /// other.
+    fn fill_faster(&mut self) {
+        let place = |channel| {
+            self.chosen
+                .used
+                .iter()
+                .position(|used| used.channel == channel)
+        };
+        let (Some(displacement), Some(force)) =
+            (place(Channel::Displacement), place(Channel::Force))
+        else {
+            return;
+        };
+        let rows_of = |index: usize| -> Vec<usize> {
+            let values = self.channels[index].iter().enumerate();
+            let known = values.filter(|(_, value)| !value.is_nan());
+            known.map(|(row, _)| row).collect()
+        };
+        let (of_displacement, of_force) = (rows_of(displacement), rows_of(force));
+        let both = of_force
+            .iter()
+            .filter(|&&row| !self.channels[displacement][row].is_nan());
+        let fewer = of_displacement.len().min(of_force.len());
+        if 2 * both.count() >= fewer || fewer < FEWEST_SAMPLES {
+            return;
+        }
+        let (faster, known, slower) = match of_displacement.len() >= of_force.len() {
+            true => (displacement, of_displacement, of_force),
+            false => (force, of_force, of_displacement),
+        };
+        let time = place(Channel::Time).map(|time| &self.channels[time]);
+        let at = |row: usize| time.map_or(row as f64, |time| time[row]);
+        let nodes: Vec<f64> = known.iter().map(|&row| at(row)).collect();
+        if !nodes.is_sorted_by(|a, b| a < b) {
+            return;
+        }
+        let inside = |row: &usize| (nodes[0]..=nodes[nodes.len() - 1]).contains(&at(*row));
+        let slower: Vec<usize> = slower.into_iter().filter(inside).collect();
+        let values: Vec<f64> = known
+            .iter()
+            .map(|&row| self.channels[faster][row])
+            .collect();
+        let times = slower.iter().map(|&row| at(row)).collect::<Vec<f64>>();
+        let filled = interpolate(&nodes, &values, times.into_iter(), f64::INFINITY);
+        for (row, value) in slower.into_iter().zip(filled) {
+            self.channels[faster][row] = value;
+        }
+    }
+
+    /// Rows of zeros behind the last sample, with which some programs close a file.
+    fn leave_out_zeros(&mut self, is_kept: &mut [bool]) {
+        let mut used = self.chosen.used.iter();
+        let Some(time) = used.position(|used| used.channel == Channel::Time) else {
+            return;
+        };
+        let is_zero = |row: usize| self.channels.iter().all(|each| each[row] == 0.0);
+        let zeros = (0..is_kept.len())
+            .rev()
+            .take_while(|&row| is_zero(row))
+            .count();
+        let last = is_kept.len() - zeros;
+        // A recording may also end at time 0.
+        if zeros == 0 || last == 0 || self.channels[time][last - 1] <= 0.0 {
+            return;
+        }
+        is_kept[last..].fill(false);
+        self.faults.push(ChannelFault {
+            channel: Channel::Time,
+            kind: ChannelFaultKind::Zeros { samples: zeros },
+        });
+    }
+
     /// A required cell without a number.
     fn blank(&self, row: usize, index: usize) -> InputError {
         let place = self
@@ -346,7 +475,7 @@ impl Samples {
     }
 
     fn into_recording(self, time: Option<Vec<f64>>, repeated: usize) -> Recording {
-        let mut faults = Vec::new();
+        let mut faults = self.faults;
         if repeated > 0 {
             faults.push(ChannelFault {
                 channel: Channel::Time,

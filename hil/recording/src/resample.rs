@@ -5,7 +5,8 @@ use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::units::Unit;
 
 use super::Recording;
-use super::clock::Clock;
+use super::clock::{Clock, MOST_TICKS};
+use crate::faults::held::smallest_step;
 use crate::faults::kind::ChannelFault;
 
 crate::numbers! {
@@ -17,8 +18,14 @@ crate::numbers! {
         /// If the samples lie on the ticks, channels are interpolated by cubics across time steps of up to this many periods; longer steps
         /// are gaps.
         longest_on_ticks: f64 = 1.5, Derived("between one period and two");
-        /// A recording with more ticks per sample than this is refused, because it is mostly gaps.
+        /// A recording of more than 262 144 ticks with more of them per sample than this is refused, because it is mostly gaps.
         most_ticks_per_sample: usize = 4, Convention("three quarters of it are missing");
+        /// A logger writes rows only where a value changes if it leaves out at least this fraction of the samples, never repeats a row, and
+        /// goes on after this fraction of the gaps with the next value of the converter.
+        changes_only: [f64; 2] = [0.25, 0.9],
+            Convention("otherwise the gaps are few, or values change across them as they do in time");
+        /// The next value of a converter is within this many of its steps.
+        next_value: f64 = 1.5, Derived("between one step and two");
     }
 }
 
@@ -79,6 +86,11 @@ impl Uniform {
         }
     }
 
+    /// Whether the steps of the recording's times are uneven by design, so that no sample is missing in a long one.
+    pub(crate) fn is_uneven(&self) -> bool {
+        self.clock.uneven.is_some()
+    }
+
     /// The faults of the recording's times: jitter and missing samples.
     pub fn faults(&self) -> Vec<ChannelFault> {
         self.clock.faults()
@@ -97,7 +109,38 @@ impl Recording {
     }
 
     fn clock(&self) -> Clock {
-        Clock::of(&self.time, &self.displacement)
+        let mut clock = Clock::of(&self.time, &self.displacement);
+        clock.holds = clock.on_ticks && self.writes_changes_only(&clock);
+        clock
+    }
+
+    /// Whether a row was written only where a value changed: then the samples between are no gaps.
+    fn writes_changes_only(&self, clock: &Clock) -> bool {
+        let ResamplePolicy {
+            changes_only: [least, most],
+            next_value,
+            ..
+        } = *ResamplePolicy::in_use();
+        let gaps = clock.gaps();
+        let missing: usize = gaps.iter().map(|(_, missing)| missing).sum();
+        if (missing as f64) < least * (self.len() + missing) as f64 {
+            return false;
+        }
+        let changing = [&self.displacement, &self.force];
+        let others = self.velocity.iter().chain(&self.temperature);
+        let others = others.chain(self.controls.iter().map(|control| &control.values));
+        let all: Vec<&Vec<f64>> = changing.into_iter().chain(others).collect();
+        let repeats = |index: usize| all.iter().all(|each| each[index] == each[index + 1]);
+        if (0..self.len() - 1).any(repeats) {
+            return false;
+        }
+        let steps = changing.map(|values| next_value * smallest_step(values, 0.0));
+        let goes_on = |index: usize| {
+            let mut each = changing.iter().zip(steps);
+            each.all(|(values, step)| (values[index + 1] - values[index]).abs() <= step)
+        };
+        let going_on = gaps.iter().filter(|(before, _)| goes_on(*before)).count();
+        going_on as f64 >= most * gaps.len() as f64
     }
 
     /// The recording at equal steps of [`Recording::sample_period`].
@@ -120,7 +163,8 @@ impl Recording {
                 ((self.time[sample] - start) / period).round() as usize
             }
         };
-        if tick_of(last) > ResamplePolicy::in_use().most_ticks_per_sample * self.len() {
+        let most_gaps = ResamplePolicy::in_use().most_ticks_per_sample * self.len();
+        if tick_of(last) > most_gaps.max(MOST_TICKS) {
             return Err(self.mostly_gaps(period));
         }
         let ticks = tick_of(last) + 1;
@@ -131,16 +175,34 @@ impl Recording {
         } else {
             self.time.clone()
         };
-        let longest = if clock.on_ticks {
+        let longest = if clock.uneven.is_some() {
+            // The steps are long where the motion is slow.
+            f64::INFINITY
+        } else if clock.on_ticks {
             ResamplePolicy::in_use().longest_on_ticks
         } else {
             ResamplePolicy::in_use().longest
         } * period;
-        let channel = |values: &[f64]| interpolate(&nodes, values, time.clone(), longest);
+        let until_next = |values: &[f64]| -> Vec<f64> {
+            let ends = clock.ticks.iter().skip(1).chain([&ticks]);
+            let each = values.iter().zip(clock.ticks.iter().zip(ends));
+            each.flat_map(|(value, (from, to))| std::iter::repeat_n(*value, to - from))
+                .collect()
+        };
+        let across = |values: &[f64], longest: f64| match clock.holds {
+            true => until_next(values),
+            false => interpolate(&nodes, values, time.clone(), longest),
+        };
+        let channel = |values: &[f64]| across(values, longest);
         // A cubic overshoots where an input is switched; a line stays between the values.
-        let by_lines = |values: &[f64]| interpolate(&nodes, values, time.clone(), 0.0);
+        let by_lines = |values: &[f64]| across(values, 0.0);
         let mut measured = vec![true; ticks];
-        for (before, _) in clock.gaps() {
+        let gaps = if clock.holds {
+            Vec::new()
+        } else {
+            clock.gaps()
+        };
+        for (before, _) in gaps {
             let (first, end) = (tick_of(before) + 1, tick_of(before + 1));
             measured[first.min(end)..end].fill(false);
         }
@@ -178,7 +240,7 @@ impl Recording {
                 step(longest) / scale,
                 period / scale
             ),
-            "split the recording there into two files, or check the time column's unit",
+            "write what comes before and after into two files, or check the unit of the time column",
         )
         .at(self.lines.place(longest, None))
     }
@@ -188,7 +250,7 @@ impl Recording {
 ///
 /// A cubic Hermite whose slope at a node is that of the parabola through it and its neighbours. Its error is of third order, and it
 /// amplifies noise by no more than a quarter. Linear across steps above `longest`.
-fn interpolate(
+pub(crate) fn interpolate(
     nodes: &[f64],
     values: &[f64],
     at: impl Iterator<Item = f64>,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::finite::check_column;
-use mesh_damper_tables::csv_text::number;
+use mesh_damper_tables::csv_text::{is_blank, number};
 use mesh_damper_tables::units::Unit;
 use mesh_damper_tables::write::{
     Columns, DIGITS, Unwritten, WriteAs, comment_line, decimal, guarded,
@@ -75,10 +75,7 @@ impl Recording {
                     let Some((_, values)) = column else { continue };
                     match number(cell) {
                         Ok(value) => values.push(value),
-                        Err(_)
-                            if cell.trim().is_empty()
-                                || cell.trim().eq_ignore_ascii_case("nan") =>
-                        {
+                        Err(_) if is_blank(cell.trim()) => {
                             values.push(f64::NAN);
                         }
                         Err(_) => *column = None,

@@ -116,7 +116,7 @@ impl<'a> CsvText<'a> {
             may_guess: false,
             guessed_from: None,
             is_ascii: true,
-            chunk: Vec::with_capacity(CHUNK),
+            chunk: Vec::new(),
             next: 0,
             whole: 0,
             handed: 0,
@@ -172,7 +172,19 @@ impl<'a> CsvText<'a> {
             self.budget.hold(held - self.of_ahead, "its first lines")?;
             self.of_ahead = held;
         }
+        if self.has_ended {
+            // A workbook may have thousands of sheets, which are all open: none has more room than text.
+            self.ahead.shrink_to_fit();
+        }
         Ok(&self.ahead)
+    }
+
+    /// Bytes of a buffer from which its lines are taken: no more than it has, if all of it was read ahead.
+    pub(crate) fn of_buffer(&self) -> usize {
+        match self.has_ended {
+            true => self.ahead.len().clamp(64, CHUNK),
+            false => CHUNK,
+        }
     }
 
     /// Whether [`CsvText::ahead`] returned the whole file.
@@ -391,9 +403,27 @@ pub fn number(cell: &str) -> Result<f64, (String, &'static str)> {
     Ok(value)
 }
 
+/// Words of programs for a missing number.
+const BLANK: [&str; 12] = [
+    "-",
+    "--",
+    "---",
+    "na",
+    "n/a",
+    "#n/a",
+    "null",
+    "none",
+    "nan(ind)",
+    "-nan(ind)",
+    "1.#qnan",
+    "1.#ind",
+];
+
 /// Whether a cell means a missing number.
-pub(crate) fn is_blank(cell: &str) -> bool {
-    cell.is_empty() || cell.parse().is_ok_and(f64::is_nan)
+pub fn is_blank(cell: &str) -> bool {
+    cell.is_empty()
+        || BLANK.iter().any(|blank| cell.eq_ignore_ascii_case(blank))
+        || cell.parse().is_ok_and(f64::is_nan)
 }
 
 /// The error that [`CsvText`] found in the file, if that is the cause.

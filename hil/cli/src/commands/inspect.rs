@@ -24,7 +24,7 @@ use crate::commands::{Failure, say};
 /// Show what files hold: columns, units and rate, how they are read, and the command to run next
 ///
 /// If you must state something first, the command prints the question with the option that answers it. The exit code is then still 0.
-/// It is 2 for a file that no option makes readable; its contents are printed all the same. The command computes nothing.
+/// It is 2 for a file that no option makes readable; its contents are printed all the same. The command fits nothing.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  hil demo --seed 4\n  hil inspect demo-out/recording.csv.gz\n  \
@@ -233,6 +233,7 @@ fn inspect(
             Ok(recording) => {
                 file.notes = recording.guesses().to_vec();
                 file.recording = Some(like(&recording));
+                problem = recording.check_traceable().err();
             }
             Err(error) => problem = Some(error),
         }

@@ -182,18 +182,7 @@ pub fn trace_for(
             .collect::<Vec<&Recording>>()
     });
     for recording in recordings.iter().chain(&held_out) {
-        if recording
-            .force
-            .iter()
-            .all(|&force| force == recording.force[0])
-        {
-            return Err(InputError::new(
-                &recording.name,
-                "has a force that never changes",
-                "check the load cell's channel",
-            )
-            .into());
-        }
+        recording.check_force()?;
     }
     progress("estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out)?;

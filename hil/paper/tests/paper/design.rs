@@ -178,6 +178,7 @@ fn no_near_miss_is_told_twice() {
 /// The tables' stiffness at 0.25 mm falls from 2.5 to 3.0 g/cm³ and rises again: if one density matches exactly, others match
 /// nearly, and are reported as well.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn near_misses_are_told_beside_what_is_exact() {
     let mut both = 0;
     for i in 0..40 {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::{SMatrix, SVector};
 
 use super::super::cycles::Cycles;
+use super::super::polynomial::fit_polynomial;
 use super::runs;
 use crate::extremes::least_and_largest;
 
@@ -47,7 +48,10 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
     let period = cycles.period_per_sample(values.len(), tick);
     for gap in &gaps {
         let samples = period[gap.start] / tick;
-        let filled = if gap.len() <= BridgePolicy::in_use().short {
+        let is_end = gap.start == 0 || gap.end == values.len();
+        let filled = if is_end && gap.len() <= BridgePolicy::in_use().short {
+            beyond_end(values, unknown, gap)
+        } else if gap.len() <= BridgePolicy::in_use().short {
             let cubic = |x: f64| SVector::from([1.0, x, x * x, x * x * x]);
             fit(
                 values,
@@ -77,7 +81,7 @@ pub(super) fn bridge(values: &mut [f64], unknown: &[bool], tick: f64) {
 }
 
 /// Replaces the `unknown` ones of `values` by straight lines between the neighbouring samples.
-pub(super) fn lines(values: &mut [f64], unknown: &[bool]) {
+pub(crate) fn lines(values: &mut [f64], unknown: &[bool]) {
     for gap in runs(unknown) {
         line(values, &gap);
     }
@@ -94,6 +98,24 @@ fn line(values: &mut [f64], gap: &Range<usize>) {
     for (step, index) in gap.clone().enumerate() {
         values[index] = from + (to - from) * (step + 1) as f64 / steps;
     }
+}
+
+/// The parabola through the samples beside a gap at an end of the recording, continued into it.
+fn beyond_end(values: &[f64], unknown: &[bool], gap: &Range<usize>) -> Option<Vec<f64>> {
+    let reach = 2 * BridgePolicy::in_use().neighbours;
+    let beside = if gap.start == 0 {
+        gap.end..(gap.end + reach).min(values.len())
+    } else {
+        gap.start.saturating_sub(reach)..gap.start
+    };
+    if beside.len() < reach || unknown[beside.clone()].contains(&true) {
+        return None;
+    }
+    let at = |index: usize| index as f64 - beside.start as f64;
+    let filled = gap
+        .clone()
+        .map(|index| fit_polynomial(&values[beside.clone()], at(index), 2).value);
+    Some(filled.collect())
 }
 
 /// Least squares of the four functions `basis` of the position (samples after the gap's middle) through the known samples up to

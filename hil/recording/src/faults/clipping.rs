@@ -35,11 +35,14 @@ pub(super) fn find(
     for ((channel, values, absent), other) in sampled(uniform, absent).into_iter().zip(others) {
         for side in [1.0, -1.0] {
             let signed: Vec<f64> = values.iter().map(|value| side * value).collect();
-            let Some((limit, marked)) = at_limit(&signed, present) else {
+            let Some((limit, mut marked)) = at_limit(&signed, present) else {
                 continue;
             };
             if !goes_on(other, &marked) {
                 continue;
+            }
+            for (marked, present) in marked.iter_mut().zip(present) {
+                *marked &= present;
             }
             let samples = marked.iter().filter(|&&marked| marked).count();
             let limit = side * limit;
@@ -50,7 +53,7 @@ pub(super) fn find(
     }
 }
 
-/// The upper limit of `values` and the samples at it.
+/// The upper limit of `values` and the samples at it, and at it between two of them: samples far apart are one stay.
 fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
     let same = FaultsPolicy::in_use().same_value * spread(values);
     let limit = values
@@ -59,12 +62,12 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .filter(|(_, p)| **p)
         .map(|(v, _)| *v)
         .fold(f64::NEG_INFINITY, f64::max);
-    let marked: Vec<bool> = values
+    let marked: Vec<bool> = values.iter().map(|value| limit - value <= same).collect();
+    let samples = marked
         .iter()
         .zip(present)
-        .map(|(value, present)| *present && limit - value <= same)
-        .collect();
-    let samples = marked.iter().filter(|&&marked| marked).count();
+        .filter(|(marked, present)| **marked && **present);
+    let samples = samples.count();
     let stays = runs(&marked).iter().filter(|run| run.len() >= 2).count();
     let below = ClippingPolicy::in_use().steps * rounding(values, same) + same;
     let just_below = values
@@ -78,8 +81,8 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .then_some((limit, marked))
 }
 
-/// The smallest difference between two values that differ: the step to which they were rounded, or almost 0.
-fn rounding(values: &[f64], same: f64) -> f64 {
+/// The smallest difference between two values that differ by more than `same`: the step to which they were rounded, or almost 0.
+pub(super) fn rounding(values: &[f64], same: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted

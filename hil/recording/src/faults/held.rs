@@ -124,7 +124,7 @@ fn jumps(values: &[f64], run: &std::ops::Range<usize>, step: f64, noise: f64) ->
 }
 
 /// The smallest difference between neighbours that differ.
-fn smallest_step(values: &[f64], same: f64) -> f64 {
+pub(crate) fn smallest_step(values: &[f64], same: f64) -> f64 {
     values
         .windows(2)
         .map(|pair| (pair[1] - pair[0]).abs())

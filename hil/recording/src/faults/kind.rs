@@ -42,6 +42,58 @@ pub enum ChannelFaultKind {
         /// Number of gaps.
         gaps: usize,
     },
+    /// Times whose steps differ by design: short in a ramp, long in a hold.
+    Uneven {
+        /// The shortest step, s.
+        shortest: f64,
+        /// The longest, s.
+        longest: f64,
+        /// The equal steps to which the channels were interpolated, s.
+        period: f64,
+    },
+    /// Rows that were written only where a value changed.
+    ChangesOnly {
+        /// Samples without a row.
+        samples: usize,
+    },
+    /// A clock that was put back or forward, or a counter of time that began again.
+    ClockSet {
+        /// The change, s: below 0 if time was put back.
+        change: f64,
+        /// Number of changes.
+        times: usize,
+        /// Whether a counter began again, whose range is the change.
+        is_counter: bool,
+    },
+    /// Times that were written with too few digits, so that samples share a time.
+    Stamps {
+        /// The time between samples, s, spread evenly.
+        period: f64,
+    },
+    /// Rows of zeros behind the last sample.
+    Zeros {
+        /// Number of rows.
+        samples: usize,
+    },
+    /// A channel without a value in some rows, which needs none in each.
+    Blank {
+        /// Number of rows.
+        samples: usize,
+    },
+    /// A channel that has a new value in some rows only.
+    Slower {
+        /// Rows per new value; a slower converter need not give a whole number.
+        rows: f64,
+        /// What stands in the other rows.
+        between: Between,
+    },
+    /// A displacement whose counter began again at the end of its range.
+    Counter {
+        /// The range, mm.
+        range: f64,
+        /// How often it began again.
+        times: usize,
+    },
     /// Times that are not equal steps.
     Jitter {
         /// RMS deviation from equal steps, periods.
@@ -103,6 +155,17 @@ pub enum ChannelFaultKind {
         /// Its standard deviation divided by that of the noise in quick changes.
         times: f64,
     },
+}
+
+/// What stands in the rows in which a slower channel has no new value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// Nothing.
+    Nothing,
+    /// The value before.
+    Held,
+    /// Values on the line to the next one.
+    Interpolated,
 }
 
 /// A fault found in a recording.
@@ -167,6 +230,68 @@ impl std::fmt::Display for ChannelFault {
                 f,
                 "missing samples: {samples} in {}; the force there was left out, the motion interpolated",
                 stretches_of(gaps, "gap", "gaps")
+            ),
+            ChannelFaultKind::Uneven {
+                shortest,
+                longest,
+                period,
+            } => write!(
+                f,
+                "the steps of time are uneven, {shortest:.3e} to {longest:.3e} s: the channels were interpolated to steps of {period:.3e} s; \
+                 between samples farther apart the force was left out"
+            ),
+            ChannelFaultKind::ChangesOnly { samples } => write!(
+                f,
+                "rows are written only where a value changed: in {} between them the channels keep their values",
+                counted(samples)
+            ),
+            ChannelFaultKind::ClockSet {
+                change,
+                times,
+                is_counter: true,
+            } => write!(
+                f,
+                "the counter of time began again {}, after {:.6} s; time was continued",
+                often(times),
+                change.abs()
+            ),
+            ChannelFaultKind::ClockSet { change, times, .. } => write!(
+                f,
+                "the clock was put {} by {:.0} s, {}, as to or from summer time; time was continued",
+                if change < 0.0 { "back" } else { "forward" },
+                change.abs(),
+                often(times)
+            ),
+            ChannelFaultKind::Stamps { period } => write!(
+                f,
+                "several samples share a time, which has too few digits; they were spread evenly, at {:.6} Hz",
+                1.0 / period
+            ),
+            ChannelFaultKind::Zeros { samples } => write!(
+                f,
+                "rows of zeros at the end: {}, left out",
+                counted(samples)
+            ),
+            ChannelFaultKind::Blank { samples } => write!(
+                f,
+                "the {channel} is empty in {}; it was interpolated there",
+                rows_of(samples)
+            ),
+            ChannelFaultKind::Slower { rows, between } => write!(
+                f,
+                "the {channel} is new in every {}row only, {}; only these rows are used",
+                every(rows),
+                match between {
+                    Between::Nothing => "and empty between",
+                    Between::Held => "and held between",
+                    Between::Interpolated => "and interpolated between",
+                }
+            ),
+            ChannelFaultKind::Counter { range, times } => write!(
+                f,
+                "the counter of the {channel} began again {} at the end of its range of {range:.6} {}; the channel was continued",
+                often(times),
+                self.channel.unit()
             ),
             ChannelFaultKind::Jitter {
                 rms,
@@ -279,6 +404,31 @@ pub(crate) fn listed(faults: &[ChannelFault]) -> String {
 fn was(samples: usize) -> String {
     let verb = if samples == 1 { "was" } else { "were" };
     format!("{} {verb}", counted(samples))
+}
+
+fn often(times: usize) -> String {
+    match times {
+        1 => "once".into(),
+        times => format!("{times} times"),
+    }
+}
+
+fn rows_of(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "row" } else { "rows" })
+}
+
+/// `5th `, or `3.33rd ` as a mean.
+fn every(rows: f64) -> String {
+    let whole = rows.round();
+    if (rows - whole).abs() > 0.005 {
+        return format!("{rows:.2}th ");
+    }
+    let end = match whole as usize {
+        2 => "2nd",
+        3 => "3rd",
+        count => return format!("{count}th "),
+    };
+    format!("{end} ")
 }
 
 fn stretches_of(count: usize, one: &str, many: &str) -> String {

@@ -3,7 +3,7 @@
 //! A feature that repeats with the motion is physics, however sharp. A feature is a fault if it comes once, stands still while the
 //! rest moves, or is impossible for a passive damper. A recording without faults is unchanged.
 //!
-//! Whole channels come first (`sign`, `scale`), on the recording as read. Then single samples follow, on the uniform time base:
+//! Whole channels come first, by one list of repairs of the recording as read. Then single samples follow, on the uniform time base:
 //! `clipping`, `held`, `spikes`. Hum comes last, when nothing hides it. Invalid forces are left out. Invalid displacements are
 //! bridged, because the motion of the samples around them, and the memory of the specimen, depend on them.
 
@@ -11,12 +11,14 @@ use std::borrow::Cow;
 
 pub(crate) mod bridge;
 pub(crate) mod clipping;
+pub(crate) mod counter;
 pub(crate) mod held;
 pub(crate) mod hum;
 pub(crate) mod kind;
 pub(crate) mod scale;
 pub(crate) mod shift;
 pub(crate) mod sign;
+pub(crate) mod slower;
 pub(crate) mod spikes;
 pub(crate) mod velocity;
 
@@ -35,19 +37,32 @@ crate::numbers! {
     }
 }
 
-pub use kind::{ChannelFault, ChannelFaultKind};
+pub use kind::{Between, ChannelFault, ChannelFaultKind};
 pub use scale::ScalePolicy;
 pub(super) use shift::Shift;
 pub use shift::ShiftPolicy;
 
+/// A repair of a recording: whether there was something to repair, or to say. It then adds a fault.
+type Repair = fn(&mut Recording) -> bool;
+
+/// All of them. Rows that are no measurement come first, then jumps, because both look like a late force, a wrong unit or a wrong sign.
+const REPAIRS: [Repair; 4] = [slower::repair, counter::repair, scale::repair, sign::repair];
+
+/// Each kind of repair may be made again after another. Convention: more would undo each other.
+const MOST_REPAIRS: usize = 4 * REPAIRS.len();
+
 impl Recording {
-    /// The recording with channels repaired that are wrong as a whole or from some time on: a sign, a unit. [`Recording::faults`]
-    /// lists the repairs; repairing twice changes nothing more. Without a repair the copy is dropped at once.
+    /// The recording with channels repaired that are wrong as a whole or from some time on: [`REPAIRS`]. [`Recording::faults`] lists
+    /// the repairs; repairing twice changes nothing more. Without a repair the copy is dropped at once.
     #[must_use]
     pub fn repaired(&self) -> Cow<'_, Self> {
         let mut recording = self.clone();
-        scale::repair(&mut recording);
-        sign::repair(&mut recording);
+        // What one repair uncovers is seen by those before it.
+        for _ in 0..MOST_REPAIRS {
+            if !REPAIRS.iter().any(|repair| repair(&mut recording)) {
+                break;
+            }
+        }
         // Every repair is reported.
         if recording.faults.len() == self.faults.len() {
             Cow::Borrowed(self)
@@ -73,7 +88,7 @@ pub(super) fn examine(uniform: &mut Uniform) -> Vec<ChannelFault> {
     spikes::find(uniform, &present, &mut absent, &mut faults);
     let [no_displacement, no_force] = absent;
     let unknown: Vec<bool> = (0..count)
-        .map(|index| no_displacement[index] || !present[index])
+        .map(|index| no_displacement[index] || !present[index] && !uniform.is_uneven())
         .collect();
     bridge::bridge(&mut uniform.displacement, &unknown, uniform.period);
     for index in 0..count {
@@ -125,7 +140,7 @@ fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// The value below which `part` (0…1) of `values` lie; 0 for no values.
-fn quantile(values: &mut [f64], part: f64) -> f64 {
+pub(crate) fn quantile(values: &mut [f64], part: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

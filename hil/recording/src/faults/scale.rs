@@ -55,7 +55,13 @@ crate::numbers! {
 const THOUSAND: f64 = 1000.0;
 
 /// Repairs units that change within a recording, and those of a declared mesh damper; reports cases that cannot be decided.
-pub(super) fn repair(recording: &mut Recording) {
+pub(super) fn repair(recording: &mut Recording) -> bool {
+    let known = recording.faults.len();
+    find(recording);
+    recording.faults.len() > known
+}
+
+fn find(recording: &mut Recording) {
     for channel in [Channel::Force, Channel::Displacement] {
         repair_changes(recording, channel);
     }

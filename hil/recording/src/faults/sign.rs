@@ -30,9 +30,9 @@ crate::numbers! {
 /// A force late by more than the loss angle supplies energy too, but keeps a positive stiffness. A mass makes the stiffness
 /// negative, but absorbs energy. A damper without a spring has no stiffness as a criterion, but supplies nearly the largest
 /// possible energy.
-pub(super) fn repair(recording: &mut Recording) {
+pub(super) fn repair(recording: &mut Recording) -> bool {
     if !is_flipped(&recording.displacement, &recording.force) {
-        return;
+        return false;
     }
     recording
         .force
@@ -42,6 +42,7 @@ pub(super) fn repair(recording: &mut Recording) {
         channel: Channel::Force,
         kind: ChannelFaultKind::Flipped,
     });
+    true
 }
 
 fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {

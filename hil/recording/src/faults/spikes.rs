@@ -1,6 +1,7 @@
 //! Samples that are outliers from both of their neighbours, and from the channel's usual behaviour in the same state.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
@@ -47,6 +48,11 @@ crate::numbers! {
         /// Every sample of a spike is off the continuation of the samples on either side by more than this fraction of its largest
         /// deviation.
         beyond: f64 = 0.3, Tuned("the injected channel faults");
+        /// Near an end of the samples, where one side is missing, a spike is off the continuation of the other by more than this many times
+        /// as much as any samples between the ends.
+        at_end: f64 = 1.5, Convention("a motion that stops or turns at an end does so between the ends too");
+        /// The ends of fewer samples in a row than this are not searched.
+        shortest: usize = 24, Convention("four times the samples about both ends");
     }
 }
 
@@ -136,6 +142,10 @@ impl Spikes {
             largest: 0.0,
             switched: may_switch.then(|| switched(values, floor)).flatten(),
         };
+        // Without a spread, as in a long hold, no size is large.
+        if spread <= 0.0 {
+            return found;
+        }
         let mut left = values.to_vec();
         let unusable: Vec<bool> = usable.iter().map(|usable| !usable).collect();
         bridge::lines(&mut left, &unusable);
@@ -154,6 +164,7 @@ impl Spikes {
             }
             bridge::lines(&mut left, &found.marked);
         }
+        found.look_at_ends(&left, usable, floor);
         if found.samples as f64 > SpikesPolicy::in_use().most * values.len() as f64 {
             found.marked.fill(false);
             found.samples = 0;
@@ -165,6 +176,76 @@ impl Spikes {
     fn is_beyond_levels(&self, value: f64, least: f64) -> bool {
         let beyond = |[low, high]: [f64; 2]| value < low - least || value > high + least;
         self.switched.is_none_or(beyond)
+    }
+
+    /// Spikes within a few samples of an end of the recording, or of samples without a gap: no running median reaches there.
+    fn look_at_ends(&mut self, values: &[f64], usable: &[bool], floor: f64) {
+        let SpikesPolicy {
+            half,
+            at_end,
+            shortest,
+            ..
+        } = *SpikesPolicy::in_use();
+        // From the end backwards is from the start of the reversed samples.
+        let count = values.len();
+        let stretches = runs(usable);
+        let reversed: Vec<f64> = values.iter().rev().copied().collect();
+        for (values, is_reversed) in [(values, false), (&reversed[..], true)] {
+            let stretches: Vec<Range<usize>> = (stretches.iter())
+                .filter(|stretch| stretch.len() >= shortest)
+                .map(|stretch| match is_reversed {
+                    true => count - stretch.end..count - stretch.start,
+                    false => stretch.clone(),
+                })
+                .collect();
+            let inside = stretches.iter().map(|s| s.start + half..s.end - half);
+            let inside: Vec<Range<usize>> = inside.collect();
+            let mut most = vec![0.0_f64; half + 1];
+            for (length, most) in most.iter_mut().enumerate().skip(1) {
+                for stretch in &inside {
+                    let starts = stretch.start..(stretch.end + 1).saturating_sub(length + half);
+                    let each = starts.map(|start| off_what_follows(values, start..start + length));
+                    *most = each.fold(*most, f64::max);
+                }
+            }
+            for stretch in &stretches {
+                // A spike of several samples, or one with a few good samples before it.
+                let each = (1..=half)
+                    .rev()
+                    .flat_map(|length| (0..half).map(move |good| (good, length)));
+                let mut each = each.map(|(good, length)| {
+                    let start = stretch.start + good;
+                    (good, start..start + length)
+                });
+                let is_spike = |(good, run): &(usize, Range<usize>)| {
+                    let off = off_what_follows(values, run.clone());
+                    let before = (*good > 0)
+                        .then(|| off_one_side(values, run.clone(), run.start - 1, stretch.start));
+                    off > floor
+                        && off > at_end * most[run.len()]
+                        && before.is_none_or(|before| {
+                            before > floor.max(SpikesPolicy::in_use().beyond * off)
+                        })
+                        && run
+                            .clone()
+                            .all(|index| self.is_beyond_levels(values[index], floor))
+                };
+                let Some((_, run)) = each.find(is_spike) else {
+                    continue;
+                };
+                let largest = off_what_follows(values, run.clone());
+                for index in run {
+                    let index = if is_reversed {
+                        count - 1 - index
+                    } else {
+                        index
+                    };
+                    self.samples += usize::from(!self.marked[index]);
+                    self.marked[index] = true;
+                }
+                self.largest = self.largest.max(largest);
+            }
+        }
     }
 
     fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
@@ -238,7 +319,7 @@ fn switched(values: &[f64], least: f64) -> Option<[f64; 2]> {
 
 /// Whether all of `run` lies beyond the continuation from either side, by more than `least`, in the direction `sign`. A step, the
 /// corner of a triangle and a turn of the motion continue from at least one side.
-fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64) -> bool {
+fn stands_out(values: &[f64], run: Range<usize>, sign: f64, least: f64) -> bool {
     let beyond = |index: usize, near: usize, far: usize| {
         let slope = (values[near] - values[far]) / (near as f64 - far as f64);
         let led_to = values[near] + slope * (index as f64 - near as f64);
@@ -257,6 +338,29 @@ fn stands_out(values: &[f64], run: std::ops::Range<usize>, sign: f64, least: f64
     run.into_iter().all(|index| {
         beyond(index, left, far_left) > least && beyond(index, right, far_right) > least
     })
+}
+
+/// How far all of `run` lies beyond the samples behind it and their continuation, in one direction.
+fn off_what_follows(values: &[f64], run: Range<usize>) -> f64 {
+    let far = (run.end + SpikesPolicy::in_use().half - 1).min(values.len() - 1);
+    let near = run.end;
+    off_one_side(values, run, near, far)
+}
+
+/// How far all of `run` lies beyond the samples from `near` to `far` on one side of it and their continuation, in one direction.
+fn off_one_side(values: &[f64], run: Range<usize>, near: usize, far: usize) -> f64 {
+    let slope = match near == far {
+        true => 0.0,
+        false => (values[near] - values[far]) / (near as f64 - far as f64),
+    };
+    let beyond = |sign: f64| {
+        let each = run.clone().map(|index| {
+            let led_to = values[near] + slope * (index as f64 - near as f64);
+            sign * values[index] - (sign * values[near]).max(sign * led_to)
+        });
+        each.fold(f64::INFINITY, f64::min)
+    };
+    beyond(1.0).max(beyond(-1.0)).max(0.0)
 }
 
 /// The distance from the running median within which nine tenths of the samples around `index` lie, without it and its neighbours.

@@ -106,6 +106,33 @@ pub struct Trajectory {
     pub faults: Vec<ChannelFault>,
 }
 
+impl Recording {
+    /// Refuses a recording whose force never changes: it says nothing about a law.
+    ///
+    /// # Errors
+    /// The recording's name.
+    pub fn check_force(&self) -> Result<(), InputError> {
+        if self.force.iter().any(|force| *force != self.force[0]) {
+            return Ok(());
+        }
+        let remedy = "check the load cell's channel";
+        Err(InputError::new(
+            &self.name,
+            "has a force that never changes",
+            remedy,
+        ))
+    }
+
+    /// Refuses what a trace would refuse before it fits.
+    ///
+    /// # Errors
+    /// As [`Recording::check_force`] and [`Trajectory::of`].
+    pub fn check_traceable(&self) -> Result<(), InputError> {
+        self.check_force()?;
+        Trajectory::of(self).map(drop)
+    }
+}
+
 impl Trajectory {
     /// Prepares a recording, on a uniform time base.
     ///

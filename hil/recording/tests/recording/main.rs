@@ -1,5 +1,6 @@
 //! Recordings from files and from columns in memory, and their motion.
 
+mod as_they_come;
 mod columns;
 mod control_columns;
 mod files;

@@ -267,7 +267,18 @@ impl Choice<'_> {
             // Columns that are not part of the recording need not be understood.
             let is_optional = rank < Rank::Own && !self.needs.has(channel);
             let unit = match self.unit(channel, column, &mut chosen.guesses) {
-                Err(_) | Ok(None) if is_optional => continue,
+                Err(_) if is_optional => continue,
+                Ok(None) if is_optional => {
+                    let name = quoted(&table.columns[column].name);
+                    let (channel, [unit, ..]) = (channel.name(), channel.units()) else {
+                        continue;
+                    };
+                    chosen.guesses.push(format!(
+                        "column {name} may be the {channel}; it states no unit, so it is not read; give it, such as --unit {channel}={}",
+                        unit.symbol
+                    ));
+                    continue;
+                }
                 Ok(None) => self.unmarked(channel, column, &mut assumed)?,
                 Ok(Some(unit)) => unit,
                 Err(error) => return Err(error),

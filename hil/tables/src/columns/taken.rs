@@ -101,7 +101,10 @@ fn rank(column: &Column, words: Words, channel: Channel, unit: &UnitFound) -> Op
     match certainty {
         Some(Certainty::Strong) => Some(Rank::Word),
         Some(Certainty::Weak) => is_known.then_some(Rank::Weak),
-        None => (is_known && words.are_generic()).then_some(Rank::Unit),
+        None => {
+            let is_it = words.are_generic() || words.begin_with_symbol(channel);
+            (is_known && is_it).then_some(Rank::Unit)
+        }
     }
 }
 
@@ -304,6 +307,12 @@ mod tests {
             ("AxialForce", Some("N"), "Word force N"),
             ("x", Some("mm"), "Weak displacement mm"),
             ("x", None, ""),
+            ("F_AX_LC1 [N]", None, "Unit force N"),
+            ("T_SPEC [degC]", None, "Unit temperature degC"),
+            ("T_surface", Some("°C"), "Unit temperature degC"),
+            ("T_SPEC [s]", None, "Unit time s"),
+            ("F_AX_LC1", None, ""),
+            ("FX_set [N]", None, ""),
             ("V", None, ""),
             ("v [m/s]", None, "Weak velocity m/s"),
             ("Ch 1", Some("mm"), "Unit displacement mm"),

@@ -20,6 +20,9 @@ pub(super) enum Certainty {
     Strong,
 }
 
+/// The most letters of a symbol: `F`, `Fx`.
+const SYMBOL: usize = 2;
+
 /// Quantities, one bit each, by their places in the lexicon.
 type Quantities = u16;
 
@@ -168,8 +171,9 @@ pub(super) struct Words {
     /// Those for quantities.
     known: usize,
     named: Quantities,
-    /// The quantities that the last word names next to a unit of them.
+    /// The quantities that the last word names next to a unit of them, and those that the first does.
     weak: Quantities,
+    first: Quantities,
     is_surely_other: bool,
     is_doubtful: bool,
     has_letter: bool,
@@ -228,6 +232,9 @@ impl Words {
         self.known += usize::from(word.named != 0);
         self.named |= word.named;
         self.weak = word.listed.weak;
+        if self.count == 1 && text.chars().count() <= SYMBOL {
+            self.first = word.listed.weak;
+        }
         self.is_surely_other |= word.is_surely_other();
         self.is_doubtful |= word.is_doubtful();
         self.has_letter |= is_letter(text);
@@ -267,6 +274,16 @@ impl Words {
             Quantity::Channel(of) if of == channel => self.certainty(place),
             _ => None,
         })
+    }
+
+    /// Whether the first of several words is a symbol of a channel, and no word means a quantity: the `F` of `F_AX_LC1`.
+    pub fn begin_with_symbol(self, channel: Channel) -> bool {
+        let mut lexicon = LEXICON.iter().enumerate();
+        let of_channel =
+            |lexicon: &super::lexicon::Lexicon| lexicon.quantity == Quantity::Channel(channel);
+        let place = lexicon.position(|(_, lexicon)| of_channel(lexicon));
+        let is_symbol = place.is_some_and(|place| self.first & (1 << place) != 0);
+        self.count > 1 && self.named == 0 && is_symbol
     }
 
     /// The control inputs that they mean, each with its units.

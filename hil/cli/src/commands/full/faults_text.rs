@@ -131,7 +131,7 @@ fn print_kinds(kinds: &[KindSummary]) {
         return;
     }
     say("");
-    say(&format!("{HEAD}"));
+    say(HEAD);
     let (seen, hidden): (Vec<_>, Vec<_>) = kinds.iter().partition(|kind| kind.hidden.is_none());
     let name = |kind: &KindSummary| format!("{:?} {}", kind.kind, kind.size);
     for kind in seen {
@@ -150,7 +150,7 @@ fn print_kinds(kinds: &[KindSummary]) {
 fn print_totals(summary: &Summary) {
     let attacks = &summary.attacks;
     say("");
-    say(&format!("{HEAD}"));
+    say(HEAD);
     let sets = [
         ("faults", &summary.counts),
         ("attacks alone", &attacks.singles),

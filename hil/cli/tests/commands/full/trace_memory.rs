@@ -27,6 +27,7 @@ fn takes_no_more_than_it_may(motion: Motion) {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn of_blocks_of_sines() {
     takes_no_more_than_it_may(Motion::Sines);
 }

@@ -9,7 +9,7 @@ mod layout;
 mod scale;
 mod segments;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use mesh_damper_output::error::InputError;
@@ -29,6 +29,8 @@ use segments::{File, Object};
 
 const NAME: &str = "TDMS";
 const PART: &str = "the names of its columns";
+/// The name of a column of times that follow from a step that changes.
+const TIMES: &str = "times by wf_increment";
 /// The most channels about which the same is noted. Convention: a few lines.
 const NAMED: usize = 3;
 
@@ -113,6 +115,11 @@ impl Content {
     fn values(&self, scaled: &Scaled) -> Result<Vec<f64>, InputError> {
         const PART: &str = "the values of its columns";
         let object = &self.file.objects[scaled.object];
+        if scaled.are_times {
+            self.budget.hold(of_list::<f64>(object.rows), PART)?;
+            self.budget.work(object.rows as u64, PART)?;
+            return Ok(object.times());
+        }
         let first = object.first.unwrap_or_default();
         let reads = Raw {
             reads: &object.reads,
@@ -157,6 +164,8 @@ impl Content {
 struct Scaled {
     object: usize,
     scales: Option<Rc<Scales>>,
+    /// Whether it is the times of the channel, whose step changes.
+    are_times: bool,
 }
 
 impl Located for Scaled {
@@ -185,6 +194,7 @@ impl Channels {
             .collect();
         let starts = Starts::of(file);
         let (mut dates, mut restarted) = (Named::default(), Named::default());
+        let (mut changed, mut changing) = (Named::default(), HashSet::new());
         let mut known = HashMap::new();
         for (place, object) in objects() {
             let [group, name] = &object.path[..] else {
@@ -248,9 +258,33 @@ impl Channels {
                 source: Scaled {
                     object: place,
                     scales,
+                    are_times: false,
                 },
             };
+            let times = (object.steps.len() > 1).then(|| Array {
+                column: Column {
+                    name: TIMES.to_owned(),
+                    unit: Some("s".to_owned()),
+                    is_numeric: true,
+                    is_time: true,
+                    ..Column::default()
+                },
+                source: Scaled {
+                    object: place,
+                    scales: None,
+                    are_times: true,
+                },
+                ..array.clone()
+            });
+            let in_group = array.group;
             array.add_to(&mut channels.arrays, budget)?;
+            // Channels of a group with the same steps share their times.
+            if let Some(times) = times
+                && changing.insert((in_group, object.rows, bits_of(&object.steps)))
+            {
+                changed.add(label);
+                times.add_to(&mut channels.arrays, budget)?;
+            }
         }
         channels.guesses.extend(dates.said(
             "the dates of",
@@ -259,6 +293,10 @@ impl Channels {
         channels.guesses.extend(restarted.said(
             "the clock of",
             "restarted within the file (wf_start_time); its samples are read as one continuous stretch",
+        ));
+        channels.guesses.extend(changed.said(
+            "the step of",
+            "changes within the file (wf_increment); its times follow it",
         ));
         channels.guesses.extend(starts.said);
         Ok(channels)
@@ -405,8 +443,18 @@ impl Starts {
     }
 }
 
+/// The step of a channel's clock, if it is one.
 fn step(object: &Object) -> Option<f64> {
-    number(object, "wf_increment").filter(|step| *step > 0.0)
+    match object.steps[..] {
+        [(_, step)] => Some(step),
+        _ => None,
+    }
+}
+
+/// Steps as keys of a set.
+fn bits_of(steps: &[(usize, f64)]) -> Vec<(usize, u64)> {
+    let each = steps.iter();
+    each.map(|(from, step)| (*from, step.to_bits())).collect()
 }
 
 fn number(object: &Object, key: &str) -> Option<f64> {

@@ -38,6 +38,8 @@ pub(super) struct Object {
     pub start: Option<i128>,
     /// Whether its clock was restarted among its samples, at a time that does not agree with its steps.
     pub is_restarted: bool,
+    /// The steps of its clock, `wf_increment` in s, each with the sample from which on it is stated.
+    pub steps: Vec<(usize, f64)>,
     /// The layout of its values in a chunk, as stated last.
     layout: Option<Layout>,
     /// The layout of DAQmx that its `reads` are known to agree with.
@@ -217,9 +219,16 @@ impl Reading<'_> {
         let name = cursor.text()?;
         let name = self.texts.once(&name)?;
         let value = cursor.property(&mut self.texts)?;
-        if let ("wf_start_time", Property::Date(now)) = (&*name, &value) {
-            let samples = self.samples(place);
-            self.file.objects[place].begins(*now, samples);
+        match (&*name, &value) {
+            ("wf_start_time", Property::Date(now)) => {
+                let samples = self.samples(place);
+                self.file.objects[place].begins(*now, samples);
+            }
+            ("wf_increment", Property::Number(step)) if step.is_finite() && *step > 0.0 => {
+                let samples = self.samples(place);
+                self.file.objects[place].steps_by(*step, samples, self.texts.budget)?;
+            }
+            _ => {}
         }
         let size = size_of::<(Rc<str>, Property)>();
         let known = &mut self.file.objects[place].properties;
@@ -328,14 +337,51 @@ impl Reading<'_> {
 impl Object {
     /// Sets the time of the samples from here on, of which there were `samples` before.
     fn begins(&mut self, now: i128, samples: usize) {
-        match (self.start, self.properties.get("wf_increment")) {
-            (Some(first), Some(Property::Number(step))) if samples > 0 => {
-                let off = seconds(now.wrapping_sub(first)) - step * samples as f64;
+        match (self.start, self.steps.last()) {
+            (Some(first), Some(&(_, step))) if samples > 0 => {
+                let off = seconds(now.wrapping_sub(first)) - self.after(samples);
                 // Some programs repeat the first start in every segment.
                 self.is_restarted |= now != first && off.abs() > 0.5 * step;
             }
             _ => self.start = Some(now),
         }
+    }
+
+    /// Sets the step of the samples from here on, of which there were `samples` before.
+    fn steps_by(&mut self, step: f64, samples: usize, budget: &Budget) -> Result<(), Refused> {
+        match self.steps.last_mut() {
+            Some((from, known)) if *from == samples => *known = step,
+            Some((_, known)) if *known == step => {}
+            _ => {
+                budget.hold(2 * size_of::<(usize, f64)>() as u64, PART)?;
+                let from = if self.steps.is_empty() { 0 } else { samples };
+                self.steps.push((from, step));
+            }
+        }
+        Ok(())
+    }
+
+    /// Time of a sample after the first, s.
+    fn after(&self, sample: usize) -> f64 {
+        let ends = self.steps.iter().skip(1).map(|(from, _)| *from);
+        let each = self.steps.iter().zip(ends.chain([usize::MAX]));
+        each.map(|((from, step), end)| sample.min(end).saturating_sub(*from) as f64 * step)
+            .sum()
+    }
+
+    /// Times of all samples after the first, s.
+    pub fn times(&self) -> Vec<f64> {
+        let mut steps = self.steps.iter().peekable();
+        let (mut begin, mut of_begin, mut step) = (0, 0.0, 0.0);
+        (0..self.rows)
+            .map(|sample| {
+                if let Some((_, next)) = steps.next_if(|(from, _)| *from == sample) {
+                    of_begin += step * (sample - begin) as f64;
+                    (begin, step) = (sample, *next);
+                }
+                of_begin + step * (sample - begin) as f64
+            })
+            .collect()
     }
 
     /// Checks that values of another layout have the types that the object's have so far.

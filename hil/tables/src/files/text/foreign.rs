@@ -31,10 +31,10 @@ impl<'a> ForeignTable<'a> {
         if layout.is_plain {
             text.keep_comments();
         }
-        let budget = Rc::clone(text.budget());
+        let (budget, buffer) = (Rc::clone(text.budget()), text.of_buffer());
         Self {
             name: text.name(),
-            lines: Lines::of(text, Rc::clone(&budget)),
+            lines: Lines::of(text, buffer, Rc::clone(&budget)),
             layout,
             budget,
         }
@@ -410,8 +410,7 @@ fn unescaped(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// Whether our own format reads `value` from the cell as well. It takes no number such as Fortran's `0.013D4`, and no other words for
-/// a missing sample than `NaN`.
+/// Whether our own format reads `value` from the cell as well. It takes no number such as Fortran's `0.013D4`.
 fn is_own(cell: &str, value: f64) -> bool {
     if value.is_nan() {
         is_blank(cell)

@@ -282,9 +282,10 @@ impl<'a> Lines<CsvText<'a>> {
 }
 
 impl<R: Read> Lines<R> {
-    pub fn of(from: R, budget: Rc<Budget>) -> Self {
+    /// Those of a text, which is taken in parts of `buffer` bytes.
+    pub fn of(from: R, buffer: usize, budget: Rc<Budget>) -> Self {
         Self {
-            from: BufReader::with_capacity(1 << 16, from),
+            from: BufReader::with_capacity(buffer, from),
             budget,
             count: 0,
             after_return: false,
@@ -376,7 +377,7 @@ mod tests {
     #[test]
     fn each_line_end_ends_one_line() {
         let budget = Budget::new("a.csv", ReadLimit::default());
-        let mut lines = Lines::of(&b"a\r\nb\rc\n\nd"[..], Rc::new(budget));
+        let mut lines = Lines::of(&b"a\r\nb\rc\n\nd"[..], 4, Rc::new(budget));
         let mut all = Vec::new();
         let mut text = String::new();
         while let Some(line) = lines.read(&mut text).unwrap() {

@@ -1,5 +1,7 @@
 //! Numbers in the forms of different countries.
 
+use crate::csv_text::is_blank;
+
 /// The number format of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Numbers {
@@ -48,24 +50,6 @@ pub(super) enum Sign {
     Either(char),
 }
 
-/// Cells that mean a missing number.
-const BLANK: [&str; 14] = [
-    "-",
-    "--",
-    "---",
-    "nan",
-    "-nan",
-    "na",
-    "n/a",
-    "#n/a",
-    "null",
-    "none",
-    "nan(ind)",
-    "-nan(ind)",
-    "1.#qnan",
-    "1.#ind",
-];
-
 impl Numbers {
     /// Contents of `cell`, without the blanks around it.
     pub fn read(self, cell: &str) -> Cell {
@@ -111,11 +95,6 @@ fn finite(value: f64) -> Cell {
     } else {
         Cell::NotFinite
     }
-}
-
-/// Whether a cell means a missing number.
-pub(super) fn is_blank(cell: &str) -> bool {
-    cell.is_empty() || BLANK.iter().any(|blank| cell.eq_ignore_ascii_case(blank))
 }
 
 /// Evidence of the signs in a cell, if it is a number.

@@ -7,6 +7,7 @@ use super::super::lines::{Cells, Separator};
 use super::super::rows::{Row, RowKind};
 use super::super::stamps::Stamp;
 use super::super::{lvm, numbers};
+use crate::csv_text::is_blank;
 use crate::room::Room;
 
 /// Rows of numbers that make a table. Its header is used even if other numbers have more rows, and below other numbers it is not a
@@ -37,7 +38,7 @@ fn counted(cells: &[&str], separator: Separator) -> Option<(usize, usize)> {
     let may_group = !matches!(separator, Separator::Blanks | Separator::Sign(','));
     let (mut figures, mut words) = (0, 0);
     for cell in cells {
-        if numbers::is_blank(cell) {
+        if is_blank(cell) {
             continue;
         }
         if numbers::is_number(cell, may_group) || Stamp::of(cell).is_some() {

@@ -1,9 +1,10 @@
 //! The findings about a text in words, so that a person can contradict them.
 
 use super::super::header::Header;
-use super::super::numbers::{self, Numbers};
+use super::super::numbers::Numbers;
 use super::block::FEW_ROWS;
 use super::{Found, Kind};
+use crate::csv_text::is_blank;
 
 impl Found<'_> {
     /// The findings, in words.
@@ -73,8 +74,7 @@ impl Found<'_> {
     ) -> Option<String> {
         let numbers_of = |row: &[&str]| -> Vec<bool> {
             let each = row.iter().zip(kinds);
-            let each =
-                each.filter(|(cell, kind)| **kind == Kind::Numbers && !numbers::is_blank(cell));
+            let each = each.filter(|(cell, kind)| **kind == Kind::Numbers && !is_blank(cell));
             each.map(|(cell, _)| cell.bytes().all(|byte| b"+-0123456789".contains(&byte)))
                 .collect()
         };
