@@ -2,12 +2,13 @@
 
 use std::sync::LazyLock;
 
+use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack;
 use mesh_damper_model::correction::{CorrectionTable, MemoryAxis, Remembered};
 use mesh_damper_model::file::{FittedRange, ModelFile};
-use mesh_damper_model::{AddedEffect, Control, Family, LawNode, Model};
+use mesh_damper_model::{AddedEffect, Control, LawNode, MAX_EFFECTS, Model};
 
 use crate::edit::edited;
 use crate::law::EFFECTS;
@@ -56,17 +57,10 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         c: 0.1,
         alpha: 0.3,
     };
-    let model = |families: &[(&str, &[(&str, f64)])], correction| {
-        let effects = families.iter().map(|&(family, parameters)| AddedEffect {
-            family: Family::named(family).expect("a family of the list"),
-            parameters: parameters
-                .iter()
-                .map(|&(name, value)| (name.to_owned(), value))
-                .collect(),
-        });
+    let model = |effects: &[AddedEffect], correction| {
         let model = Model {
             law: vec![node(0.05), node(0.1 + 0.2)],
-            effects: effects.collect(),
+            effects: effects.to_vec(),
             correction,
             controls: vec![Control {
                 name: "current_A".into(),
@@ -91,86 +85,17 @@ static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             range: [-0.1, 0.1],
         }),
     };
-    vec![
-        model(
-            &[
-                ("offset", &[("force", -0.1)]),
-                ("asymmetry", &[("k2", 3.0)]),
-                ("hardening", &[("k5", 100.0)]),
-                ("stick_slip", &[("stiffness", 1.2), ("slip_limit", 0.03)]),
-                (
-                    "relaxation",
-                    &[
-                        ("stiffness", 0.4),
-                        ("time", 0.05),
-                        ("stiffness_2", 0.3),
-                        ("time_2", 0.7),
-                    ],
-                ),
-                (
-                    "temperature",
-                    &[
-                        ("beta", 0.004),
-                        ("beta_damping", -0.002),
-                        ("reference", 20.0),
-                    ],
-                ),
-                ("stop", &[("stiffness", 2.0), ("gap", 0.1)]),
-            ],
-            None,
-        ),
-        model(
-            &[
-                (
-                    "stick_slip",
-                    &[("stiffness", 1.2), ("slip_limit", 0.03), ("sharpness", 1.5)],
-                ),
-                ("gap", &[("half_width", 0.01), ("damps_inside", 1.0)]),
-                (
-                    "control_input",
-                    &[
-                        ("stiffness", 0.8),
-                        ("yield_stretch", 0.04),
-                        ("rate", 0.6),
-                        ("viscosity", 0.004),
-                        ("lag", 0.05),
-                        ("saturation", 2.0),
-                    ],
-                ),
-                ("delay", &[("time", 0.0012)]),
-                ("compliance", &[("stiffness", 25.0)]),
-                (
-                    "periodic",
-                    &[
-                        ("amplitude", 0.1),
-                        ("frequency", 50.0),
-                        ("phase", 1.0),
-                        ("amplitude_2", 0.02),
-                        ("frequency_2", 150.0),
-                        ("phase_2", -1.0),
-                    ],
-                ),
-                (
-                    "drift",
-                    &[
-                        ("elastic_change", -0.1),
-                        ("damping_change", 0.2),
-                        ("cycles", 20.0),
-                    ],
-                ),
-                ("inertia", &[("mass", 2.0)]),
-            ],
-            None,
-        ),
-        model(
-            &[
-                ("viscous", &[("c1", 0.01)]),
-                ("load_friction", &[("load", 3.0)]),
-                ("delay", &[("corner", 200.0)]),
-            ],
-            Some(correction),
-        ),
-    ]
+    // Every effect, each in a model with others, and the last of them beside a residual table.
+    let parts = DESCRIPTIONS.chunks(MAX_EFFECTS).map(|chunk| {
+        let effects: Vec<AddedEffect> = chunk.iter().map(AddedEffect::typical).collect();
+        model(&effects, None)
+    });
+    let last: Vec<AddedEffect> = DESCRIPTIONS
+        .last()
+        .map(AddedEffect::typical)
+        .into_iter()
+        .collect();
+    parts.chain([model(&last, Some(correction))]).collect()
 });
 
 /// A model that was read is unchanged after it is written and read again. It runs, and a coefficient pack keeps it unchanged.

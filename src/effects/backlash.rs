@@ -3,9 +3,10 @@
 //! Examples are pins in worn holes, and wires that lie loosely against their contacts. The sliding part is pushed from one side; on
 //! the way back it stays where it is until it is pushed from the other side.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::description::{Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, SLIP_LIMITS};
 use super::stretch::Stretch;
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
+use super::{ClampedMotion, Equations, LawForce, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, in_range};
@@ -26,6 +27,14 @@ pub struct Backlash<R> {
     slip_limit: R,
     /// s/2, mm.
     half_slack: R,
+}
+
+numbers! {
+    Backlash { stiffness, slip_limit, half_slack } of {
+        stiffness: "kN/mm" in COEFFICIENTS,
+        slip_limit: "mm" in SLIP_LIMITS,
+        slack: "mm" in [0.0, limits::DISPLACEMENT],
+    }
 }
 
 impl<R: Real> Backlash<R> {
@@ -52,38 +61,22 @@ impl<R: Real> Equations<R> for Backlash<R> {
         name: "backlash",
         family: "backlash",
         number: 21,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
-            Parameter::new("slack", "mm", 0.0, limits::DISPLACEMENT),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[2.0, 0.02, 0.04],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Friction with elastic pre-sliding behind free play: after each reversal the damper moves through the play before \
                    friction holds it.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        slip_limit: R::ZERO,
-        half_slack: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [stiffness, slip_limit, slack] = super::exactly(parameters)?.map(R::from_f64);
+        let [stiffness, slip_limit, slack] = super::numbers::exactly(parameters)?.map(R::from_f64);
         Self::new(stiffness, slip_limit, slack)
     }
 
@@ -109,24 +102,5 @@ impl<R: Real> Equations<R> for Backlash<R> {
         // Next to a wide play the sum that gives its reach is rounded.
         let force = self.stiffness * beyond.clipped(self.slip_limit);
         if place < R::ZERO { -force } else { force }
-    }
-}
-
-impl Packed for Backlash<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.slip_limit, self.half_slack]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, slip_limit, half_slack] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            slip_limit,
-            half_slack,
-        })
     }
 }

@@ -1,45 +1,32 @@
 //! Rate-independent friction with smooth yielding (Bouc 1967, Wen 1976): the second form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::stretch::{SHARPEST, Stretch, power};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
-use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use super::description::{Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, SLIP_LIMITS};
+use super::stretch::{SHARPNESS, Stretch, power};
+use super::{ClampedMotion, Equations, LawForce, below_0};
+use crate::real::Real;
 
-/// F = k·z, dz = dy·(1 − (|z|/x)ⁿ·(1 + sgn(dy·z))/2).
-///
-/// A branch towards 0 is straight, with stiffness k. Away from 0 it bends towards ±x and never passes it: as 1 − e^(−y/x) for n =
-/// 1, as tanh y/x for n = 2, and later for a larger n, approaching a Jenkins element.
-///
-/// # Step
-/// With δ = 1 − |z|/x the bent branch is dδ = −m·δ·|dy|/x. Here m = (1 − (1 − δ)ⁿ)/δ lies between 1 and n and changes little. A
-/// step with a = m·|dy|/x therefore subtracts 1 − e⁻ᵃ of δ, with m from the middle of the step. The step is of second order, exact
-/// for n = 1, and bounded for any length, because the approximation of eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoucWen<R> {
-    stiffness: R,
-    slip_limit: R,
-    sharpness: R,
+numbers! {
+    /// F = k·z, dz = dy·(1 − (|z|/x)ⁿ·(1 + sgn(dy·z))/2).
+    ///
+    /// A branch towards 0 is straight, with stiffness k. Away from 0 it bends towards ±x and never passes it: as 1 − e^(−y/x) for n =
+    /// 1, as tanh y/x for n = 2, and later for a larger n, approaching a Jenkins element.
+    ///
+    /// # Step
+    /// With δ = 1 − |z|/x the bent branch is dδ = −m·δ·|dy|/x. Here m = (1 − (1 − δ)ⁿ)/δ lies between 1 and n and changes little. A
+    /// step with a = m·|dy|/x therefore subtracts 1 − e⁻ᵃ of δ, with m from the middle of the step. The step is of second order, exact
+    /// for n = 1, and bounded for any length, because the approximation of eᵃ, 1 + a + a²/2 + a³/6, is at least 1.
+    pub struct BoucWen {
+        /// k, kN/mm, −1e9…1e9
+        stiffness: "kN/mm" in COEFFICIENTS,
+        /// x, mm, 1e-9…1e4
+        slip_limit: "mm" in SLIP_LIMITS,
+        /// n, 0.5…8
+        sharpness: "1" in SHARPNESS,
+    }
 }
 
 impl<R: Real> BoucWen<R> {
-    /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `slip_limit`: x, mm, 1e-9…1e4
-    /// * `sharpness`: n, 0.5…8
-    ///
-    /// # Errors
-    /// The field that is not finite or out of range.
-    pub fn new(stiffness: R, slip_limit: R, sharpness: R) -> Result<Self, ConfigError> {
-        let new = Self {
-            stiffness,
-            slip_limit,
-            sharpness,
-        };
-        new.check()?;
-        Ok(new)
-    }
-
     /// m at |z|/x = `part`. Not inlined, because it is called twice.
     #[inline(never)]
     fn bend(&self, part: R) -> R {
@@ -75,45 +62,18 @@ impl<R: Real> Equations<R> for BoucWen<R> {
         name: "bouc_wen",
         family: "stick_slip",
         number: 11,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
-            Parameter::new("sharpness", "1", 0.5, SHARPEST),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.9, 0.02, 1.5],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Rate-independent friction that gives way smoothly.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        slip_limit: R::ZERO,
-        sharpness: R::ZERO,
-    };
+    listed!();
 
     type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [stiffness, slip_limit, sharpness] = super::exactly(parameters)?.map(R::from_f64);
-        Self::new(stiffness, slip_limit, sharpness)
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("stiffness", self.stiffness)?;
-        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
-        in_range("sharpness", self.sharpness, 0.5, SHARPEST).map(|_| ())
-    }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
         below_0("stiffness", self.stiffness)
@@ -145,24 +105,5 @@ impl<R: Real> Equations<R> for BoucWen<R> {
             moved.clipped(self.slip_limit)
         });
         self.stiffness * stretch
-    }
-}
-
-impl Packed for BoucWen<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.slip_limit, self.sharpness]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, slip_limit, sharpness] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            slip_limit,
-            sharpness,
-        })
     }
 }

@@ -1,7 +1,7 @@
 //! A spring in series with the specimen: the fixture yields, so the specimen moves less than the measured displacement.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion, Packed};
+use super::description::{Dependence, Description, EffectKind, Growth};
+use super::{AugmentedState, ClampedMotion, Equations, LawForce, Motion};
 use crate::error::ConfigError;
 use crate::law::Law;
 use crate::limits;
@@ -49,6 +49,8 @@ fn step_of<R: Real>(tick: R) -> R {
     tick * R::from_f64(2.0 / 3.0)
 }
 
+/// Range of the stiffness, kN/mm.
+const STIFFNESS: [f64; 2] = [1e-3, limits::COEFFICIENT];
 /// Number of Newton steps.
 const STEPS: usize = 4;
 /// Number of squarings that approximate an exponent above 1.
@@ -56,6 +58,12 @@ const SQUARINGS: usize = 6;
 const POWER: f64 = (1 << SQUARINGS) as f64;
 /// Smallest magnitude of a velocity, mm/s, at which no quotient overflows.
 const SLOWEST: f64 = 1e-20;
+
+numbers! {
+    Compliance { stiffness, step } of {
+        stiffness: "kN/mm" in STIFFNESS,
+    }
+}
 
 impl<R: Real> Compliance<R> {
     /// * `stiffness`: K, kN/mm, 1e-3…1e9
@@ -100,14 +108,7 @@ impl<R: Real> Equations<R> for Compliance<R> {
         family: "compliance",
         number: 13,
         kind: EffectKind::Stage,
-        cost: Cost::Rare,
-        parameters: &[Parameter::new(
-            "stiffness",
-            "kN/mm",
-            1e-3,
-            limits::COEFFICIENT,
-        )],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[20.0],
         depends_on: &[
             Dependence::Displacement,
@@ -115,25 +116,21 @@ impl<R: Real> Equations<R> for Compliance<R> {
             Dependence::Amplitude,
         ],
         outside: Growth::AtMostLinear,
-        energy: Energy::Passive,
-        scales_law: false,
         sentence: "A spring in series with the specimen: the fixture gives way.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        step: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = Option<ComplianceState<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let [stiffness] = super::exactly(parameters)?;
+        let [stiffness] = super::numbers::exactly(parameters)?;
         Self::new(R::from_f64(stiffness), R::from_f64(tick))
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        in_range("stiffness", self.stiffness, 1e-3, limits::COEFFICIENT)?;
+        in_range("stiffness", self.stiffness, STIFFNESS[0], STIFFNESS[1])?;
         in_range("step", self.step, 6e-8, 700.0).map(|_| ())
     }
 
@@ -217,19 +214,6 @@ impl<R: Real> Equations<R> for Compliance<R> {
             // An infinite sum must not stay in the state: a difference of infinities would be NaN for good.
             state.others = (added - viscous * state.velocity).clamped(R::from_f64(limits::FORCE));
         }
-    }
-}
-
-impl Packed for Compliance<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.step].into_iter().for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, step] = words else {
-            return None;
-        };
-        Some(Self { stiffness, step })
     }
 }
 

@@ -1,10 +1,9 @@
 //! A yielding branch and a dashpot whose strength follows a control input: the coil current of a magneto-rheological damper, the
 //! pressure on a friction pad, the tension of a band.
 
-use super::description::{
-    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
-};
+use super::description::{Absent, Dependence, Description, Energy, Growth};
 use super::motion::CONTROLS;
+use super::numbers::COEFFICIENTS;
 use super::relaxation::LEAST_PART;
 use super::{ClampedMotion, Equations, LawForce, Packed, Yielding, below_0};
 use crate::error::ConfigError;
@@ -55,6 +54,18 @@ pub struct ControlInputState<R: Real> {
     /// Rounding error of `arrived`: with a long lag the change in a tick is smaller than an f32 can add.
     carry: R,
     stretch: <Yielding<R> as Equations<R>>::State,
+}
+
+numbers! {
+    ControlInput of {
+        stiffness: "kN/mm" in COEFFICIENTS,
+        yield_stretch: "mm" in [0.0, limits::DISPLACEMENT],
+        rate: "mm/s" in [1e-9, limits::VELOCITY],
+        viscosity: "kN*s/mm" in COEFFICIENTS => Absent::Is(0.0),
+        lag: "s" in [0.0, LAG] => Absent::Is(0.0),
+        saturation: "1" in SATURATION => Absent::Is(SATURATION[1]),
+        input: "1" in [0.0, (CONTROLS - 1) as f64] => Absent::Is(0.0),
+    }
 }
 
 impl<R: Real> ControlInput<R> {
@@ -133,30 +144,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         name: "control_input",
         family: "control_input",
         number: 19,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("yield_stretch", "mm", 0.0, limits::DISPLACEMENT),
-            Parameter::new("rate", "mm/s", 1e-9, limits::VELOCITY),
-            Parameter::new(
-                "viscosity",
-                "kN*s/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            )
-            .or(Absent::Is(0.0)),
-            Parameter::new("lag", "s", 0.0, LAG).or(Absent::Is(0.0)),
-            Parameter::new("saturation", "1", SATURATION[0], SATURATION[1])
-                .or(Absent::Is(SATURATION[1])),
-            Parameter::new("input", "1", 0.0, (CONTROLS - 1) as f64).or(Absent::Is(0.0)),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[2.0, 0.04, 0.3, 0.01, 0.02, 1.5, 0.0],
         depends_on: &[
             Dependence::Control,
@@ -166,8 +154,8 @@ impl<R: Real> Equations<R> for ControlInput<R> {
         ],
         outside: Growth::AtMostLinear,
         energy: Energy::Below0(&["stiffness", "viscosity"]),
-        scales_law: false,
         sentence: "A yielding branch and a dashpot, whose strength follows a control input, optionally with a lag.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
         branch: Yielding::<R>::NONE,
@@ -186,7 +174,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     };
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let given = super::exactly::<7>(parameters)?;
+        let given = super::numbers::exactly::<7>(parameters)?;
         let [
             stiffness,
             yield_stretch,

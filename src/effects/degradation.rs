@@ -3,46 +3,30 @@
 //! Examples are rubber on its first strokes (Mullins effect), and joints and wires that bend loose. A motion within the largest one
 //! so far meets a softer damper than the first motion did.
 
-use super::description::{
-    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
-};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
-use crate::error::ConfigError;
+use super::description::{Absent, Dependence, Description, Energy, Growth};
+use super::numbers::COEFFICIENTS;
+use super::{ClampedMotion, Equations, LawForce, below_0};
 use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use crate::real::Real;
 
 /// Range of the softening, mm: at the upper end no displacement takes more than a thousandth of the stiffness.
 const SOFTENING: [f64; 2] = [1e-9, 1e3 * limits::DISPLACEMENT];
 
-/// F = k·y·(1 − p + p·|y|/m)/(1 + m/m₀), m the largest |y| so far.
-///
-/// At y = ±m the secant stiffness is k/(1 + m/m₀), and it never recovers. In between, the force is linear for p = 0; with pinching
-/// it is softer about 0, by the part p. A first stroke follows k·y/(1 + |y|/m₀), and |F| stays below k·m₀ for every displacement.
-///
-/// It is passive for k ≥ 0: at constant m it is elastic, and the energy stored at y, k·y²·((1 − p)/2 + p·|y|/(3·m))/(1 + m/m₀),
-/// falls when m grows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Degradation<R> {
-    stiffness: R,
-    softening: R,
-    pinching: R,
-}
-
-impl<R: Real> Degradation<R> {
-    /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `softening`: m₀, the largest displacement so far at which half of the stiffness remains, mm, 1e-9…1e7
-    /// * `pinching`: p, 0…1
+numbers! {
+    /// F = k·y·(1 − p + p·|y|/m)/(1 + m/m₀), m the largest |y| so far.
     ///
-    /// # Errors
-    /// The field that is not finite or out of range.
-    pub fn new(stiffness: R, softening: R, pinching: R) -> Result<Self, ConfigError> {
-        let new = Self {
-            stiffness,
-            softening,
-            pinching,
-        };
-        new.check()?;
-        Ok(new)
+    /// At y = ±m the secant stiffness is k/(1 + m/m₀), and it never recovers. In between, the force is linear for p = 0; with pinching
+    /// it is softer about 0, by the part p. A first stroke follows k·y/(1 + |y|/m₀), and |F| stays below k·m₀ for every displacement.
+    ///
+    /// It is passive for k ≥ 0: at constant m it is elastic, and the energy stored at y, k·y²·((1 − p)/2 + p·|y|/(3·m))/(1 + m/m₀),
+    /// falls when m grows.
+    pub struct Degradation {
+        /// k, kN/mm, −1e9…1e9
+        stiffness: "kN/mm" in COEFFICIENTS,
+        /// m₀, the largest displacement so far at which half of the stiffness remains, mm, 1e-9…1e7
+        softening: "mm" in SOFTENING,
+        /// p, 0…1
+        pinching: "1" in [0.0, 1.0] => Absent::Is(0.0),
     }
 }
 
@@ -51,46 +35,19 @@ impl<R: Real> Equations<R> for Degradation<R> {
         name: "degradation",
         family: "degradation",
         number: 22,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("softening", "mm", SOFTENING[0], SOFTENING[1]),
-            Parameter::new("pinching", "1", 0.0, 1.0).or(Absent::Is(0.0)),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[1.5, 0.08, 0.3],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "A spring that loses stiffness with the largest displacement so far, and may be softer about 0.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        softening: R::ZERO,
-        pinching: R::ZERO,
-    };
+    listed!();
 
     /// m, mm.
     type State = R;
     const AT_REST: R = R::ZERO;
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [stiffness, softening, pinching] = super::exactly(parameters)?.map(R::from_f64);
-        Self::new(stiffness, softening, pinching)
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("stiffness", self.stiffness)?;
-        in_range("softening", self.softening, SOFTENING[0], SOFTENING[1])?;
-        in_range("pinching", self.pinching, 0.0, 1.0).map(|_| ())
-    }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
         below_0("stiffness", self.stiffness)
@@ -111,24 +68,5 @@ impl<R: Real> Equations<R> for Degradation<R> {
         let shape = R::ONE - self.pinching + self.pinching * (size / largest);
         let left = self.softening / (self.softening + largest);
         self.stiffness * y * shape * left
-    }
-}
-
-impl Packed for Degradation<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.softening, self.pinching]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, softening, pinching] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            softening,
-            pinching,
-        })
     }
 }

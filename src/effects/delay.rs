@@ -1,6 +1,6 @@
 //! A delayed force channel: the skew of a multiplexed converter, or a filter in the force channel only.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::description::{Dependence, Description, EffectKind, Energy, Growth};
 use super::{ClampedMotion, Equations, Motion, Packed};
 use crate::error::ConfigError;
 use crate::real::{Real, compare, in_range};
@@ -43,6 +43,12 @@ pub struct DelayState<R> {
     next: u8,
     /// Number of stored forces, at most [`MAX_DELAY`].
     filled: u8,
+}
+
+numbers! {
+    Delay of {
+        time: "s" in [0.0, 255e3],
+    }
 }
 
 impl<R: Real> Delay<R> {
@@ -93,15 +99,13 @@ impl<R: Real> Equations<R> for Delay<R> {
         family: "delay",
         number: 14,
         kind: EffectKind::Stage,
-        cost: Cost::Rare,
-        parameters: &[Parameter::new("time", "s", 0.0, 255e3)],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.0012],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
         energy: Energy::Active,
-        scales_law: false,
         sentence: "A force channel that is late.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
         whole: 0,
@@ -116,7 +120,7 @@ impl<R: Real> Equations<R> for Delay<R> {
     };
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let [time] = super::exactly(parameters)?;
+        let [time] = super::numbers::exactly(parameters)?;
         Self::new(R::from_f64(time), R::from_f64(tick))
     }
 

@@ -207,6 +207,23 @@ pub struct Description {
 }
 
 impl Description {
+    /// A rare force of one element, which does not scale the law. It has no name yet.
+    pub(super) const PLAIN: Self = Self {
+        name: "",
+        family: "",
+        number: u8::MAX,
+        kind: EffectKind::Force,
+        cost: Cost::Rare,
+        parameters: &[],
+        most: 1,
+        typical: &[],
+        depends_on: &[],
+        outside: Growth::Constant,
+        energy: Energy::Passive,
+        scales_law: false,
+        sentence: "",
+    };
+
     /// Whether the force changes with the temperature.
     pub fn depends_on_temperature(&self) -> bool {
         self.depends_on.contains(&Dependence::Temperature)

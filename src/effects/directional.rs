@@ -1,29 +1,18 @@
 //! Damping that differs between the directions: valves with different openings, wires with a drawing direction.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed};
-use crate::error::ConfigError;
-use crate::real::{Real, in_range};
+use super::description::{Dependence, Description, EffectKind, Energy, Growth};
+use super::{ClampedMotion, Equations, LawForce};
+use crate::real::Real;
 
-/// F = d·c·|v|^α: adds the part d of the law's own damping where the displacement rises, and subtracts it where it falls.
-///
-/// It has no state. With |d| ≤ 1 the law's damping and this force together are (1 + d·sgn v)·c·|v|^α·sgn v, which never drives the
-/// motion. It dissipates nothing in a cycle that is symmetric in velocity: it shifts the loop by d times the damping, and a rig may
-/// take that for a preload.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Directional<R> {
-    difference: R,
-}
-
-impl<R: Real> Directional<R> {
-    /// * `difference`: d, relative increase of the damping where the displacement rises, −1…1
+numbers! {
+    /// F = d·c·|v|^α: adds the part d of the law's own damping where the displacement rises, and subtracts it where it falls.
     ///
-    /// # Errors
-    /// `difference` not finite or out of range.
-    pub fn new(difference: R) -> Result<Self, ConfigError> {
-        let new = Self { difference };
-        new.check()?;
-        Ok(new)
+    /// It has no state. With |d| ≤ 1 the law's damping and this force together are (1 + d·sgn v)·c·|v|^α·sgn v, which never drives the
+    /// motion. It dissipates nothing in a cycle that is symmetric in velocity: it shifts the loop by d times the damping, and a rig may
+    /// take that for a preload.
+    pub struct Directional {
+        /// d, relative increase of the damping where the displacement rises, −1…1
+        difference: "1" in [-1.0, 1.0],
     }
 }
 
@@ -33,31 +22,19 @@ impl<R: Real> Equations<R> for Directional<R> {
         family: "directional",
         number: 20,
         kind: EffectKind::Modulator,
-        cost: Cost::Rare,
-        parameters: &[Parameter::new("difference", "1", -1.0, 1.0)],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.3],
         depends_on: &[Dependence::Velocity],
         outside: Growth::OfDamping,
         energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "Damping that is stronger one way than the other.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        difference: R::ZERO,
-    };
+    listed!();
 
     type State = ();
     const AT_REST: () = ();
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [difference] = super::exactly(parameters)?;
-        Self::new(R::from_f64(difference))
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        in_range("difference", self.difference, -1.0, 1.0).map(|_| ())
-    }
 
     fn least_damping(&self) -> (&'static str, R, R) {
         ("difference", self.difference, -self.difference.abs())
@@ -72,16 +49,5 @@ impl<R: Real> Equations<R> for Directional<R> {
         } else {
             rising
         }
-    }
-}
-
-impl Packed for Directional<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        put(self.difference);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[difference] = words else { return None };
-        Some(Self { difference })
     }
 }

@@ -1,9 +1,8 @@
 //! A force that settles with the cycles: run-in, friction wear, or wires that break one after another.
 
-use super::description::{
-    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
-};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{Absent, Cost, Dependence, Description, Energy, Growth};
+use super::numbers::COEFFICIENTS;
+use super::{ClampedMotion, Equations, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, compare, in_range};
@@ -22,6 +21,15 @@ pub struct Drift<R> {
     beyond: R,
     /// −log₂ e/N
     rate: R,
+}
+
+numbers! {
+    Drift { stiffness, elastic, beyond, rate } of {
+        cycles: "1" in CYCLES,
+        stiffness: "kN/mm" in COEFFICIENTS => Absent::Is(0.0),
+        elastic_change: "1" in [-1.0, limits::CHANGE] => Absent::Is(0.0),
+        damping_change: "1" in [-1.0, limits::CHANGE] => Absent::Is(0.0),
+    }
 }
 
 impl<R: Real> Drift<R> {
@@ -80,40 +88,24 @@ impl<R: Real> Equations<R> for Drift<R> {
         name: "drift",
         family: "drift",
         number: 5,
-        kind: EffectKind::Force,
         cost: Cost::Common,
-        parameters: &[
-            Parameter::new("cycles", "1", CYCLES[0], CYCLES[1]),
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            )
-            .or(Absent::Is(0.0)),
-            Parameter::new("elastic_change", "1", -1.0, limits::CHANGE).or(Absent::Is(0.0)),
-            Parameter::new("damping_change", "1", -1.0, limits::CHANGE).or(Absent::Is(0.0)),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[30.0, 0.2, 0.1, -0.3],
         depends_on: &[Dependence::Displacement, Dependence::Cycle],
         outside: Growth::OfLaw,
         energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "A force that settles with the cycles: run-in, friction that wears, or wires that break one after another.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        elastic: R::ZERO,
-        beyond: R::ZERO,
-        rate: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = ();
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [cycles, stiffness, elastic, damping] = super::exactly(parameters)?.map(R::from_f64);
+        let [cycles, stiffness, elastic, damping] =
+            super::numbers::exactly(parameters)?.map(R::from_f64);
         Self::new(stiffness, cycles)?.with_forces(elastic, damping)
     }
 
@@ -152,25 +144,5 @@ impl<R: Real> Equations<R> for Drift<R> {
     #[inline(always)]
     fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         self.done(self.change_of_law(law), motion)
-    }
-}
-
-impl Packed for Drift<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.elastic, self.beyond, self.rate]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, elastic, beyond, rate] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            elastic,
-            beyond,
-            rate,
-        })
     }
 }

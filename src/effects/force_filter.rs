@@ -2,8 +2,8 @@
 
 use core::f64::consts::{PI, SQRT_2};
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{Equations, Packed};
+use super::Equations;
+use super::description::{Dependence, Description, EffectKind, Energy, Growth};
 use crate::error::ConfigError;
 use crate::real::{Real, compare, in_range};
 
@@ -43,6 +43,13 @@ pub struct ForceFilterState<R> {
     /// Output minus that force.
     e: R,
     g: R,
+}
+
+numbers! {
+    ForceFilter { lost, im, along, across } of {
+        // At the longest tick and at the shortest.
+        corner: "Hz" in [1e-7, 1e10],
+    }
 }
 
 impl<R: Real> ForceFilter<R> {
@@ -85,29 +92,21 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         family: "delay",
         number: 17,
         kind: EffectKind::Stage,
-        cost: Cost::Rare,
-        // At the longest tick and at the shortest.
-        parameters: &[Parameter::new("corner", "Hz", 1e-7, 1e10)],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[200.0],
         depends_on: &[Dependence::Velocity, Dependence::Frequency],
         outside: Growth::OfForceBehind,
         energy: Energy::Active,
-        scales_law: false,
         sentence: "A force channel behind a second-order low-pass.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        lost: R::ZERO,
-        im: R::ZERO,
-        along: R::ZERO,
-        across: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = Option<ForceFilterState<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let [corner] = super::exactly(parameters)?;
+        let [corner] = super::numbers::exactly(parameters)?;
         Self::new(R::from_f64(corner), R::from_f64(tick))
     }
 
@@ -141,24 +140,5 @@ impl<R: Real> Equations<R> for ForceFilter<R> {
         state.e = e + (self.im * g - self.lost * e + self.along * change);
         state.g = g + (self.across * change - self.im * e - self.lost * g);
         force + state.e
-    }
-}
-
-impl Packed for ForceFilter<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        let words = [self.lost, self.im, self.along, self.across];
-        words.into_iter().for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[lost, im, along, across] = words else {
-            return None;
-        };
-        Some(Self {
-            lost,
-            im,
-            along,
-            across,
-        })
     }
 }

@@ -1,7 +1,7 @@
 //! Free play of the mounting: the specimen does not feel the first part of a displacement in either direction.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, Motion, Packed};
+use super::description::{Dependence, Description, EffectKind, Growth};
+use super::{ClampedMotion, Equations, Motion};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -13,6 +13,13 @@ pub struct Gap<R> {
     half_width: R,
     /// The part of velocity and acceleration that acts within ±w: 0 or 1.
     inside: R,
+}
+
+numbers! {
+    Gap { half_width, inside } of {
+        half_width: "mm" in [0.0, limits::DISPLACEMENT],
+        damps_inside: "1" in [0.0, 1.0],
+    }
 }
 
 impl<R: Real> Gap<R> {
@@ -59,29 +66,20 @@ impl<R: Real> Equations<R> for Gap<R> {
         family: "gap",
         number: 10,
         kind: EffectKind::Stage,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new("half_width", "mm", 0.0, limits::DISPLACEMENT),
-            Parameter::new("damps_inside", "1", 0.0, 1.0),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.01, 0.0],
         depends_on: &[Dependence::Displacement],
         outside: Growth::OfForceBehind,
-        energy: Energy::Passive,
-        scales_law: false,
         sentence: "Free play of the mounting: the first part of a displacement is not felt.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        half_width: R::ZERO,
-        inside: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = ();
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [half_width, damps_inside] = super::exactly(parameters)?;
+        let [half_width, damps_inside] = super::numbers::exactly(parameters)?;
         in_range("damps_inside", damps_inside, 0.0, 1.0)?;
         Self::new(R::from_f64(half_width), damps_inside != 0.0)
     }
@@ -98,18 +96,5 @@ impl<R: Real> Equations<R> for Gap<R> {
     #[inline(always)]
     fn felt(&self, motion: &ClampedMotion<R>) -> ClampedMotion<R> {
         ClampedMotion(self.transform(&motion.0))
-    }
-}
-
-impl Packed for Gap<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.half_width, self.inside].into_iter().for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[half_width, inside] = words else {
-            return None;
-        };
-        Some(Self { half_width, inside })
     }
 }

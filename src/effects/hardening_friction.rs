@@ -1,66 +1,40 @@
 //! Rate-independent friction in the general form of Bouc (1967) and Wen (1976), bounded: the third form of stick-slip.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::stretch::{SHARPEST, Stretch, power};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
-use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use super::description::{Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, SLIP_LIMITS};
+use super::stretch::{SHARPNESS, Stretch, power};
+use super::{ClampedMotion, Equations, LawForce, below_0};
+use crate::real::Real;
 
-/// Range of the hardening of a branch that leads away from 0.
-const HARDENING: [f64; 2] = [-1.0, 100.0];
-/// Largest excess of the hardening on a branch that leads towards 0.
-const MOST_LOSS: f64 = 200.0;
-
-/// F = k·z with |z| ≤ x: away from 0 dz = dy·(1 + h·(|z|/x)ⁿ), towards 0 dz = dy·(1 + (h + l)·(|z|/x)ⁿ).
-///
-/// Bouc and Wen's dz = A·dy − β·(γ·|dy|·|z|ⁿ⁻¹·z + δ·dy·|z|ⁿ) is this with k = A, h = −(γ + δ)·β·(A·x)ⁿ/A and l = 2γ·β·(A·x)ⁿ/A.
-/// With h = −1 and l = 1 it is the softening form of [`BoucWen`](super::BoucWen). With h > 0 each branch becomes steeper, and only
-/// x ends it.
-///
-/// The equation is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is the stored energy. On the way away from 0 all work is stored, and on the
-/// way back, with l ≥ 0, no more than that is returned.
-///
-/// # Step
-/// A step towards 0 and one away from 0 replace (|z|/x)ⁿ by the line through 0 that meets it in the middle of the step,
-/// dz = dy·(1 + c·z). The step is of second order, and exact for n = 1. A step that takes more than half of a z loses too much of it
-/// rather than too little. z never passes its bound, whatever the step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HardeningFriction<R> {
-    stiffness: R,
-    stretch_limit: R,
-    sharpness: R,
-    hardening: R,
-    loss: R,
+numbers! {
+    /// F = k·z with |z| ≤ x: away from 0 dz = dy·(1 + h·(|z|/x)ⁿ), towards 0 dz = dy·(1 + (h + l)·(|z|/x)ⁿ).
+    ///
+    /// Bouc and Wen's dz = A·dy − β·(γ·|dy|·|z|ⁿ⁻¹·z + δ·dy·|z|ⁿ) is this with k = A, h = −(γ + δ)·β·(A·x)ⁿ/A and l = 2γ·β·(A·x)ⁿ/A.
+    /// With h = −1 and l = 1 it is the softening form of [`BoucWen`](super::BoucWen). With h > 0 each branch becomes steeper, and only
+    /// x ends it.
+    ///
+    /// The equation is passive: ∫ k·z dz/(1 + h·(|z|/x)ⁿ) is the stored energy. On the way away from 0 all work is stored, and on the
+    /// way back, with l ≥ 0, no more than that is returned.
+    ///
+    /// # Step
+    /// A step towards 0 and one away from 0 replace (|z|/x)ⁿ by the line through 0 that meets it in the middle of the step,
+    /// dz = dy·(1 + c·z). The step is of second order, and exact for n = 1. A step that takes more than half of a z loses too much of it
+    /// rather than too little. z never passes its bound, whatever the step.
+    pub struct HardeningFriction {
+        /// k, kN/mm, −1e9…1e9
+        stiffness: "kN/mm" in COEFFICIENTS,
+        /// x, mm, 1e-9…1e4
+        stretch_limit: "mm" in SLIP_LIMITS,
+        /// n, 0.5…8
+        sharpness: "1" in SHARPNESS,
+        /// h, −1…100
+        hardening: "1" in [-1.0, 100.0],
+        /// l, 0…200
+        loss: "1" in [0.0, 200.0],
+    }
 }
 
 impl<R: Real> HardeningFriction<R> {
-    /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `stretch_limit`: x, mm, 1e-9…1e4
-    /// * `sharpness`: n, 0.5…8
-    /// * `hardening`: h, −1…100
-    /// * `loss`: l, 0…200
-    ///
-    /// # Errors
-    /// The field that is not finite or out of range.
-    pub fn new(
-        stiffness: R,
-        stretch_limit: R,
-        sharpness: R,
-        hardening: R,
-        loss: R,
-    ) -> Result<Self, ConfigError> {
-        let new = Self {
-            stiffness,
-            stretch_limit,
-            sharpness,
-            hardening,
-            loss,
-        };
-        new.check()?;
-        Ok(new)
-    }
-
     /// c of the line 1 + c·z that meets 1 + rise·(z/x)ⁿ at z = `stretch` ≥ 0. Not inlined, because it is called four times.
     #[inline(never)]
     fn bend(&self, stretch: R, rise: R) -> R {
@@ -148,57 +122,18 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
         name: "hardening_friction",
         family: "stick_slip",
         number: 16,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("stretch_limit", "mm", 1e-9, limits::DISPLACEMENT),
-            Parameter::new("sharpness", "1", 0.5, SHARPEST),
-            Parameter::new("hardening", "1", HARDENING[0], HARDENING[1]),
-            Parameter::new("loss", "1", 0.0, MOST_LOSS),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.9, 0.4, 1.0, 2.0, 10.0],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Rate-independent friction whose branches grow steeper, and fall off faster than they rose.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        stretch_limit: R::ZERO,
-        sharpness: R::ZERO,
-        hardening: R::ZERO,
-        loss: R::ZERO,
-    };
+    listed!();
 
     type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [stiffness, stretch_limit, sharpness, hardening, loss] =
-            super::exactly(parameters)?.map(R::from_f64);
-        Self::new(stiffness, stretch_limit, sharpness, hardening, loss)
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("stiffness", self.stiffness)?;
-        in_range(
-            "stretch_limit",
-            self.stretch_limit,
-            1e-9,
-            limits::DISPLACEMENT,
-        )?;
-        in_range("sharpness", self.sharpness, 0.5, SHARPEST)?;
-        in_range("hardening", self.hardening, HARDENING[0], HARDENING[1])?;
-        in_range("loss", self.loss, 0.0, MOST_LOSS).map(|_| ())
-    }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
         below_0("stiffness", self.stiffness)
@@ -215,32 +150,5 @@ impl<R: Real> Equations<R> for HardeningFriction<R> {
             }
         });
         self.stiffness * stretch
-    }
-}
-
-impl Packed for HardeningFriction<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [
-            self.stiffness,
-            self.stretch_limit,
-            self.sharpness,
-            self.hardening,
-            self.loss,
-        ]
-        .into_iter()
-        .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, stretch_limit, sharpness, hardening, loss] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            stretch_limit,
-            sharpness,
-            hardening,
-            loss,
-        })
     }
 }

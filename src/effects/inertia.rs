@@ -1,7 +1,7 @@
 //! The force that accelerates a mass between the load cell and the specimen.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{Cost, Dependence, Description, Growth};
+use super::{ClampedMotion, Equations, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -14,6 +14,12 @@ const KILONEWTON: f64 = 1e-6;
 pub struct Inertia<R> {
     /// kN·s²/mm
     mass: R,
+}
+
+numbers! {
+    Inertia { mass } of {
+        mass: "kg" in [-limits::MASS, limits::MASS],
+    }
 }
 
 impl<R: Real> Inertia<R> {
@@ -47,24 +53,21 @@ impl<R: Real> Equations<R> for Inertia<R> {
         name: "inertia",
         family: "inertia",
         number: 4,
-        kind: EffectKind::Force,
         cost: Cost::Light,
-        parameters: &[Parameter::new("mass", "kg", -limits::MASS, limits::MASS)],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[50.0],
         depends_on: &[Dependence::Displacement, Dependence::Frequency],
         outside: Growth::Linear,
-        energy: Energy::Passive,
-        scales_law: false,
         sentence: "A mass that moves between the load cell and the specimen.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self { mass: R::ZERO };
+    const NONE: Self = Self::ABSENT;
 
     type State = ();
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [mass] = super::exactly(parameters)?;
+        let [mass] = super::numbers::exactly(parameters)?;
         Self::new(R::from_f64(mass))
     }
 
@@ -76,16 +79,5 @@ impl<R: Real> Equations<R> for Inertia<R> {
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
         self.force_at(motion.acceleration())
-    }
-}
-
-impl Packed for Inertia<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        put(self.mass);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[mass] = words else { return None };
-        Some(Self { mass })
     }
 }

@@ -48,6 +48,15 @@ macro_rules! effects {
                 }
             }
 
+            /// Bytes that it takes of a law whose type names it: its configuration and its state.
+            pub fn bytes(&self) -> usize {
+                match self {
+                    $(Self::$name(_) => {
+                        size_of::<$name<R>>() + size_of::<<$name<R> as Equations<R>>::State>()
+                    })+
+                }
+            }
+
             /// Its bit, and the field that holds it.
             fn place(&self) -> (u32, &'static str) {
                 match self {

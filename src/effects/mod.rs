@@ -13,6 +13,8 @@ pub mod description;
 pub mod residual_table;
 #[macro_use]
 mod list;
+#[macro_use]
+mod numbers;
 mod motion;
 mod named;
 pub mod stretch;
@@ -166,41 +168,6 @@ const HIGHEST: u8 = {
 /// Most words of an effect in a pack.
 pub(crate) const MOST_WORDS: usize = 5 * MAX_TONES;
 
-/// Returns `parameters` as an array of `N`.
-///
-/// # Errors
-/// More or fewer than `N`.
-fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], ConfigError> {
-    parameters.try_into().map_err(|_| ConfigError::Full {
-        field: "parameters",
-        capacity: N,
-    })
-}
-
-/// Splits `parameters` into elements of `N`, at most `MOST` of them, and applies `make` to each.
-///
-/// # Errors
-/// Too many elements, or an incomplete one.
-fn elements<const N: usize, const MOST: usize, E>(
-    field: &'static str,
-    parameters: &[f64],
-    make: impl Fn([f64; N]) -> E,
-) -> Result<heapless::Vec<E, MOST>, ConfigError> {
-    let (groups, rest) = parameters.as_chunks();
-    if !rest.is_empty() || groups.len() > MOST {
-        return Err(ConfigError::Full {
-            field,
-            capacity: MOST,
-        });
-    }
-    let mut elements = heapless::Vec::new();
-    for &group in groups {
-        // There is room, as checked above.
-        let _ = elements.push(make(group));
-    }
-    Ok(elements)
-}
-
 /// Checks a number that follows from the tick. Derived: a tick and a rate in f32 are each rounded, within 1.2e-7 together.
 ///
 /// # Errors
@@ -213,22 +180,6 @@ fn is_of_tick<R: Real>(field: &'static str, value: R, expected: R) -> Result<(),
 /// The parameter `name` and its `value` if that is below 0.
 fn below_0<R: Real>(name: &'static str, value: R) -> Option<(&'static str, R)> {
     (value < R::ZERO).then_some((name, value))
-}
-
-/// The first `used` of an effect's elements, at least one.
-///
-/// # Errors
-/// None, or more than the capacity.
-#[inline(never)]
-fn some<'t, T>(field: &'static str, all: &'t [T], used: usize) -> Result<&'t [T], ConfigError> {
-    match all.get(..used) {
-        Some([]) => Err(ConfigError::Empty(field)),
-        Some(used) => Ok(used),
-        None => Err(ConfigError::Full {
-            field,
-            capacity: all.len(),
-        }),
-    }
 }
 
 const fn is_cost(description: &Description, cost: Cost) -> bool {

@@ -3,11 +3,11 @@
 
 use core::f64::consts::TAU;
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, some};
+use super::description::{Dependence, Description, Energy};
+use super::numbers::{COEFFICIENTS, Elements};
+use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::frame::{halves, whole};
-use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 use crate::sine::{FREQUENCY_MIN, increment};
 
@@ -15,6 +15,8 @@ use crate::sine::{FREQUENCY_MIN, increment};
 const HIGHEST: f64 = 0.499;
 /// Highest frequency, Hz: that of the highest tick rate.
 const FREQUENCY_MAX: f64 = 1e6 * HIGHEST;
+/// Range of a phase, rad.
+const PHASES: [f64; 2] = [-1e3, 1e3];
 
 /// Most tones in one [`Periodic`].
 pub const MAX_TONES: usize = 3;
@@ -24,8 +26,7 @@ pub const MAX_TONES: usize = 3;
 /// A phase is an integer of 64 bits, so that it is still exact after a million ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic<R> {
-    tones: [Tone<R>; MAX_TONES],
-    used: usize,
+    tones: Elements<Tone<R>, MAX_TONES>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,15 +38,21 @@ struct Tone<R> {
     phase: [u32; 2],
 }
 
+numbers! {
+    Tone of {
+        amplitude: "kN" in COEFFICIENTS,
+        frequency: "Hz" in [FREQUENCY_MIN, FREQUENCY_MAX],
+        phase: "rad" in PHASES,
+    }
+}
+
 impl<R: Real> Tone<R> {
-    const NONE: Self = Self {
+    const ABSENT: Self = Self {
         amplitude: R::ZERO,
         increment: [0; 2],
         phase: [0; 2],
     };
 
-    // Not inlined, because the loop that calls it is unrolled.
-    #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("amplitude", self.amplitude)?;
         // In cycles per tick, with a margin for the rounding of a rate. 2⁶⁴ are a cycle.
@@ -91,19 +98,18 @@ impl<R: Real> Periodic<R> {
     /// No tones, too many, or the field that is not finite or out of range.
     pub fn new(tones: &[(R, f64, f64)], tick: f64) -> Result<Self, ConfigError> {
         let tick_rate = 1.0 / in_range("tick", tick, 1e-6, 1e3)?;
-        let mut new = Self {
-            used: tones.len(),
-            ..Self::NONE
-        };
-        for (slot, &(amplitude, frequency, phase)) in new.tones.iter_mut().zip(tones) {
+        let tone = |&(amplitude, frequency, phase): &(R, f64, f64)| {
             in_range("frequency", frequency, FREQUENCY_MIN, HIGHEST * tick_rate)?;
-            let turns = in_range("phase", phase, -1e3, 1e3)? / TAU;
-            *slot = Tone {
+            let turns = in_range("phase", phase, PHASES[0], PHASES[1])? / TAU;
+            Ok(Tone {
                 amplitude,
                 increment: halves((increment(frequency, tick_rate) >> 64) as u64),
                 phase: halves(((turns - libm::floor(turns)) * (1u128 << 64) as f64) as u64),
-            };
-        }
+            })
+        };
+        let new = Self {
+            tones: Elements::of(tones, Tone::ABSENT, tone)?,
+        };
         new.check()?;
         Ok(new)
     }
@@ -114,24 +120,16 @@ impl<R: Real> Equations<R> for Periodic<R> {
         name: "periodic",
         family: "periodic",
         number: 12,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new("amplitude", "kN", -limits::COEFFICIENT, limits::COEFFICIENT),
-            Parameter::new("frequency", "Hz", FREQUENCY_MIN, FREQUENCY_MAX),
-            Parameter::new("phase", "rad", -1e3, 1e3),
-        ],
+        parameters: Tone::<R>::PARAMETERS,
         most: MAX_TONES,
         typical: &[0.02, 50.0, 0.3],
         depends_on: &[Dependence::Time],
-        outside: Growth::Constant,
         energy: Energy::Active,
-        scales_law: false,
         sentence: "Tones: forces of their own frequencies, whatever the motion.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
-        tones: [Tone::NONE; MAX_TONES],
-        used: 0,
+        tones: Elements::absent(Tone::ABSENT),
     };
 
     /// Phases of the next tick.
@@ -139,7 +137,7 @@ impl<R: Real> Equations<R> for Periodic<R> {
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let tones = super::elements::<3, MAX_TONES, _>(
+        let tones = super::numbers::elements::<3, MAX_TONES, _>(
             "tones",
             parameters,
             |[amplitude, frequency, phase]| (R::from_f64(amplitude), frequency, phase),
@@ -148,47 +146,48 @@ impl<R: Real> Equations<R> for Periodic<R> {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let used = some("tones", &self.tones, self.used)?;
-        used.iter().try_for_each(Tone::check)
+        self.tones.check("tones", Tone::check)
     }
 
     #[inline(always)]
     fn force(&self, state: &mut Self::State, _: &ClampedMotion<R>, _: LawForce<R>) -> R {
-        let state = state.get_or_insert_with(|| self.tones.map(|tone| tone.phase));
-        let ([tone, tones @ ..], [first, others @ ..]) = (&self.tones, state);
+        let state = state.get_or_insert_with(|| self.tones.all.map(|tone| tone.phase));
+        let ([tone, tones @ ..], [first, others @ ..]) = (&self.tones.all, state);
         let force = tone.force(first);
-        if self.used > 1 {
+        if self.tones.count > 1 {
             return force + Tone::force_of(tones, others);
         }
         force
     }
 }
 
-impl Packed for Periodic<f32> {
+impl Packed for Tone<f32> {
     fn pack(&self, put: &mut impl FnMut(f32)) {
-        for tone in self.tones.iter().take(self.used) {
-            put(tone.amplitude);
-            for half in tone.increment.into_iter().chain(tone.phase) {
-                put(f32::from_bits(half));
-            }
+        put(self.amplitude);
+        for half in self.increment.into_iter().chain(self.phase) {
+            put(f32::from_bits(half));
         }
     }
 
     fn unpack(words: &[f32]) -> Option<Self> {
-        let (packed, []) = words.as_chunks() else {
+        let &[amplitude, a, b, c, d] = words else {
             return None;
         };
-        let mut tones = [Tone::NONE; MAX_TONES];
-        for (tone, &[amplitude, a, b, c, d]) in tones.iter_mut().zip(packed) {
-            *tone = Tone {
-                amplitude,
-                increment: [a, b].map(f32::to_bits),
-                phase: [c, d].map(f32::to_bits),
-            };
-        }
         Some(Self {
-            tones,
-            used: packed.len(),
+            amplitude,
+            increment: [a, b].map(f32::to_bits),
+            phase: [c, d].map(f32::to_bits),
         })
+    }
+}
+
+impl Packed for Periodic<f32> {
+    fn pack(&self, put: &mut impl FnMut(f32)) {
+        self.tones.pack(put);
+    }
+
+    fn unpack(words: &[f32]) -> Option<Self> {
+        let tones = Elements::unpack::<5>(words, Tone::ABSENT)?;
+        Some(Self { tones })
     }
 }

@@ -3,14 +3,17 @@
 //! Several branches with spread times are a Prony series, which the paper uses for its material (Table 5). They also approximate
 //! materials that relax on all time scales.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0, some};
+use super::description::{Cost, Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, Elements};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
-use crate::limits;
 use crate::real::{Real, coefficient, in_range};
 
 /// Most branches in one [`Relaxation`].
 pub const MAX_BRANCHES: usize = 3;
+
+/// Range of the time, s.
+const TIMES: [f64; 2] = [1e-6, 1e6];
 
 /// Smallest part of a difference that decays in a tick: that of the shortest tick and the longest time, with a margin for rounding.
 pub(super) const LEAST_PART: f64 = 0.999 * 1e-7 / 1e6;
@@ -21,8 +24,7 @@ pub(super) const LEAST_PART: f64 = 0.999 * 1e-7 / 1e6;
 /// k·loss·τ/Δt. The storage modulus is Σ k·(ωτ)²/(1 + (ωτ)²), the loss modulus Σ k·ωτ/(1 + (ωτ)²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<R> {
-    branches: [Branch<R>; MAX_BRANCHES],
-    used: usize,
+    branches: Elements<Branch<R>, MAX_BRANCHES>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,12 +34,14 @@ struct Branch<R> {
     loss: R,
 }
 
-impl<R: Real> Branch<R> {
-    const NONE: Self = Self {
-        gain: R::ZERO,
-        loss: R::ZERO,
-    };
+numbers! {
+    Branch { gain, loss } of {
+        stiffness: "kN/mm" in COEFFICIENTS,
+        time: "s" in TIMES,
+    }
+}
 
+impl<R: Real> Branch<R> {
     #[inline(always)]
     fn force(&self, state: &mut BranchState<R>, step: R) -> R {
         let change = state.carry + self.gain * step - self.loss * state.force;
@@ -57,8 +61,6 @@ impl<R: Real> Branch<R> {
         })
     }
 
-    // Not inlined, because the loop that calls it is unrolled.
-    #[inline(never)]
     fn check(&self) -> Result<(), ConfigError> {
         coefficient("gain", self.gain)?;
         in_range("loss", self.loss, LEAST_PART, 1.0).map(|_| ())
@@ -92,19 +94,18 @@ impl<R: Real> Relaxation<R> {
     /// No branches, too many, or the field that is not finite or out of range.
     pub fn new(branches: &[(R, R)], tick: R) -> Result<Self, ConfigError> {
         let tick = in_range("tick", tick, 1e-7, 1e3)?.to_f64();
-        let mut new = Self {
-            used: branches.len(),
-            ..Self::NONE
-        };
-        for (slot, &(stiffness, time)) in new.branches.iter_mut().zip(branches) {
+        let branch = |&(stiffness, time): &(R, R)| {
             let stiffness = coefficient("stiffness", stiffness)?.to_f64();
-            let time = in_range("time", time, 1e-6, 1e6)?.to_f64();
+            let time = in_range("time", time, TIMES[0], TIMES[1])?.to_f64();
             let loss = -libm::expm1(-tick / time);
-            *slot = Branch {
+            Ok(Branch {
                 gain: R::from_f64(stiffness * loss * time / tick),
                 loss: R::from_f64(loss),
-            };
-        }
+            })
+        };
+        let new = Self {
+            branches: Elements::of(branches, Branch::ABSENT, branch)?,
+        };
         new.check()?;
         Ok(new)
     }
@@ -115,17 +116,8 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         name: "relaxation",
         family: "relaxation",
         number: 8,
-        kind: EffectKind::Force,
         cost: Cost::Common,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("time", "s", 1e-6, 1e6),
-        ],
+        parameters: Branch::<R>::PARAMETERS,
         most: MAX_BRANCHES,
         typical: &[0.8, 0.05],
         depends_on: &[
@@ -135,33 +127,32 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         ],
         outside: Growth::Linear,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Springs and dashpots in series: a force that fades when the motion stops.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
-        branches: [Branch::NONE; MAX_BRANCHES],
-        used: 0,
+        branches: Elements::absent(Branch::ABSENT),
     };
 
     type State = Option<RelaxationState<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let branches =
-            super::elements::<2, MAX_BRANCHES, _>("branches", parameters, |[stiffness, time]| {
-                (R::from_f64(stiffness), R::from_f64(time))
-            })?;
+        let branches = super::numbers::elements::<2, MAX_BRANCHES, _>(
+            "branches",
+            parameters,
+            |[stiffness, time]| (R::from_f64(stiffness), R::from_f64(time)),
+        )?;
         Self::new(&branches, R::from_f64(tick))
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let used = some("branches", &self.branches, self.used)?;
-        used.iter().try_for_each(Branch::check)
+        self.branches.check("branches", Branch::check)
     }
 
     /// The gain has the sign of the stiffness.
     fn supplies(&self) -> Option<(&'static str, R)> {
-        let mut branches = self.branches.iter().take(self.used);
+        let mut branches = self.branches.used();
         branches.find_map(|branch| below_0("stiffness", branch.gain))
     }
 
@@ -177,9 +168,10 @@ impl<R: Real> Equations<R> for Relaxation<R> {
         });
         let step = y - state.previous;
         state.previous = y;
-        let ([branch, branches @ ..], [first, others @ ..]) = (&self.branches, &mut state.branches);
+        let ([branch, branches @ ..], [first, others @ ..]) =
+            (&self.branches.all, &mut state.branches);
         let force = branch.force(first, step);
-        if self.used > 1 {
+        if self.branches.count > 1 {
             return force + Branch::force_of(branches, others, step);
         }
         force
@@ -188,23 +180,11 @@ impl<R: Real> Equations<R> for Relaxation<R> {
 
 impl Packed for Relaxation<f32> {
     fn pack(&self, put: &mut impl FnMut(f32)) {
-        for branch in self.branches.iter().take(self.used) {
-            put(branch.gain);
-            put(branch.loss);
-        }
+        self.branches.pack(put);
     }
 
     fn unpack(words: &[f32]) -> Option<Self> {
-        let (pairs, []) = words.as_chunks() else {
-            return None;
-        };
-        let mut branches = [Branch::NONE; MAX_BRANCHES];
-        for (branch, &[gain, loss]) in branches.iter_mut().zip(pairs) {
-            *branch = Branch { gain, loss };
-        }
-        Some(Self {
-            branches,
-            used: pairs.len(),
-        })
+        let branches = Elements::unpack::<2>(words, Branch::ABSENT)?;
+        Some(Self { branches })
     }
 }

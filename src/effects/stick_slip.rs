@@ -3,11 +3,11 @@
 //! Each element is a spring in series with a Coulomb slider. It sticks until its spring is stretched by the slip limit, then slides
 //! at constant force. Several elements with spread slip limits describe a bundle of wires whose contacts slip one after another.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0, some};
+use super::description::{Cost, Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, Elements, SLIP_LIMITS};
+use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
 use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use crate::real::Real;
 
 /// Most elements in one [`StickSlip`].
 pub const MAX_ELEMENTS: usize = 6;
@@ -18,23 +18,13 @@ pub const MAX_ELEMENTS: usize = 6;
 /// Jenkins 1962).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip<R> {
-    elements: [Element<R>; MAX_ELEMENTS],
-    used: usize,
+    elements: Elements<Element<R>, MAX_ELEMENTS>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Element<R> {
-    stiffness: R,
-    slip_limit: R,
-}
-
-impl<R: Real> Element<R> {
-    // Not inlined, because the loop that calls it is unrolled.
-    #[inline(never)]
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("stiffness", self.stiffness)?;
-        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
-        Ok(())
+numbers! {
+    element struct Element {
+        stiffness: "kN/mm" in COEFFICIENTS,
+        slip_limit: "mm" in SLIP_LIMITS,
     }
 }
 
@@ -53,16 +43,15 @@ impl<R: Real> StickSlip<R> {
     /// # Errors
     /// No elements, too many, or the field that is not finite or out of range.
     pub fn new(elements: &[(R, R)]) -> Result<Self, ConfigError> {
-        let mut new = Self {
-            used: elements.len(),
-            ..Self::NONE
-        };
-        for (slot, &(stiffness, slip_limit)) in new.elements.iter_mut().zip(elements) {
-            *slot = Element {
+        let element = |&(stiffness, slip_limit): &(R, R)| {
+            Ok(Element {
                 stiffness,
                 slip_limit,
-            };
-        }
+            })
+        };
+        let new = Self {
+            elements: Elements::of(elements, Element::ABSENT, element)?,
+        };
         new.check()?;
         Ok(new)
     }
@@ -73,17 +62,8 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         name: "stick_slip",
         family: "stick_slip",
         number: 7,
-        kind: EffectKind::Force,
         cost: Cost::Common,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
-        ],
+        parameters: Element::<R>::PARAMETERS,
         most: MAX_ELEMENTS,
         typical: &[
             0.9, 0.01, 0.8, 0.02, 0.7, 0.03, 0.6, 0.045, 0.5, 0.06, 0.4, 0.09,
@@ -91,22 +71,18 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Rate-independent friction with elastic pre-sliding: springs behind Coulomb sliders.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
-        elements: [Element {
-            stiffness: R::ZERO,
-            slip_limit: R::ZERO,
-        }; MAX_ELEMENTS],
-        used: 0,
+        elements: Elements::absent(Element::ABSENT),
     };
 
     type State = Option<StickSlipState<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let elements = super::elements::<2, MAX_ELEMENTS, _>(
+        let elements = super::numbers::elements::<2, MAX_ELEMENTS, _>(
             "elements",
             parameters,
             |[stiffness, slip_limit]| (R::from_f64(stiffness), R::from_f64(slip_limit)),
@@ -115,12 +91,11 @@ impl<R: Real> Equations<R> for StickSlip<R> {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let used = some("elements", &self.elements, self.used)?;
-        used.iter().try_for_each(Element::check)
+        self.elements.check("elements", Element::check_numbers)
     }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
-        let mut elements = self.elements.iter().take(self.used);
+        let mut elements = self.elements.used();
         elements.find_map(|element| below_0("stiffness", element.stiffness))
     }
 
@@ -135,7 +110,7 @@ impl<R: Real> Equations<R> for StickSlip<R> {
         let step = y - state.previous;
         state.previous = y;
         let mut total = R::ZERO;
-        for (element, stretch) in self.elements.iter().zip(&mut state.stretch).take(self.used) {
+        for (element, stretch) in self.elements.used().zip(&mut state.stretch) {
             *stretch = (*stretch + step).clipped(element.slip_limit);
             total += element.stiffness * *stretch;
         }
@@ -145,26 +120,11 @@ impl<R: Real> Equations<R> for StickSlip<R> {
 
 impl Packed for StickSlip<f32> {
     fn pack(&self, put: &mut impl FnMut(f32)) {
-        for element in self.elements.iter().take(self.used) {
-            put(element.stiffness);
-            put(element.slip_limit);
-        }
+        self.elements.pack(put);
     }
 
     fn unpack(words: &[f32]) -> Option<Self> {
-        let (pairs, []) = words.as_chunks() else {
-            return None;
-        };
-        let mut elements = [Element::default(); MAX_ELEMENTS];
-        for (element, &[stiffness, slip_limit]) in elements.iter_mut().zip(pairs) {
-            *element = Element {
-                stiffness,
-                slip_limit,
-            };
-        }
-        Some(Self {
-            elements,
-            used: pairs.len(),
-        })
+        let elements = Elements::unpack::<2>(words, Element::ABSENT)?;
+        Some(Self { elements })
     }
 }

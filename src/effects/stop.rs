@@ -1,6 +1,6 @@
 //! One-sided contact: a stop that the specimen or its fixture reaches beyond a gap.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::description::{Dependence, Description, Growth};
 use super::{ClampedMotion, Equations, LawForce, Packed};
 use crate::error::ConfigError;
 use crate::limits;
@@ -24,12 +24,14 @@ struct Contact<R> {
     gap: R,
 }
 
-impl<R: Real> Contact<R> {
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        gap: R::ZERO,
-    };
+numbers! {
+    Contact { stiffness, gap } of {
+        stiffness: "kN/mm" in [0.0, limits::COEFFICIENT],
+        gap: "mm" in [-limits::DISPLACEMENT, limits::DISPLACEMENT],
+    }
+}
 
+impl<R: Real> Contact<R> {
     /// The sign of its gap gives its side.
     fn check(&self) -> Result<(), ConfigError> {
         in_range("stiffness", self.stiffness, 0.0, limits::COEFFICIENT)?;
@@ -65,37 +67,32 @@ impl<R: Real> Equations<R> for Stop<R> {
         name: "stop",
         family: "stop",
         number: 9,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new("stiffness", "kN/mm", 0.0, limits::COEFFICIENT),
-            Parameter::new("gap", "mm", -limits::DISPLACEMENT, limits::DISPLACEMENT),
-        ],
+        parameters: Contact::<R>::PARAMETERS,
         most: MAX_CONTACTS,
         typical: &[2.0, 0.06, 3.0, -0.08],
         depends_on: &[Dependence::Displacement],
         outside: Growth::LinearBeyondGap,
-        energy: Energy::Passive,
-        scales_law: false,
         sentence: "One-sided contact: a stop that the specimen or its fixture meets beyond a gap.",
+        ..Description::PLAIN
     };
     const NONE: Self = Self {
-        contacts: [Contact::NONE; MAX_CONTACTS],
+        contacts: [Contact::ABSENT; MAX_CONTACTS],
     };
 
     type State = ();
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let contacts =
-            super::elements::<2, MAX_CONTACTS, _>("contacts", parameters, |[stiffness, gap]| {
-                (R::from_f64(stiffness), R::from_f64(gap))
-            })?;
+        let contacts = super::numbers::elements::<2, MAX_CONTACTS, _>(
+            "contacts",
+            parameters,
+            |[stiffness, gap]| (R::from_f64(stiffness), R::from_f64(gap)),
+        )?;
         Self::new(&contacts)
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let is_there = |contact: &&Contact<R>| **contact != Contact::NONE;
+        let is_there = |contact: &&Contact<R>| **contact != Contact::ABSENT;
         let mut there = self.contacts.iter().filter(is_there).peekable();
         if there.peek().is_none() {
             return Err(ConfigError::Empty("contacts"));
@@ -125,18 +122,16 @@ impl<R: Real> Equations<R> for Stop<R> {
 impl Packed for Stop<f32> {
     fn pack(&self, put: &mut impl FnMut(f32)) {
         for contact in &self.contacts {
-            put(contact.stiffness);
-            put(contact.gap);
+            contact.pack(put);
         }
     }
 
     fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, gap, other_stiffness, other_gap] = words else {
+        let ([first, second], []) = words.as_chunks::<2>() else {
             return None;
         };
         Some(Self {
-            contacts: [(stiffness, gap), (other_stiffness, other_gap)]
-                .map(|(stiffness, gap)| Contact { stiffness, gap }),
+            contacts: [Contact::unpack(first)?, Contact::unpack(second)?],
         })
     }
 }

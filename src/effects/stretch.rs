@@ -3,8 +3,8 @@
 use super::ClampedMotion;
 use crate::real::Real;
 
-/// Largest exponent.
-pub(super) const SHARPEST: f64 = 8.0;
+/// Range of the exponent.
+pub(super) const SHARPNESS: [f64; 2] = [0.5, 8.0];
 
 /// The stretch of a spring, and the displacement that belongs to it.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +43,10 @@ impl<R: Real> Stretch<R> {
     }
 }
 
-/// |part|^sharpness for a sharpness up to [`SHARPEST`], computed with an exponent of at most 1.
+/// |part|^sharpness for a sharpness within [`SHARPNESS`], computed with an exponent of at most 1.
 #[inline(always)]
 pub(super) fn power<R: Real>(part: R, sharpness: R) -> R {
-    let root = part.abs_pow(sharpness * R::from_f64(1.0 / SHARPEST));
+    let root = part.abs_pow(sharpness * R::from_f64(1.0 / SHARPNESS[1]));
     let square = root * root;
     let fourth = square * square;
     fourth * fourth

@@ -1,9 +1,7 @@
 //! A force that scales with temperature: the wire's modulus and its friction change, together or separately.
 
-use super::description::{
-    Absent, Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter,
-};
-use super::{ClampedMotion, Equations, LawForce, Packed};
+use super::description::{Absent, Cost, Dependence, Description, EffectKind, Energy, Growth};
+use super::{ClampedMotion, Equations, LawForce};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
@@ -18,6 +16,14 @@ pub struct Temperature<R> {
     beyond: R,
     /// T0
     reference: R,
+}
+
+numbers! {
+    Temperature { beta, beyond, reference } of {
+        beta: "1/degC" in [-1.0, 1.0],
+        reference: "degC" in [-273.15, limits::TEMPERATURE],
+        beta_damping: "1/degC" in [-1.0, 1.0] => Absent::As(0),
+    }
 }
 
 impl<R: Real> Temperature<R> {
@@ -62,30 +68,22 @@ impl<R: Real> Equations<R> for Temperature<R> {
         number: 6,
         kind: EffectKind::Modulator,
         cost: Cost::Light,
-        parameters: &[
-            Parameter::new("beta", "1/degC", -1.0, 1.0),
-            Parameter::new("reference", "degC", -273.15, limits::TEMPERATURE),
-            Parameter::new("beta_damping", "1/degC", -1.0, 1.0).or(Absent::As(0)),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.005, 20.0, -0.002],
         depends_on: &[Dependence::Temperature],
         outside: Growth::OfLaw,
         energy: Energy::ScalesDamping,
         scales_law: true,
         sentence: "A force that scales with the temperature, as the modulus and the friction of wire do.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        beta: R::ZERO,
-        beyond: R::ZERO,
-        reference: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = ();
     const AT_REST: () = ();
 
     fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [beta, reference, beta_damping] = super::exactly(parameters)?.map(R::from_f64);
+        let [beta, reference, beta_damping] = super::numbers::exactly(parameters)?.map(R::from_f64);
         Self::new(beta, reference)?.with_damping(beta_damping)
     }
 
@@ -110,24 +108,5 @@ impl<R: Real> Equations<R> for Temperature<R> {
     fn force_of_law(&self, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
         let lost = self.beta * law.total + self.beyond * law.damping;
         (self.reference - motion.temperature()) * lost
-    }
-}
-
-impl Packed for Temperature<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.beta, self.beyond, self.reference]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[beta, beyond, reference] = words else {
-            return None;
-        };
-        Some(Self {
-            beta,
-            beyond,
-            reference,
-        })
     }
 }

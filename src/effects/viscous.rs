@@ -1,26 +1,15 @@
 //! A linear dashpot parallel to the |v|^α damping: a fluid, or the film between wires.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
-use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, coefficient};
+use super::description::{Cost, Dependence, Description, Energy, Growth};
+use super::numbers::COEFFICIENTS;
+use super::{ClampedMotion, Equations, LawForce, below_0};
+use crate::real::Real;
 
-/// F = c1·v.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viscous<R> {
-    c1: R,
-}
-
-impl<R: Real> Viscous<R> {
-    /// * `c1`: kN·s/mm, −1e9…1e9. A negative value is allowed: it may compensate for too much damping by |v|^α.
-    ///
-    /// # Errors
-    /// `c1` not finite or out of range.
-    pub fn new(c1: R) -> Result<Self, ConfigError> {
-        let new = Self { c1 };
-        new.check()?;
-        Ok(new)
+numbers! {
+    /// F = c1·v.
+    pub struct Viscous {
+        /// kN·s/mm, −1e9…1e9. A negative value is allowed: it may compensate for too much damping by |v|^α.
+        c1: "kN*s/mm" in COEFFICIENTS,
     }
 }
 
@@ -29,35 +18,19 @@ impl<R: Real> Equations<R> for Viscous<R> {
         name: "viscous",
         family: "viscous",
         number: 3,
-        kind: EffectKind::Force,
         cost: Cost::Light,
-        parameters: &[Parameter::new(
-            "c1",
-            "kN*s/mm",
-            -limits::COEFFICIENT,
-            limits::COEFFICIENT,
-        )],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[0.02],
         depends_on: &[Dependence::Velocity],
         outside: Growth::Linear,
         energy: Energy::Below0(&["c1"]),
-        scales_law: false,
         sentence: "A linear dashpot: a fluid, or the film between wires.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self { c1: R::ZERO };
+    listed!();
 
     type State = ();
     const AT_REST: () = ();
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [c1] = super::exactly(parameters)?;
-        Self::new(R::from_f64(c1))
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("c1", self.c1).map(|_| ())
-    }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
         below_0("c1", self.c1)
@@ -71,16 +44,5 @@ impl<R: Real> Equations<R> for Viscous<R> {
     #[inline(always)]
     fn viscous(&self) -> R {
         self.c1
-    }
-}
-
-impl Packed for Viscous<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        put(self.c1);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[c1] = words else { return None };
-        Some(Self { c1 })
     }
 }

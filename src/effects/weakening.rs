@@ -3,36 +3,38 @@
 //! Examples are contacts that become polished and asperities that wear off. The friction with elastic pre-sliding fades as the
 //! damper works.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
-use crate::error::ConfigError;
-use crate::limits;
-use crate::real::{Real, coefficient, in_range};
+use super::description::{Dependence, Description, Energy, Growth};
+use super::numbers::{COEFFICIENTS, SLIP_LIMITS};
+use super::{ClampedMotion, Equations, LawForce, below_0};
+use crate::real::Real;
 
-/// Range of the energy, J.
-const ENERGY: [f64; 2] = [1e-9, 1e9];
 /// The energy beyond which the sum stops, J: all but a billionth of the loss is complete.
 const MOST_ENERGY: f64 = 1e18;
 
-/// F = k·z·(1 − d·E/(E + E₀)), z ← z + Δy clamped to ±x.
-///
-/// E is the energy in J that the slider has dissipated so far: |F| times its sliding distance, kN·mm. At E₀ half of the loss is
-/// complete, and in the end 1 − d of the friction remains. A steady loop of amplitude X > x dissipates dE/dn = 4·k·x·(X − x)·(1 −
-/// d·E/(E + E₀)) J per cycle, if E hardly changes within it; n is the number of cycles. With d = 0 it is a Jenkins element of
-/// [`StickSlip`](super::StickSlip).
-///
-/// It is passive for k ≥ 0: the stored energy is k·z²·(1 − d·E/(E + E₀))/2, which falls when E grows.
-///
-/// # Step
-/// Within a tick E grows with the mean of the strengths before and after (Heun), which is of second order. A tick that dissipates
-/// many times E₀ dissipates too much of it rather than too little. The sum is compensated (Kahan 1965), so that in `f32` too it
-/// grows by increments of a billionth of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weakening<R> {
-    stiffness: R,
-    slip_limit: R,
-    loss: R,
-    energy: R,
+numbers! {
+    /// F = k·z·(1 − d·E/(E + E₀)), z ← z + Δy clamped to ±x.
+    ///
+    /// E is the energy in J that the slider has dissipated so far: |F| times its sliding distance, kN·mm. At E₀ half of the loss is
+    /// complete, and in the end 1 − d of the friction remains. A steady loop of amplitude X > x dissipates dE/dn = 4·k·x·(X − x)·(1 −
+    /// d·E/(E + E₀)) J per cycle, if E hardly changes within it; n is the number of cycles. With d = 0 it is a Jenkins element of
+    /// [`StickSlip`](super::StickSlip).
+    ///
+    /// It is passive for k ≥ 0: the stored energy is k·z²·(1 − d·E/(E + E₀))/2, which falls when E grows.
+    ///
+    /// # Step
+    /// Within a tick E grows with the mean of the strengths before and after (Heun), which is of second order. A tick that dissipates
+    /// many times E₀ dissipates too much of it rather than too little. The sum is compensated (Kahan 1965), so that in `f32` too it
+    /// grows by increments of a billionth of it.
+    pub struct Weakening {
+        /// k, kN/mm, −1e9…1e9
+        stiffness: "kN/mm" in COEFFICIENTS,
+        /// x, mm, 1e-9…1e4
+        slip_limit: "mm" in SLIP_LIMITS,
+        /// d, the part of the friction that is lost in the end, 0…1
+        loss: "1" in [0.0, 1.0],
+        /// E₀, after which half of that is lost, J, 1e-9…1e9
+        energy: "J" in [1e-9, 1e9],
+    }
 }
 
 /// State of a [`Weakening`].
@@ -50,24 +52,6 @@ pub struct WeakeningState<R> {
 }
 
 impl<R: Real> Weakening<R> {
-    /// * `stiffness`: k, kN/mm, −1e9…1e9
-    /// * `slip_limit`: x, mm, 1e-9…1e4
-    /// * `loss`: d, the part of the friction that is lost in the end, 0…1
-    /// * `energy`: E₀, after which half of that is lost, J, 1e-9…1e9
-    ///
-    /// # Errors
-    /// The field that is not finite or out of range.
-    pub fn new(stiffness: R, slip_limit: R, loss: R, energy: R) -> Result<Self, ConfigError> {
-        let new = Self {
-            stiffness,
-            slip_limit,
-            loss,
-            energy,
-        };
-        new.check()?;
-        Ok(new)
-    }
-
     /// 1 − d·E/(E + E₀) at E = `dissipated`.
     #[inline(always)]
     fn left(&self, dissipated: R) -> R {
@@ -98,48 +82,18 @@ impl<R: Real> Equations<R> for Weakening<R> {
         name: "weakening",
         family: "degradation",
         number: 23,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("slip_limit", "mm", 1e-9, limits::DISPLACEMENT),
-            Parameter::new("loss", "1", 0.0, 1.0),
-            Parameter::new("energy", "J", ENERGY[0], ENERGY[1]),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[2.0, 0.03, 0.6, 0.2],
         depends_on: &[Dependence::Displacement, Dependence::History],
         outside: Growth::Saturates,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "Friction with elastic pre-sliding that fades with the energy that it has dissipated.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        slip_limit: R::ZERO,
-        loss: R::ZERO,
-        energy: R::ZERO,
-    };
+    listed!();
 
     type State = Option<WeakeningState<R>>;
     const AT_REST: Self::State = None;
-
-    fn from_parameters(parameters: &[f64], _: f64) -> Result<Self, ConfigError> {
-        let [stiffness, slip_limit, loss, energy] = super::exactly(parameters)?.map(R::from_f64);
-        Self::new(stiffness, slip_limit, loss, energy)
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        coefficient("stiffness", self.stiffness)?;
-        in_range("slip_limit", self.slip_limit, 1e-9, limits::DISPLACEMENT)?;
-        in_range("loss", self.loss, 0.0, 1.0)?;
-        in_range("energy", self.energy, ENERGY[0], ENERGY[1]).map(|_| ())
-    }
 
     fn supplies(&self) -> Option<(&'static str, R)> {
         below_0("stiffness", self.stiffness)
@@ -166,25 +120,5 @@ impl<R: Real> Equations<R> for Weakening<R> {
         }
         state.stretch = stretch;
         self.stiffness * stretch * self.left(state.dissipated)
-    }
-}
-
-impl Packed for Weakening<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [self.stiffness, self.slip_limit, self.loss, self.energy]
-            .into_iter()
-            .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, slip_limit, loss, energy] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            slip_limit,
-            loss,
-            energy,
-        })
     }
 }

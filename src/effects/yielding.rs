@@ -3,9 +3,10 @@
 //! Examples are oil through a valve that opens, a pad that slips under enough force, and rubber that flows. They are stiff for
 //! small motions, and have a nearly constant force for large ones.
 
-use super::description::{Cost, Dependence, Description, EffectKind, Energy, Growth, Parameter};
+use super::description::{Dependence, Description, Energy, Growth};
+use super::numbers::COEFFICIENTS;
 use super::stretch::Stretch;
-use super::{ClampedMotion, Equations, LawForce, Packed, below_0};
+use super::{ClampedMotion, Equations, LawForce, below_0};
 use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, coefficient, compare, in_range};
@@ -46,6 +47,15 @@ pub struct Yielding<R> {
     slip: R,
     /// x/tanh u at the root u for b = x, mm, which is a little more than x + C. It gives the start of a search.
     reach: R,
+}
+
+numbers! {
+    Yielding { stiffness, yield_stretch, drag, slip, reach } of {
+        stiffness: "kN/mm" in COEFFICIENTS,
+        yield_stretch: "mm" in [0.0, limits::DISPLACEMENT],
+        rate: "mm/s" in RATE,
+        time: "s" in [0.0, TIME],
+    }
 }
 
 impl<R: Real> Yielding<R> {
@@ -238,20 +248,7 @@ impl<R: Real> Equations<R> for Yielding<R> {
         name: "yielding",
         family: "yielding",
         number: 18,
-        kind: EffectKind::Force,
-        cost: Cost::Rare,
-        parameters: &[
-            Parameter::new(
-                "stiffness",
-                "kN/mm",
-                -limits::COEFFICIENT,
-                limits::COEFFICIENT,
-            ),
-            Parameter::new("yield_stretch", "mm", 0.0, limits::DISPLACEMENT),
-            Parameter::new("rate", "mm/s", RATE[0], RATE[1]),
-            Parameter::new("time", "s", 0.0, TIME),
-        ],
-        most: 1,
+        parameters: Self::PARAMETERS,
         typical: &[2.0, 0.04, 0.3, 0.02],
         depends_on: &[
             Dependence::Displacement,
@@ -260,22 +257,17 @@ impl<R: Real> Equations<R> for Yielding<R> {
         ],
         outside: Growth::AtMostLinear,
         energy: Energy::Below0(&["stiffness"]),
-        scales_law: false,
         sentence: "A spring and a dashpot that yields, in series: a force that fades when the motion stops, and rises ever more slowly with its speed.",
+        ..Description::PLAIN
     };
-    const NONE: Self = Self {
-        stiffness: R::ZERO,
-        yield_stretch: R::ZERO,
-        drag: R::ZERO,
-        slip: R::ZERO,
-        reach: R::ZERO,
-    };
+    const NONE: Self = Self::ABSENT;
 
     type State = Option<Stretch<R>>;
     const AT_REST: Self::State = None;
 
     fn from_parameters(parameters: &[f64], tick: f64) -> Result<Self, ConfigError> {
-        let [stiffness, yield_stretch, rate, time] = super::exactly(parameters)?.map(R::from_f64);
+        let [stiffness, yield_stretch, rate, time] =
+            super::numbers::exactly(parameters)?.map(R::from_f64);
         Self::new(stiffness, yield_stretch, rate, time, R::from_f64(tick))
     }
 
@@ -306,33 +298,6 @@ impl<R: Real> Equations<R> for Yielding<R> {
             self.stretched(stretch + way - rest)
         });
         self.stiffness * stretch
-    }
-}
-
-impl Packed for Yielding<f32> {
-    fn pack(&self, put: &mut impl FnMut(f32)) {
-        [
-            self.stiffness,
-            self.yield_stretch,
-            self.drag,
-            self.slip,
-            self.reach,
-        ]
-        .into_iter()
-        .for_each(put);
-    }
-
-    fn unpack(words: &[f32]) -> Option<Self> {
-        let &[stiffness, yield_stretch, drag, slip, reach] = words else {
-            return None;
-        };
-        Some(Self {
-            stiffness,
-            yield_stretch,
-            drag,
-            slip,
-            reach,
-        })
     }
 }
 

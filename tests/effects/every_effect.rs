@@ -1,11 +1,8 @@
 //! All effects in one law: one of each, f32 against f64, and finite for any input.
 
-use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
-    Degradation, Delay, Directional, Drift, Effect, ForceFilter, Gap, Hardening, HardeningFriction,
-    Inertia, LoadFriction, Motion, Offset, Periodic, Relaxation, StickSlip, Stop, Temperature,
-    Viscous, Weakening, Yielding,
-};
+use std::path::Path;
+
+use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, Motion, Offset, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::law::Law;
 use mesh_damper::real::Real;
@@ -20,6 +17,27 @@ fn the_page_of_effects_has_every_family() {
     for description in DESCRIPTIONS {
         let row = format!("| `{}` |", description.family);
         assert!(page.contains(&row), "docs/effects.md: {row}");
+    }
+}
+
+/// Each effect has a test against an oracle of another kind, in a file of this folder that makes it by its constructor.
+#[test]
+fn every_effect_has_an_oracle() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/effects");
+    let files = std::fs::read_dir(&folder).unwrap();
+    let names = files.map(|file| file.unwrap().path());
+    let tests: Vec<String> = names
+        .filter(|path| path.file_stem().is_some_and(|stem| stem != "refusals"))
+        .map(|path| std::fs::read_to_string(path).unwrap())
+        .collect();
+    for description in DESCRIPTIONS {
+        let effect = Effect::<f32>::from_parameters(description.number, description.typical, 1e-4);
+        let named = format!("{:?}", effect.unwrap());
+        let constructor = format!("{}::new(", named.split('(').next().unwrap());
+        assert!(
+            tests.iter().any(|test| test.contains(&constructor)),
+            "no file of tests/effects tests {constructor}…)"
+        );
     }
 }
 
@@ -72,72 +90,25 @@ fn a_second_effect_of_a_kind_is_refused() {
 }
 
 /// Number of effects.
-const EFFECTS: usize = 24;
+const EFFECTS: usize = DESCRIPTIONS.len();
 
-/// One of each, with ordinary parameters.
+/// One of each, with its typical parameters.
 fn one_of_each<R: Real>() -> AugmentedLaw<R, EFFECTS> {
     let r = R::from_f64;
     let law = Law::new(r(1.05), r(10.5), r(0.11), r(0.4)).unwrap();
-    let all = [
-        Effect::Offset(Offset::new(r(0.05)).unwrap()),
-        Effect::Asymmetry(Asymmetry::new(r(3.0)).unwrap()),
-        Effect::Hardening(Hardening::new(r(1500.0)).unwrap()),
-        Effect::StickSlip(StickSlip::new(&[(r(1.2), r(0.03)), (r(0.5), r(0.1))]).unwrap()),
-        Effect::Viscous(Viscous::new(r(0.006)).unwrap()),
-        Effect::Relaxation(
-            Relaxation::new(&[(r(1.0), r(0.05)), (r(0.5), r(0.02))], r(1e-4)).unwrap(),
-        ),
-        Effect::Inertia(Inertia::new(r(120.0)).unwrap()),
-        Effect::LoadFriction(LoadFriction::new(r(4.0)).unwrap()),
-        Effect::Directional(Directional::new(r(0.1)).unwrap()),
-        Effect::Drift(
-            Drift::new(r(-0.5), r(25.0))
-                .and_then(|drift| drift.with_forces(r(-0.2), r(0.5)))
-                .unwrap(),
-        ),
-        Effect::Temperature(Temperature::new(r(0.004), r(20.0)).unwrap()),
-        Effect::Stop(Stop::new(&[(r(2.0), r(0.15)), (r(3.0), r(-0.1))]).unwrap()),
-        Effect::BoucWen(BoucWen::new(r(0.8), r(0.04), r(1.5)).unwrap()),
-        Effect::HardeningFriction(
-            HardeningFriction::new(r(0.3), r(0.4), r(1.2), r(2.0), r(5.0)).unwrap(),
-        ),
-        Effect::Yielding(Yielding::new(r(0.4), r(0.05), r(0.3), r(0.02), r(1e-4)).unwrap()),
-        Effect::ControlInput(
-            ControlInput::new(
-                0,
-                Yielding::new(r(0.4), r(0.05), r(0.3), r(0.0), r(1e-4)).unwrap(),
-                r(0.002),
-            )
-            .and_then(|effect| effect.with_lag(r(0.02), r(1e-4)))
-            .and_then(|effect| effect.with_saturation(r(1.5)))
-            .unwrap(),
-        ),
-        Effect::Backlash(Backlash::new(r(0.7), r(0.02), r(0.05)).unwrap()),
-        Effect::Degradation(Degradation::new(r(0.6), r(0.08), r(0.3)).unwrap()),
-        Effect::Weakening(Weakening::new(r(0.9), r(0.03), r(0.6), r(0.1)).unwrap()),
-        Effect::Periodic(
-            Periodic::new(&[(r(0.03), 50.0, 0.3), (r(0.01), 150.0, 1.0)], 1e-4).unwrap(),
-        ),
-        Effect::Gap(Gap::new(r(0.02), false).unwrap()),
-        Effect::Compliance(Compliance::new(r(25.0), r(1e-4)).unwrap()),
-        Effect::Delay(Delay::new(r(0.0023), r(1e-4)).unwrap()),
-        Effect::ForceFilter(ForceFilter::new(r(200.0), r(1e-4)).unwrap()),
-    ];
-    assert_eq!(
-        all.len(),
-        DESCRIPTIONS.len(),
-        "each effect of the crate is here"
-    );
-    all.into_iter().fold(AugmentedLaw::new(law), |law, effect| {
+    let all = DESCRIPTIONS.iter().map(|each| {
+        Effect::from_parameters(each.number, each.typical, 1e-4).expect("typical parameters")
+    });
+    all.fold(AugmentedLaw::new(law), |law, effect| {
         law.with(effect).unwrap()
     })
 }
 
 /// f32 and f64 through the same code, ten cycles of 2·10^4 ticks, every effect at once.
 ///
-/// Differences of displacements update the state of relaxation. Each rounds by 2^-24·X = 1.2e-8 mm, which at k = 1.5 kN/mm is a
-/// random walk with a memory of τ/Δt = 1000 ticks: √1000·1.5·1.2e-8/√3 = 3.3e-7 kN, at worst 3 of these. For stick-slip it is a walk
-/// over one half cycle, √10⁴·1.2·1.2e-8/√3 = 8e-7 kN. The peak force is 0.8 kN.
+/// Differences of displacements update the stretch of whatever slides or relaxes. A stretch of up to 0.06 mm rounds by 2^-24 of itself,
+/// 3.6e-9 mm, in each tick: a random walk over a half cycle of 10⁴ ticks. The typical effects are together as stiff as 14 kN/mm, so that
+/// this is √10⁴·14·3.6e-9/√3 = 2.9e-6 kN. The peak force is 1.2 kN.
 #[test]
 fn f32_follows_f64_within_rounding() {
     let (single, double) = (one_of_each::<f32>(), one_of_each::<f64>());

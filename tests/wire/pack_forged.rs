@@ -1,7 +1,7 @@
 //! Packs whose numbers were forged, with a right checksum: what follows from other numbers is compared with them, and no law that is
 //! accepted gives a force above its limit, or energy.
 
-use mesh_damper::effects::description::Energy;
+use mesh_damper::effects::description::{Energy, Growth};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, ResidualTable};
 use mesh_damper::fast_law::FastLaw;
@@ -239,11 +239,9 @@ fn limit(body: &[u8], run: &Run) -> f64 {
             .map(|word| f64::from(number(body, at + 2 + 4 * word)))
             .collect();
         at += 2 + 4 * words;
-        let name = DESCRIPTIONS
-            .iter()
-            .find(|each| each.number == kind)
-            .unwrap()
-            .name;
+        let mut descriptions = DESCRIPTIONS.iter();
+        let of = descriptions.find(|each| each.number == kind).unwrap();
+        let name = of.name;
         let pairs = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
             word.chunks(2)
                 .map(|pair| of(pair[0].abs(), pair[1].abs()))
@@ -275,7 +273,6 @@ fn limit(body: &[u8], run: &Run) -> f64 {
             // A branch forgets a part of each step that it was stretched by.
             "relaxation" => pairs(&|gain, _| gain * 2.0 * y),
             "stop" => pairs(&|stiffness, _| stiffness * y),
-            "bouc_wen" | "hardening_friction" | "backlash" | "weakening" => word[0].abs() * word[1],
             "yielding" => word[0].abs() * 2.0 * y,
             // The inputs are 2 at most.
             "control_input" => 2.0 * (word[0].abs() * 2.0 * y + word[5].abs() * v),
@@ -292,6 +289,8 @@ fn limit(body: &[u8], run: &Run) -> f64 {
                 spring = Some(word[0].abs());
                 0.0
             }
+            // Friction: a stiffness, and the stretch at which it slips.
+            _ if of.outside == Growth::Saturates => word[0].abs() * word[1],
             other => panic!("{other} is not limited here"),
         };
     }

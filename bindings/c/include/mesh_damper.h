@@ -113,15 +113,8 @@ typedef int32_t md_health;
 // Length of an identity, bytes.
 #define MD_IDENTITY 8
 
-#if defined(MD_POINTERS_OF_32_BITS)
-// Bytes of `md_law`.
-#define MD_LAW_SIZE 8040
-#endif
-
-#if defined(MD_POINTERS_OF_64_BITS)
-// Bytes of `md_law`.
-#define MD_LAW_SIZE 8104
-#endif
+// Bytes of `md_law`, with room for effects to come.
+#define MD_LAW_SIZE 8192
 
 // Alignment of `md_law`, bytes.
 #define MD_LAW_ALIGN 8

@@ -16,12 +16,8 @@ pub const MD_CONTROLS: usize = 4;
 /// Length of an identity, bytes.
 pub const MD_IDENTITY: usize = 8;
 
-/// Bytes of `md_law`.
-#[cfg(target_pointer_width = "32")]
-pub const MD_LAW_SIZE: usize = 8040;
-/// Bytes of `md_law`.
-#[cfg(target_pointer_width = "64")]
-pub const MD_LAW_SIZE: usize = 8104;
+/// Bytes of `md_law`, with room for effects to come.
+pub const MD_LAW_SIZE: usize = 8192;
 /// Alignment of `md_law`, bytes.
 pub const MD_LAW_ALIGN: usize = 8;
 
@@ -39,6 +35,8 @@ pub(crate) type Running = RunningLaw<MD_EFFECTS>;
 unsafe impl Storage for Law {
     type Inner = Running;
     const TAG: u32 = u32::from_le_bytes(*b"law1");
+    // So that an effect that is added takes no more memory of a program in C.
+    const SLACK: usize = 256;
 }
 const _: () = assert_fits::<Law>();
 const _: () = assert!(MD_CONTROLS == mesh_damper::effects::CONTROLS);

@@ -13,6 +13,8 @@ pub(crate) unsafe trait Storage: Sized {
     type Inner;
     /// Marks memory that is initialised as this type. C's statics are all 0, so memory that was never initialised is detected.
     const TAG: u32;
+    /// A size constant may exceed the needed size by fewer bytes than this: it is a multiple of the alignment, which is at most 16.
+    const SLACK: usize = 16;
 }
 
 /// The contents of the memory. The tag comes last, so that the values of every tick are within reach of a load's offset.
@@ -22,9 +24,6 @@ pub(crate) struct Held<T> {
     tag: u32,
 }
 
-/// A size constant may exceed the needed size by fewer bytes than this: it is a multiple of the alignment, which is at most 16.
-const SLACK: usize = 16;
-
 /// Fails to compile if `S` is too small, aligned too loosely, or wastes memory.
 pub(crate) const fn assert_fits<S: Storage>() {
     let (needed, given) = (size_of::<Held<S::Inner>>(), size_of::<S>());
@@ -33,7 +32,7 @@ pub(crate) const fn assert_fits<S: Storage>() {
         "the size constant is too small: raise it by 8 until this compiles; 32-bit targets have a constant of their own"
     );
     assert!(
-        given - needed < SLACK,
+        given - needed < S::SLACK,
         "the size constant is too large: lower it by 8 until this compiles; 32-bit targets have a constant of their own"
     );
     assert!(

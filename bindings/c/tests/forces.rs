@@ -3,8 +3,8 @@
 
 mod build;
 #[allow(dead_code, reason = "the rate is the trajectory's here")]
-#[path = "../../../hil/model/tests/export/typical.rs"]
-mod typical;
+#[path = "../../../hil/model/tests/export/motion.rs"]
+mod motion;
 
 use std::path::Path;
 
@@ -14,9 +14,9 @@ use mesh_damper_demo::demo;
 use mesh_damper_model::export::{Export, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::predict::{motion_at, predict_embedded};
-use mesh_damper_model::{LawNode, MAX_EFFECTS, Model};
+use mesh_damper_model::{AddedEffect, LawNode, MAX_EFFECTS, Model};
 use mesh_damper_recording::trajectory::Trajectory;
-use typical::{two_sines, typical};
+use motion::two_sines;
 
 /// The forces of a program in C for the motion of `trajectory`.
 fn forces_in_c(on: On, file: &ModelFile, trajectory: &Trajectory) -> Vec<f32> {
@@ -112,7 +112,7 @@ fn every_effect_of_the_crate_gives_the_same_bits_in_c() {
                 c: 0.1114,
                 alpha: 0.3969,
             }],
-            effects: chunk.iter().map(typical).collect(),
+            effects: chunk.iter().map(AddedEffect::typical).collect(),
             correction: None,
             controls: Vec::new(),
         };

@@ -282,6 +282,23 @@ impl Model {
 }
 
 impl AddedEffect {
+    /// An effect of the crate with the typical parameters of its description.
+    pub fn typical(description: &Description) -> Self {
+        let count = description.parameters.len();
+        let parameters = (0..).zip(description.typical).map(|(place, &value)| {
+            let name = description.parameters[place % count].name;
+            let name = match place / count {
+                0 => name.to_owned(),
+                element => format!("{name}_{}", element + 1),
+            };
+            (name, value)
+        });
+        Self {
+            family: Family::of(description),
+            parameters: parameters.collect(),
+        }
+    }
+
     /// The effect for a tick of `tick` s. `place` names it in an error.
     ///
     /// # Errors

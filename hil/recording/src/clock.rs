@@ -4,10 +4,8 @@ use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
 
-use crate::extremes::least_and_largest;
+use crate::extremes::{least_and_largest, quantile};
 use crate::faults::kind::{ChannelFault, ChannelFaultKind};
-use crate::faults::quantile;
-use crate::resample::ResamplePolicy;
 use crate::steady::{Steady, quantum};
 
 crate::numbers! {
@@ -63,6 +61,9 @@ pub(super) struct Clock {
 /// A recording with uneven steps is brought to at most this many ticks. Convention: the size of a long recording, which is traced in
 /// minutes.
 pub(super) const MOST_TICKS: usize = 1 << 18;
+
+/// A recording of more than [`MOST_TICKS`] with more of them per sample than this is refused: most of it is gaps.
+pub(super) const MOST_TICKS_PER_SAMPLE: usize = 4;
 
 impl Clock {
     /// The clock of `time`, s, increasing. `displacement`, which is smooth over time, shows whether jittering times are true.
@@ -122,7 +123,7 @@ impl Clock {
     /// Ticks of the length of a `short` step, s, as far as there is room for them.
     fn uneven(time: &[f64], short: f64, steps: [f64; 2]) -> Self {
         let span = time[time.len() - 1] - time[0];
-        let most = MOST_TICKS.max(ResamplePolicy::in_use().most_ticks_per_sample * time.len());
+        let most = MOST_TICKS.max(MOST_TICKS_PER_SAMPLE * time.len());
         let period = short.max(span / (most - 1) as f64);
         let tick = |time: f64| (time / period).round() as usize;
         Self {

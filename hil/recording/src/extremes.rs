@@ -1,4 +1,4 @@
-//! The smallest and the largest of some values.
+//! The smallest, the largest, and the quantiles of some values.
 
 use std::borrow::Borrow;
 
@@ -10,4 +10,13 @@ pub fn least_and_largest(values: impl IntoIterator<Item: Borrow<f64>>) -> (f64, 
             let value = *value.borrow();
             (low.min(value), high.max(value))
         })
+}
+
+/// The value below which `part` (0…1) of `values` lie; 0 for no values.
+pub(crate) fn quantile(values: &mut [f64], part: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let place = ((values.len() - 1) as f64 * part).round() as usize;
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }

@@ -5,7 +5,7 @@ use mesh_damper_tables::control::ControlChannel;
 use mesh_damper_tables::units::Unit;
 
 use super::Recording;
-use super::clock::{Clock, MOST_TICKS};
+use super::clock::{Clock, MOST_TICKS, MOST_TICKS_PER_SAMPLE};
 use crate::faults::held::smallest_step;
 use crate::faults::kind::ChannelFault;
 
@@ -18,8 +18,6 @@ crate::numbers! {
         /// If the samples lie on the ticks, channels are interpolated by cubics across time steps of up to this many periods; longer steps
         /// are gaps.
         longest_on_ticks: f64 = 1.5, Derived("between one period and two");
-        /// A recording of more than 262 144 ticks with more of them per sample than this is refused, because it is mostly gaps.
-        most_ticks_per_sample: usize = 4, Convention("three quarters of it are missing");
         /// A logger writes rows only where a value changes if it leaves out at least this fraction of the samples, never repeats a row, and
         /// goes on after this fraction of the gaps with the next value of the converter.
         changes_only: [f64; 2] = [0.25, 0.9],
@@ -163,7 +161,7 @@ impl Recording {
                 ((self.time[sample] - start) / period).round() as usize
             }
         };
-        let most_gaps = ResamplePolicy::in_use().most_ticks_per_sample * self.len();
+        let most_gaps = MOST_TICKS_PER_SAMPLE * self.len();
         if tick_of(last) > most_gaps.max(MOST_TICKS) {
             return Err(self.mostly_gaps(period));
         }

@@ -5,8 +5,7 @@
 //! 100 Hz with missing samples nor jitter.
 
 use crate::clock::ClockPolicy;
-use crate::extremes::least_and_largest;
-use crate::faults::quantile;
+use crate::extremes::{least_and_largest, quantile};
 
 /// Equal steps, with the step of each value.
 #[derive(Clone, Debug, PartialEq)]

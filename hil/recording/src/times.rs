@@ -4,8 +4,8 @@
 use mesh_damper_tables::channel::Channel;
 
 use crate::clock::ClockPolicy;
+use crate::extremes::quantile;
 use crate::faults::kind::{ChannelFault, ChannelFaultKind};
-use crate::faults::quantile;
 use crate::steady::{Steady, quantum};
 
 /// Summer time, s.

@@ -1,5 +1,7 @@
 //! The process of the emulator, and the size of the image.
 
+use std::path::Path;
+
 use mesh_damper_link::image::{Board, FIRMWARE, sections};
 use mesh_damper_link::lockstep::LinkError;
 
@@ -37,6 +39,37 @@ fn the_emulator_ends_with_the_link() {
     assert!(emulated::lives(id));
     drop(dropped);
     assert!(!emulated::lives(id));
+}
+
+/// The page about costs says what the image of the default board takes, as the compiler of the day makes it: within 2 %. With BLESS=1 the
+/// test writes it there.
+#[test]
+fn the_page_says_what_the_image_takes() {
+    let Some(elf) = emulated::image(&FIRMWARE, Board::Mps2An386) else {
+        return;
+    };
+    let sizes = sections(&elf).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let mut lines: Vec<String> = page.lines().map(str::to_owned).collect();
+    let (begin, between, end) = ("The image takes ", " KiB of flash, ", " KiB of RAM");
+    let line = lines.iter_mut().find(|line| line.starts_with(begin));
+    let line = line.expect("docs/bench.md says what the image takes");
+    let (flash, rest) = line[begin.len()..].split_once(between).unwrap();
+    let (ram, rest) = rest.split_once(end).unwrap();
+    let found = [sizes.flash, sizes.ram].map(|bytes| bytes as f64 / 1024.0);
+    if std::env::var_os("BLESS").is_some() {
+        *line = format!("{begin}{:.1}{between}{:.1}{end}{rest}", found[0], found[1]);
+        std::fs::write(&path, lines.join("\n") + "\n").unwrap();
+        return;
+    }
+    for (said, found) in [flash, ram].into_iter().zip(found) {
+        let said: f64 = said.parse().unwrap();
+        assert!(
+            (found / said - 1.0).abs() < 0.02,
+            "docs/bench.md says {said} KiB, and it is {found:.1}: run with BLESS=1"
+        );
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The part of a model that acts on a mass: the damper without effects of the measurement, and the moving mass.
 
+use mesh_damper::effects::description::EffectKind;
 use mesh_damper::limits;
 
 use super::RespondError;
@@ -138,16 +139,13 @@ impl Specimen {
 
     /// Stiffness of the effects added to the law before anything slides and while every stop touches, kN/mm.
     fn stiffness_of_effects(&self) -> f64 {
-        let beside = [
-            "stick_slip",
-            "relaxation",
-            "yielding",
-            "stop",
-            "drift",
-            "backlash",
-            "degradation",
-        ];
-        let effects = beside.into_iter().filter_map(|family| self.effect(family));
+        // A stage is not beside the law, and the stiffness that an input sets follows below.
+        let is_beside = |effect: &&AddedEffect| {
+            let family = effect.family;
+            !family.depends_on_control()
+                && family.effects().all(|each| each.kind == EffectKind::Force)
+        };
+        let effects = self.model.effects.iter().filter(is_beside);
         let passive: f64 = effects
             .map(|effect| sum_of(effect, "stiffness").max(0.0))
             .sum();

@@ -1,31 +1,19 @@
 //! A model as a pack, as a Rust module and as C is the same law with the same description.
-//!
-//! The generator writes the modules next to this file: `BLESS=1 cargo test -p mesh-damper-model --test export` writes them again.
 
-#[rustfmt::skip]
-mod alone;
-#[rustfmt::skip]
-mod first;
-#[rustfmt::skip]
-mod second;
-#[rustfmt::skip]
-mod third;
-mod typical;
+mod modules;
+mod motion;
 
-use std::path::Path;
-
-use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper::effects::residual_table::CELLS;
+use mesh_damper::effects::{DESCRIPTIONS, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
-use mesh_damper::pack::{Expectation, Identity, PackInfo, Stamp, decode};
-use mesh_damper::tick_law::TickLaw;
+use mesh_damper::pack::{Expectation, PackInfo, decode};
 use mesh_damper_model::correction::CorrectionTable;
 use mesh_damper_model::export::{Export, ExportError, ExportSettings};
 use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::predict::{motion_at, predict_embedded};
 use mesh_damper_model::{AddedEffect, Control, Family, LawNode, MAX_EFFECTS, Model};
 
-use typical::{CURRENT, TICK_RATE, two_sines, typical};
+use motion::{CURRENT, TICK_RATE, two_sines};
 
 fn node(amplitude: f64, k1: f64) -> LawNode {
     LawNode {
@@ -64,112 +52,96 @@ fn settings(name: &str) -> ExportSettings {
     }
 }
 
-/// The models of the modules: the law alone, and every effect of the crate, in the reverse order of a type.
-fn models() -> [(&'static str, ModelFile); 4] {
-    let mut chunks = DESCRIPTIONS.chunks(MAX_EFFECTS);
-    let mut next = || -> Vec<AddedEffect> {
-        let chunk = chunks.next().unwrap_or_default();
-        chunk.iter().rev().map(typical).collect()
-    };
-    let models = [
-        ("alone", file(vec![node(0.0, 1.0539)], Vec::new())),
-        ("first", file(vec![node(0.0, 1.0539)], next())),
-        ("second", file(vec![node(0.1, 1.2)], next())),
-        ("third", file(vec![node(0.0, 1.0539)], next())),
-    ];
-    assert!(chunks.next().is_none(), "one more module is needed");
-    models
+/// The law alone, and every effect of the crate, in the reverse order of a type.
+fn models() -> Vec<(String, ModelFile)> {
+    let alone = (
+        "alone".to_owned(),
+        file(vec![node(0.0, 1.0539)], Vec::new()),
+    );
+    let parts = DESCRIPTIONS.chunks(MAX_EFFECTS).enumerate();
+    let parts = parts.map(|(part, chunk)| {
+        let effects = chunk.iter().rev().map(AddedEffect::typical).collect();
+        let law = node(0.1 * (part % 2) as f64, 1.0539);
+        (format!("part_{part}"), file(vec![law], effects))
+    });
+    std::iter::once(alone).chain(parts).collect()
 }
 
-fn export(name: &str) -> Export {
-    let models = models();
-    let (_, file) = models.iter().find(|(each, _)| *each == name).unwrap();
-    Export::new(file, &settings(name)).unwrap()
-}
-
-#[test]
-fn the_modules_in_the_tree_are_what_is_written() {
-    for (name, _) in models() {
-        let text = export(name).rust().unwrap();
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/export/{name}.rs"));
-        if std::env::var("BLESS").is_ok_and(|bless| bless == "1") {
-            std::fs::write(&path, &text).unwrap();
-        }
-        let there = std::fs::read_to_string(&path).unwrap();
-        assert!(text == there, "{}: run with BLESS=1", path.display());
-    }
-}
-
-/// The force of `law` at every tick of the trajectory equals that of the pack and of `hil predict`, to the last bit.
-fn is_the_packs(name: &str, law: &mut impl TickLaw) {
-    let export = export(name);
-    let mut slot = FastLaw::<MAX_EFFECTS>::EMPTY;
-    let expected = Expectation::at(TICK_RATE as f32);
-    let pack = export.pack().unwrap();
-    decode(&pack, &mut slot, &expected).unwrap();
-    assert_eq!(PackInfo::of(&pack), Ok(Some(export.info().clone())));
-    let mut packed = RunningLaw::new(slot);
-    let trajectory = two_sines();
-    let models = models();
-    let (_, file) = models.iter().find(|(each, _)| *each == name).unwrap();
-    let predicted = predict_embedded(&file.model(), &trajectory).unwrap();
-    let mut largest: f32 = 0.0;
-    for (tick, predicted) in predicted.into_iter().enumerate() {
-        let motion = motion_at(&trajectory, tick);
-        let (force, of_pack) = (law.force(&motion), packed.force(&motion));
-        assert_eq!(force.to_bits(), of_pack.to_bits(), "{name}, tick {tick}");
-        assert_eq!(f64::from(force), predicted, "{name}, tick {tick}");
-        largest = largest.max(force.abs());
-    }
-    assert!(largest > 0.1, "{largest}");
-}
-
-macro_rules! agrees {
-    ($module:ident) => {{
-        let mut law = Box::new($module::DamperLaw::empty());
-        $module::fill(&mut law).unwrap();
-        is_the_packs(stringify!($module), &mut *law);
-        let info = PackInfo {
-            operating_range: Some($module::operating_range().unwrap()),
-            density: $module::DENSITY,
-            amplitude: $module::AMPLITUDE,
-            stamp: Stamp {
-                tick_rate: $module::TICK_RATE,
-                revision: $module::REVISION,
-                identity: Identity($module::IDENTITY),
-            },
-            ..PackInfo::at($module::TICK_RATE)
-                .named($module::NAME)
-                .unwrap()
-        };
-        assert_eq!(&info, export(stringify!($module)).info());
-    }};
-}
-
+/// A force in every module, at every tick of a trajectory, equals that of the pack and of `hil predict`, to the last bit.
 #[test]
 fn a_module_gives_the_force_of_the_pack_bit_for_bit_and_says_the_same() {
-    agrees!(alone);
-    agrees!(first);
-    agrees!(second);
-    agrees!(third);
+    let trajectory = two_sines();
+    let motions: Vec<Motion<f32>> = (0..trajectory.len())
+        .map(|tick| motion_at(&trajectory, tick))
+        .collect();
+    let exports: Vec<(String, Export)> = models()
+        .iter()
+        .map(|(name, file)| (name.clone(), Export::new(file, &settings(name)).unwrap()))
+        .collect();
+    let ran = modules::run(&exports, &motions);
+    for (((name, export), (_, file)), ran) in exports.iter().zip(models()).zip(ran) {
+        let mut slot = FastLaw::<MAX_EFFECTS>::EMPTY;
+        let expected = Expectation::at(TICK_RATE as f32);
+        let pack = export.pack().unwrap();
+        decode(&pack, &mut slot, &expected).unwrap();
+        assert_eq!(PackInfo::of(&pack), Ok(Some(export.info().clone())));
+        let mut packed = RunningLaw::new(slot);
+        let predicted = predict_embedded(&file.model(), &trajectory).unwrap();
+        assert_eq!(ran.forces.len(), predicted.len());
+        let mut largest: f32 = 0.0;
+        for (tick, (force, predicted)) in ran.forces.into_iter().zip(predicted).enumerate() {
+            let of_pack = packed.force(&motions[tick]);
+            assert_eq!(force.to_bits(), of_pack.to_bits(), "{name}, tick {tick}");
+            assert_eq!(f64::from(force), predicted, "{name}, tick {tick}");
+            largest = largest.max(force.abs());
+        }
+        assert!(largest > 0.1, "{largest}");
+        let info = export.info();
+        let said = format!(
+            "{:?}",
+            (
+                info.name.as_str(),
+                info.stamp.identity.0,
+                info.stamp.revision,
+                info.stamp.tick_rate,
+                info.operating_range.as_ref().unwrap(),
+                info.amplitude,
+                info.density,
+            )
+        );
+        assert_eq!(ran.said, said);
+    }
 }
 
 /// An export lists the control input at each index, in Rust and in C.
 #[test]
 fn an_export_names_its_control_inputs() {
-    assert_eq!(second::CONTROLS, [CURRENT]);
-    let [header, _] = export("second").c("second").unwrap();
-    let line = "#define SECOND_CONTROL_0 \"current_A\"";
+    let is_set = |(_, file): &(String, ModelFile)| !file.model().controls.is_empty();
+    let (set, free): (Vec<_>, Vec<_>) = models().into_iter().partition(is_set);
+    let [(_, set)] = &set[..] else {
+        panic!("one effect depends on an input");
+    };
+    let set = Export::new(set, &settings("set")).unwrap();
+    let module = set.rust().unwrap();
+    let line = format!("pub const CONTROLS: [&str; 1] = [{CURRENT:?}];");
+    assert!(module.lines().any(|each| each == line), "{module}");
+    let [header, _] = set.c("set").unwrap();
+    let line = "#define SET_CONTROL_0 \"current_A\"";
     assert!(header.lines().any(|each| each == line), "{header}");
-    let [header, _] = export("first").c("first").unwrap();
-    assert!(!header.contains("CONTROL"), "{header}");
+    for (name, file) in &free {
+        let [header, _] = Export::new(file, &settings(name)).unwrap().c(name).unwrap();
+        assert!(!header.contains("CONTROL"), "{header}");
+    }
 }
 
 /// The identity depends on the contents of the model, not on the file's layout, the rate, the name or the revision.
 #[test]
 fn an_identity_is_the_models() {
-    let [_, (_, first), (_, second), _] = models();
-    let compact = serde_json::to_vec(&first).unwrap();
+    let models = models();
+    let [_, (_, first), (_, second), ..] = &models[..] else {
+        panic!("more effects than a law has");
+    };
+    let compact = serde_json::to_vec(first).unwrap();
     let again = ModelFile::from_bytes("m.json", &compact).unwrap();
     assert_eq!(again.identity(), first.identity());
     assert_ne!(first.identity(), second.identity());
@@ -177,13 +149,13 @@ fn an_identity_is_the_models() {
         revision: 9,
         ..ExportSettings::at(1e4, "another")
     };
-    let other = Export::new(&first, &other).unwrap();
+    let other = Export::new(first, &other).unwrap();
     assert_eq!(other.info().stamp.identity, first.identity());
-    let mut changed = serde_json::to_value(&first).unwrap();
+    let mut changed = serde_json::to_value(first).unwrap();
     changed["law"][0]["k1"] = 1.053_900_000_000_1.into();
     let changed = ModelFile::from_bytes("m.json", changed.to_string().as_bytes()).unwrap();
     assert_ne!(changed.identity(), first.identity());
-    changed_range_is_another(&first);
+    changed_range_is_another(first);
 }
 
 fn changed_range_is_another(file: &ModelFile) {
@@ -221,7 +193,7 @@ fn a_law_over_amplitude_is_taken_at_the_largest_or_the_one_that_is_asked() {
 
 #[test]
 fn what_cannot_be_exported_is_refused_by_name() {
-    let [(_, alone), ..] = models();
+    let (_, alone) = models().swap_remove(0);
     let refused = |file: &ModelFile, settings: &ExportSettings| {
         Export::new(file, settings).unwrap_err().to_string()
     };

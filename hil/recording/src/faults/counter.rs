@@ -5,8 +5,8 @@ use mesh_damper_tables::channel::Channel;
 use super::super::Recording;
 use super::clipping::rounding;
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::{FaultsPolicy, quantile, spread};
-use crate::extremes::least_and_largest;
+use super::{FaultsPolicy, spread};
+use crate::extremes::{least_and_largest, quantile};
 
 crate::numbers! {
     /// When a displacement jumps because its counter began again.

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
-use super::{ChannelFault, ChannelFaultKind, quantile, runs, sampled, spread};
-use crate::extremes::least_and_largest;
+use super::{ChannelFault, ChannelFaultKind, runs, sampled, spread};
+use crate::extremes::{least_and_largest, quantile};
 use crate::faults::FaultsPolicy;
 
 crate::numbers! {

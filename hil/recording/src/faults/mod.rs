@@ -24,6 +24,7 @@ pub(crate) mod velocity;
 
 use super::Recording;
 use super::resample::Uniform;
+use crate::extremes::quantile;
 use mesh_damper_tables::channel::Channel;
 
 crate::numbers! {
@@ -137,15 +138,6 @@ fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
         runs.push(start..index);
     }
     runs
-}
-
-/// The value below which `part` (0…1) of `values` lie; 0 for no values.
-pub(crate) fn quantile(values: &mut [f64], part: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let place = ((values.len() - 1) as f64 * part).round() as usize;
-    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
 /// Median of the `2·half + 1` values around each; those nearer to an end than `half` stay.

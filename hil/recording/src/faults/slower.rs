@@ -8,8 +8,9 @@ use super::super::Recording;
 use super::super::steady::Steady;
 use super::clipping::rounding;
 use super::kind::{Between, ChannelFault, ChannelFaultKind};
-use super::{FaultsPolicy, quantile, spread};
+use super::{FaultsPolicy, spread};
 use crate::FEWEST_SAMPLES;
+use crate::extremes::quantile;
 
 crate::numbers! {
     /// When a channel is slower than the rows.

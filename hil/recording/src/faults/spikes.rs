@@ -6,10 +6,9 @@ use std::ops::Range;
 use super::super::noise::noise_deviation;
 use super::super::resample::Uniform;
 use super::{
-    Channel, ChannelFault, ChannelFaultKind, bridge, mark, median_filtered, quantile, runs,
-    sampled, spread,
+    Channel, ChannelFault, ChannelFaultKind, bridge, mark, median_filtered, runs, sampled, spread,
 };
-use crate::extremes::least_and_largest;
+use crate::extremes::{least_and_largest, quantile};
 use crate::faults::FaultsPolicy;
 
 crate::numbers! {

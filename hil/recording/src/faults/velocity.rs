@@ -1,10 +1,11 @@
 //! A measured velocity that is not the derivative of the displacement.
 
 use super::super::resample::Uniform;
+use crate::extremes::quantile;
 use mesh_damper_tables::channel::Channel;
 
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::{median_filtered, quantile};
+use super::median_filtered;
 
 crate::numbers! {
     /// When a measured velocity is not the derivative of the displacement.

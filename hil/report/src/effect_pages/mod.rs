@@ -1,7 +1,8 @@
 //! The pages of the families of effects, `docs/effects/NAME.md`, with the picture of each: that every family has both, that the tables
 //! have the parameters of the crate, and that the pictures are what the crate computes.
 //!
-//! `BLESS=1` writes the pictures and the lines below them. All else in a page is written by hand.
+//! `BLESS=1` writes the pictures, the lines below them, and the line of a new page in the book's summary. All else in a page is written by
+//! hand.
 
 mod pictures;
 
@@ -119,10 +120,18 @@ fn every_family_has_a_page_with_its_parameters() {
 #[test]
 fn every_page_is_in_the_books_summary_and_in_the_overview() {
     let docs = folder().join("..");
-    let [summary, overview] = ["SUMMARY.md", "effects.md"]
+    let [mut summary, overview] = ["SUMMARY.md", "effects.md"]
         .map(|name| std::fs::read_to_string(docs.join(name)).expect("the page"));
+    let blesses = std::env::var_os("BLESS").is_some();
     for family in Family::all() {
         let link = format!("(effects/{family}.md)");
+        if blesses && !summary.contains(&link) {
+            // After the pages of the other families.
+            let last = summary.rfind("](effects/").expect("other families");
+            let end = last + summary[last..].find('\n').expect("a line") + 1;
+            summary.insert_str(end, &format!("  - [`{family}`]{link}\n"));
+            std::fs::write(docs.join("SUMMARY.md"), &summary).expect("written");
+        }
         assert!(summary.contains(&link), "docs/SUMMARY.md: {link}");
         assert!(overview.contains(&link), "docs/effects.md: {link}");
     }

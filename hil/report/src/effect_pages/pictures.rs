@@ -219,15 +219,11 @@ fn under(form: Form, sines: &[(f64, f64)]) -> Vec<View> {
     sines.iter().map(view).collect()
 }
 
-/// The picture of a family.
-///
-/// # Panics
-/// For a family without one: it is to be added here.
+/// The picture of a family: one of its own below, or its first effect, as it is typical, under a slow sine.
 pub fn of(family: Family) -> Drawn {
     let form = |name, parameters| Form { name, parameters };
     let slow = Course::sine(0.1, 1.0);
     let views: Vec<View> = match family.name() {
-        "offset" => under(form("offset", &[0.05]), &[(0.1, 1.0)]),
         "asymmetry" => under(form("asymmetry", &[6.0]), &[(0.1, 1.0)]),
         "hardening" => under(form("hardening", &[400.0]), &[(0.2, 1.0)]),
         "load_friction" => under(form("load_friction", &[8.0]), &[(0.1, 1.0)]),
@@ -337,7 +333,10 @@ pub fn of(family: Family) -> Drawn {
                 })
                 .into()
         }
-        other => panic!("no picture of {other}"),
+        _ => {
+            let effect = family.first();
+            under(form(effect.name, effect.typical), &[(0.1, 1.0)])
+        }
     };
     let curves = || views.iter().flat_map(|view| &view.2);
     let mut effects: Vec<(Form, &'static Description)> = Vec::new();

@@ -29,6 +29,9 @@ macro_rules! effects {
         }
 
         impl $effects {
+            /// The families of all of them, each once, but for those of another list.
+            pub const FAMILIES: &[&str] = &[$($name),*];
+
             /// The family under which a trace names it, or the kind of an unlisted one.
             pub fn family(&self) -> &'static str {
                 match self {

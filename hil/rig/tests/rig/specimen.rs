@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use mesh_damper::effects::DESCRIPTIONS;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::protocol::{PROTOCOL, motion};
 use mesh_damper_reference::tables;
 use mesh_damper_rig::specimen::{
-    DamperForce, HiddenEffect, LARGEST_SHARE, SMALLEST_SHARE, SlipShape, Specimen, draw,
+    DamperForce, HiddenEffect, LARGEST_SHARE, SMALLEST_SHARE, SlipShape, Specimen, Unlisted, draw,
     force_share,
 };
 use proptest::prelude::*;
@@ -112,6 +113,21 @@ fn elastic_and_inertial_forces_at_the_extremes() {
         newtons * 1e-3,
         1e-12,
     );
+}
+
+/// A simulated specimen can hide every effect of the crate, with physics of its own; load friction is among those that it shares with no
+/// family.
+#[test]
+fn every_family_has_physics_of_its_own() {
+    for effect in DESCRIPTIONS {
+        let family = effect.family;
+        let known =
+            HiddenEffect::FAMILIES.contains(&family) || Unlisted::FAMILIES.contains(&family);
+        assert!(
+            known,
+            "hil/rig/src/specimen/hidden.rs has no effect `{family}`"
+        );
+    }
 }
 
 #[test]

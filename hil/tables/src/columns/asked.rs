@@ -1,15 +1,13 @@
 //! Questions about the columns of a recording, with the options to type.
 
 use mesh_damper_output::error::{InputError, Place, quoted};
-use mesh_damper_output::shell;
 
 use super::choose::Choice;
+use super::listed::{MOST, listed, option};
 use super::meaning::Meaning;
 use super::taken::{self, Candidate, Rank};
 use crate::channel::Channel;
 
-/// Largest number of names in a message.
-pub(super) const MOST: usize = 12;
 /// Largest number of options in a message.
 const OPTIONS: usize = 4;
 
@@ -173,16 +171,4 @@ fn rises(first: &[f64]) -> bool {
     };
     let end = known.try_fold(begin, |before, value| (value >= before).then_some(value));
     end.is_some_and(|end| end > begin || first.len() == 1)
-}
-
-pub(super) fn option(option: &str, quantity: &str, name: &str) -> String {
-    format!("--{option} {quantity}={}", shell::word(name))
-}
-
-pub(super) fn listed(names: &[&str]) -> String {
-    let mut shown: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
-    if names.len() > MOST {
-        shown.push(format!("and {} more", names.len() - MOST));
-    }
-    shown.join(", ")
 }

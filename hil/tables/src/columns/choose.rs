@@ -2,7 +2,7 @@
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
-use super::asked::listed;
+use super::listed::{listed, option};
 use super::meaning::{Meaning, Meanings};
 use super::taken::{self, Candidate, Rank};
 use super::unit_found::UnitFound;
@@ -195,7 +195,7 @@ fn check_said(reading: &Reading) -> Result<(), InputError> {
         return Err(InputError::new(
             format!("--channel {quantity}={column}"),
             format!("{} is another word for {channel}", quoted(quantity)),
-            format!("give {}", super::asked::option("channel", channel, column)),
+            format!("give {}", option("channel", channel, column)),
         ));
     }
     let is_known = |quantity: &str| {

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use mesh_damper_output::error::{InputError, Place, quoted};
 
-use super::asked::{MOST, listed, option};
 use super::choose::{Choice, ChosenControl, Used, said};
+use super::listed::{MOST, listed, option};
 use super::name::Name;
 use super::spelling::control_unit;
 use super::taken::Control;

@@ -8,6 +8,7 @@ mod asked;
 mod choose;
 mod controls;
 mod lexicon;
+mod listed;
 mod meaning;
 mod name;
 mod scale;

@@ -3,26 +3,11 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use mesh_damper::effects::{
-    Asymmetry, AugmentedLaw, Backlash, BoucWen, Compliance, ControlInput, DESCRIPTIONS,
-    Degradation, Delay, Directional, Drift, Effect, Equations, ForceFilter, Gap, Hardening,
-    HardeningFriction, Inertia, LoadFriction, Offset, Periodic, Relaxation, StickSlip, Stop,
-    Temperature, Viscous, Weakening, Yielding,
-};
+use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::pack::{LARGEST, PackInfo, encode};
 use mesh_damper_trials::bench::{Baseline, Core};
-
-/// Bytes of the configuration and of the state, by names; for a host, whose pointers are longer.
-macro_rules! bytes {
-    ($($effect:ident),+ $(,)?) => {
-        [$((
-            <$effect<f32> as Equations<f32>>::DESCRIPTION.name,
-            size_of::<$effect<f32>>() + size_of::<<$effect<f32> as Equations<f32>>::State>(),
-        )),+]
-    };
-}
 
 /// Bytes of a pack of the law with these effects.
 fn packed(effects: impl IntoIterator<Item = Effect<f32>>) -> usize {
@@ -41,32 +26,6 @@ fn packed(effects: impl IntoIterator<Item = Effect<f32>>) -> usize {
 /// One row per effect: additional instructions of a tick compared to the law alone, bytes in a pack, bytes of RAM in a law of a
 /// static type.
 fn table() -> String {
-    let ram = bytes![
-        Offset,
-        Asymmetry,
-        Hardening,
-        Viscous,
-        Inertia,
-        LoadFriction,
-        Directional,
-        Temperature,
-        Drift,
-        StickSlip,
-        Relaxation,
-        Stop,
-        BoucWen,
-        HardeningFriction,
-        Yielding,
-        ControlInput,
-        Backlash,
-        Degradation,
-        Weakening,
-        Periodic,
-        Delay,
-        ForceFilter,
-        Gap,
-        Compliance,
-    ];
     let baseline = Baseline::read(&Baseline::path().unwrap()).unwrap();
     let count = |name: &str| {
         let mut counts = baseline.counts.iter();
@@ -81,14 +40,16 @@ fn table() -> String {
     for description in DESCRIPTIONS {
         let name = description.name;
         let effect = Effect::from_parameters(description.number, description.typical, 1e-4);
+        let effect = effect.expect("typical parameters");
         let counted = count(name);
-        let (_, ram) = ram.iter().find(|(each, _)| *each == name).unwrap();
+        // For a host, whose pointers are longer.
+        let ram = effect.bytes();
         writeln!(
             table,
             "| `{name}` | {:.0} | {} | {} | {ram} |",
             counted.mean - none.mean,
             counted.most - none.most,
-            packed(effect) - alone,
+            packed([effect]) - alone,
         )
         .unwrap();
     }

@@ -50,7 +50,7 @@ fn every_figure_stands_in_a_page_that_it_names() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 5);
+    assert_eq!(rows, 4);
 }
 
 #[test]

@@ -1,10 +1,8 @@
-//! Effects of the crate and a motion for them. `bindings/c/tests/forces.rs` reads this file too.
+//! A motion for the effects of the crate. `bindings/c/tests/forces.rs` reads this file too.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use mesh_damper::effects::description::Description;
-use mesh_damper_model::{AddedEffect, Family};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_tables::control::ControlChannel;
@@ -14,23 +12,6 @@ pub const TICK_RATE: f64 = 2000.0;
 
 /// The control input of [`two_sines`].
 pub const CURRENT: &str = "current_A";
-
-/// An effect of the crate with its typical parameters, by their names in a model file.
-pub fn typical(description: &Description) -> AddedEffect {
-    let count = description.parameters.len();
-    let parameters = (0..).zip(description.typical).map(|(place, &value)| {
-        let name = description.parameters[place % count].name;
-        let name = match place / count {
-            0 => name.to_owned(),
-            element => format!("{name}_{}", element + 1),
-        };
-        (name, value)
-    });
-    AddedEffect {
-        family: Family::of(description),
-        parameters: parameters.collect(),
-    }
-}
 
 /// Two sines at [`TICK_RATE`], beyond the range of any slider, under a current in steps.
 pub fn two_sines() -> Trajectory {
