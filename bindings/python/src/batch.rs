@@ -17,7 +17,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::error::{refused, refused_of};
 use crate::model::{Model, json};
 use crate::recording::Reading;
-use crate::trace::sought;
+use crate::trace::{StatedRig, rig_facts, sought};
 use crate::work::beside;
 
 /// Settings of all traces in a batch.
@@ -27,17 +27,24 @@ pub struct BatchSettings(Settings);
 #[pymethods]
 impl BatchSettings {
     #[new]
-    #[pyo3(signature = (reading, families, exclude, baseline, law=None, reports=false))]
+    #[pyo3(signature = (reading, families, exclude, baseline, law=None, rig=None, reports=false))]
     fn new(
         reading: PyRef<'_, Reading>,
         families: Vec<String>,
         exclude: Vec<String>,
         baseline: &str,
         law: Option<PyRef<'_, Model>>,
+        rig: Option<StatedRig>,
         reports: bool,
     ) -> PyResult<Self> {
         Ok(Self(Settings {
-            sought: sought(&families, &exclude, baseline, law.as_deref())?,
+            sought: sought(
+                &families,
+                &exclude,
+                baseline,
+                law.as_deref(),
+                rig_facts(rig)?,
+            )?,
             reading: reading.said.clone(),
             reports,
         }))

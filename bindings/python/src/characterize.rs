@@ -1,6 +1,6 @@
 //! Stiffness and loss factor of a recording.
 
-use mesh_damper_characterize::{DynamicTest, StaticTest, dynamic_test, static_test};
+use mesh_damper_characterize::{DynamicTest, StaticTest, dynamic_test_on, static_test};
 use mesh_damper_output::{Label, LabelField, Labelled};
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::error::refused;
 use crate::model::json;
 use crate::recording::Recording;
+use crate::trace::{StatedRig, rig_facts};
 
 /// The contents of `hil characterize --json`, after its label.
 #[derive(Serialize)]
@@ -29,15 +30,18 @@ type Loop = Vec<(f64, f64)>;
 
 /// The JSON of `hil characterize`, and for each cycle or block the measured loop and the line computed from it.
 #[pyfunction]
+#[pyo3(signature = (recording, is_static, rig=None))]
 fn characterize(
     py: Python<'_>,
     recording: PyRef<'_, Recording>,
     is_static: bool,
+    rig: Option<StatedRig>,
 ) -> PyResult<(String, Vec<(Loop, Loop)>)> {
     let inner = recording.inner.clone();
+    let rig = rig_facts(rig)?;
     let found = py.detach(move || match is_static {
         true => static_test(&inner).map(Found::Static),
-        false => dynamic_test(&inner).map(Found::Dynamic),
+        false => dynamic_test_on(&inner, &rig).map(Found::Dynamic),
     });
     let found = found.map_err(|error| refused(&error))?;
     let loops = match &found {

@@ -9,7 +9,7 @@ use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_output::Plan;
 use mesh_damper_output::error::InputError;
 use mesh_damper_recording as recording;
-use mesh_damper_recording::trajectory::{Known, Trajectory};
+use mesh_damper_recording::trajectory::{Known, Trajectory, Zero};
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -121,7 +121,8 @@ fn predicted(
         true => Known::default(),
         false => Known {
             late: Some(0.0),
-            is_off: Some(false),
+            zero: Some(Zero::Recorded),
+            ..Known::default()
         },
     };
     let trajectory = Trajectory::knowing(&repaired, known)?;

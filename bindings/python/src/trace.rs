@@ -11,6 +11,7 @@ use mesh_damper_model::file::ModelFile;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Labelled, Plan};
 use mesh_damper_recording as recording;
+use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use mesh_damper_report::{self as report, ReportData, declared};
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
@@ -85,7 +86,7 @@ fn array<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
 
 /// Finds effects that the law does not contain in `recordings`, without the interpreter's lock.
 #[pyfunction]
-#[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, progress=None))]
+#[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, rig=None, progress=None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "the Python function before it names them"
@@ -99,9 +100,11 @@ fn trace(
     exclude: Vec<String>,
     baseline: &str,
     law: Option<PyRef<'_, Model>>,
+    rig: Option<StatedRig>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Trace> {
-    let sought = sought(&families, &exclude, baseline, law.as_deref())?;
+    let rig = rig_facts(rig)?;
+    let sought = sought(&families, &exclude, baseline, law.as_deref(), rig)?;
     let copied = |all: &[PyRef<'_, Recording>]| -> Vec<recording::Recording> {
         all.iter().map(|each| (*each.inner).clone()).collect()
     };
@@ -122,16 +125,46 @@ pub fn sought(
     exclude: &[String],
     baseline: &str,
     law: Option<&Model>,
+    rig: RigFacts,
 ) -> PyResult<Sought> {
     let known = match law {
         Some(model) => Sought::beside(&model.inner, &model.name).map_err(|e| refused(&e))?,
         None => Sought::default(),
     };
-    Ok(Sought {
+    let sought = Sought {
         families: named("families", families)?,
         exclude: named("exclude", exclude)?,
         law: base_law(baseline)?,
         ..known
+    };
+    sought.on_rig(rig).map_err(|error| refused(&error))
+}
+
+/// The mass between specimen and load cell in kg, the delay of the force in s, and the word for the zero of the displacement.
+pub type StatedRig = (Option<f64>, Option<f64>, Option<String>);
+
+/// What is stated about a rig.
+pub fn rig_facts(stated: Option<StatedRig>) -> PyResult<RigFacts> {
+    let (fixture_mass, force_delay, zero) = stated.unwrap_or_default();
+    let zero = match zero {
+        None => None,
+        Some(word) => {
+            let mut all = DisplacementZero::ALL.into_iter();
+            let known = all.find(|zero| zero.word() == word);
+            Some(known.ok_or_else(|| {
+                let problem = format!("no zero is called {word:?}");
+                refused(&InputError::new(
+                    "zero",
+                    problem,
+                    "give mean, start or none",
+                ))
+            })?)
+        }
+    };
+    Ok(RigFacts {
+        fixture_mass,
+        force_delay,
+        zero,
     })
 }
 

@@ -19,9 +19,12 @@
 
 mod branches;
 mod dynamic;
+mod harmonics;
 mod quasistatic;
 
-pub use dynamic::{DynamicBlock, DynamicCycle, DynamicTest, Figures, dynamic_test};
+pub use dynamic::{
+    DynamicBlock, DynamicCycle, DynamicTest, Figures, dynamic_test, dynamic_test_on,
+};
 pub use quasistatic::{StaticCycle, StaticTest, static_test};
 
 use serde::Serialize;

@@ -1,5 +1,6 @@
 //! The columns in which a fit is linear, for given exponents and shapes.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -43,6 +44,8 @@ pub(super) struct Columns {
     law: Arc<LawColumns>,
     /// The forces of each term with size 1 at every row.
     added: Vec<Vec<Arc<Vec<f64>>>>,
+    /// The force of the terms with a held size at every row, kN; `None` without such a term.
+    held: Option<Arc<Vec<f64>>>,
 }
 
 /// The columns of eq 13 at every row, scaled if a term scales them.
@@ -97,10 +100,7 @@ impl<'r, 'a> Basis<'r, 'a> {
     pub fn is_positive(&self, size: usize) -> bool {
         self.terms
             .iter()
-            .flat_map(|term| match term.form.entry {
-                Entry::Adds(count) => std::iter::repeat_n(term.form.size_is_positive, count),
-                _ => std::iter::repeat_n(false, 0),
-            })
+            .flat_map(|term| std::iter::repeat_n(term.form.size_is_positive, term.fitted_sizes()))
             .nth(size)
             .unwrap_or(false)
     }
@@ -125,10 +125,11 @@ impl<'r, 'a> Basis<'r, 'a> {
             .enumerate()
             .map(|(index, &term)| TermValue {
                 term,
-                sizes: match term.form.entry {
-                    Entry::Adds(count) => sizes.by_ref().take(count).collect(),
-                    Entry::Scales(_) => self.scales(at, index),
-                    Entry::Moves => Vec::new(),
+                sizes: match (term.held, term.form.entry) {
+                    (Some(size), _) => vec![size],
+                    (None, Entry::Adds(count)) => sizes.by_ref().take(count).collect(),
+                    (None, Entry::Scales(_)) => self.scales(at, index),
+                    (None, Entry::Moves) => Vec::new(),
                 },
                 shapes: self.shapes(at, index),
             })
@@ -196,11 +197,44 @@ impl<'r, 'a> Basis<'r, 'a> {
                 },
             )
             .collect();
+        let held = match known.filter(|_| motion_stays) {
+            Some(known) => known.held.clone(),
+            None => self.held(&moved).map(Arc::new),
+        };
         Columns {
             at: at.to_vec(),
             moved,
             law,
             added,
+            held,
+        }
+    }
+
+    /// The force of the terms with a held size at every row, kN. A mass is never refused.
+    fn held(&self, moved: &Option<Arc<Moved>>) -> Option<Vec<f64>> {
+        let mut total: Option<Vec<f64>> = None;
+        for term in &self.terms {
+            let Some(size) = term.held else { continue };
+            let units = self.forces(term.form, &[], moved, true).unwrap_or_default();
+            let total = total.get_or_insert_with(|| vec![0.0; self.rows.len()]);
+            for (total, unit) in total
+                .iter_mut()
+                .zip(units.iter().flat_map(|unit| unit.iter()))
+            {
+                *total += size * unit;
+            }
+        }
+        total
+    }
+
+    /// The measured force at every row without that of the terms with a held size, kN: what the unknowns have to explain.
+    pub fn to_explain(&self, columns: &Columns) -> Cow<'_, [f64]> {
+        match &columns.held {
+            Some(held) => {
+                let rows = self.rows.force.iter().zip(held.iter());
+                Cow::Owned(rows.map(|(force, held)| force - held).collect())
+            }
+            None => Cow::Borrowed(&self.rows.force),
         }
     }
 
@@ -208,6 +242,11 @@ impl<'r, 'a> Basis<'r, 'a> {
     pub fn force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
         let sizes = &linear[3 * self.rows.nodes.len()..];
         let mut force = self.law_force(columns, linear);
+        if let Some(held) = &columns.held {
+            for (force, held) in force.iter_mut().zip(held.iter()) {
+                *force += held;
+            }
+        }
         for (size, column) in sizes.iter().zip(columns.added()) {
             for (force, unit) in force.iter_mut().zip(column) {
                 *force += size * unit;
@@ -226,8 +265,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             let (own, others) = sizes.split_at(units.len());
             sizes = others;
             let mut added = units.iter().zip(own);
-            matches!(term.form.entry, Entry::Adds(_))
-                && added.all(|(unit, size)| size.abs() * largest(unit) < least)
+            term.fitted_sizes() > 0 && added.all(|(unit, size)| size.abs() * largest(unit) < least)
         })
         .collect()
     }
@@ -263,6 +301,13 @@ impl<'r, 'a> Basis<'r, 'a> {
             let pairs = here.iter().zip(there);
             pairs.map(|(here, there)| (there - here) / step).collect()
         };
+        if let (Some(here), Some(there)) = (&columns.held, &beside.held)
+            && !Arc::ptr_eq(here, there)
+        {
+            for (slope, (here, there)) in slope.iter_mut().zip(here.iter().zip(there.iter())) {
+                *slope += (there - here) / step;
+            }
+        }
         let sizes = &linear[3 * self.rows.nodes.len()..];
         let added = columns
             .added
@@ -478,9 +523,10 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> Vec<Arc<Vec<f64>>> {
-        let Entry::Adds(count) = self.terms[term].form.entry else {
+        let count = self.terms[term].fitted_sizes();
+        if count == 0 {
             return Vec::new();
-        };
+        }
         let shapes = self.shapes(at, term);
         self.forces(self.terms[term].form, &shapes, moved, is_start)
             .unwrap_or_else(|| {
@@ -580,6 +626,7 @@ mod tests {
             form,
             reference: 0.0,
             is_known: false,
+            held: None,
         });
         let basis = Basis::new(&rows, &extent, &terms);
         let columns = basis.columns(&[0.5, 5.0_f64.ln(), 0.05_f64.ln()], None);

@@ -12,7 +12,6 @@ use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::basis::Basis;
-use super::families::Entry;
 use super::normal::Normal;
 use super::solution::Solution;
 use super::tangent::Tangent;
@@ -206,10 +205,7 @@ fn squares(basis: &Basis, force: &[f64]) -> f64 {
 
 /// The number of sizes that a term has among the linear unknowns.
 fn added_by(basis: &Basis, term: usize) -> usize {
-    match basis.terms[term].form.entry {
-        Entry::Adds(count) => count,
-        Entry::Scales(_) | Entry::Moves => 0,
-    }
+    basis.terms[term].fitted_sizes()
 }
 
 /// All parameters in the order of a [`Tangent`]: k1, k3, c and α of every node, then the sizes and searched parameters of each

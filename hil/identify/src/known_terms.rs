@@ -52,6 +52,7 @@ fn known(form: Form, reference: f64, shapes: Vec<f64>) -> KnownTerm {
         form,
         reference,
         is_known: true,
+        held: None,
     };
     KnownTerm { term, shapes }
 }
@@ -93,6 +94,7 @@ mod tests {
                 form,
                 reference: 20.0,
                 is_known: true,
+                held: None,
             };
             let places = 1..=form.shape_names.len();
             let value = TermValue {

@@ -20,6 +20,7 @@ use crate::trace::TracePolicy;
 use crate::trace::adopt::AdoptPolicy;
 use crate::trace::aligned::AlignedPolicy;
 use crate::trace::confirm::ConfirmPolicy;
+use crate::trace::early::EarlyPolicy;
 use crate::trace::held_range::HeldRangePolicy;
 use crate::trace::left_out::LeftOutPolicy;
 use crate::trace::remainder::RemainderPolicy;
@@ -42,6 +43,8 @@ mesh_damper_recording::policy! {
     correction: CorrectionPolicy,
     /// The samples that a residual table is fitted to.
     design: DesignPolicy,
+    /// A force that is early although a damper could have it.
+    early: EarlyPolicy,
     /// Where something may touch.
     edges: EdgesPolicy,
     /// The last steps of a fit, by the crate's own force.

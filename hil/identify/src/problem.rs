@@ -193,7 +193,7 @@ fn project(basis: &Basis, columns: &Columns) -> Projected {
     let added = columns.added();
     let normal = Normal::assemble(
         rows,
-        &rows.force,
+        &basis.to_explain(columns),
         &basis.motion(columns).node,
         columns.law(),
         &added,

@@ -22,6 +22,8 @@ pub struct Screen<'s, 'r, 'a> {
     basis: Basis<'r, 'a>,
     columns: Columns,
     tangent: Tangent,
+    /// The force at every row without that of the terms with a held size, kN.
+    to_explain: Vec<f64>,
     normal: Normal,
     /// `None` if the equations are singular: no statement is possible then.
     factor: Option<Factor>,
@@ -42,13 +44,15 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
         let tangent = Tangent::of(&basis, &columns, solution);
-        let (normal, factor) = normal_of(rows, &tangent);
+        let to_explain = basis.to_explain(&columns).into_owned();
+        let (normal, factor) = normal_of(rows, &to_explain, &tangent);
         Self {
             extent,
             solution,
             basis,
             columns,
             tangent,
+            to_explain,
             normal,
             factor,
         }
@@ -128,7 +132,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         };
         let count = columns.len();
         let force = DVector::from_fn(count, |i, _| {
-            let with_force = inner(columns[i], &self.basis.rows.force);
+            let with_force = inner(columns[i], &self.to_explain);
             factor.force_beside(&self.normal, &products[i], with_force)
         });
         let gram = DMatrix::from_fn(count, count, |i, j| {
@@ -167,15 +171,17 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let basis = Basis::new(self.basis.rows, self.extent, &terms).around(self.solution);
         let known = self.solution.search.iter().copied();
         let at: Vec<f64> = known.chain(shapes.iter().map(|shape| shape.ln())).collect();
-        let tangent = Tangent::of(&basis, &basis.columns(&at, None), self.solution);
-        let (normal, factor) = normal_of(self.basis.rows, &tangent);
+        let columns = basis.columns(&at, None);
+        let tangent = Tangent::of(&basis, &columns, self.solution);
+        let to_explain = basis.to_explain(&columns);
+        let (normal, factor) = normal_of(self.basis.rows, &to_explain, &tangent);
         Some(factor?.left(&normal))
     }
 }
 
-fn normal_of(rows: &Rows, tangent: &Tangent) -> (Normal, Option<Factor>) {
+fn normal_of(rows: &Rows, to_explain: &[f64], tangent: &Tangent) -> (Normal, Option<Factor>) {
     let shared: Vec<&[f64]> = tangent.shared.iter().map(Vec::as_slice).collect();
-    let normal = Normal::assemble(rows, &rows.force, &tangent.node, &tangent.local, &shared);
+    let normal = Normal::assemble(rows, to_explain, &tangent.node, &tangent.local, &shared);
     let factor = Factor::of_all(&normal);
     (normal, factor)
 }

@@ -102,7 +102,7 @@ impl Solution {
         let added = self
             .terms
             .iter()
-            .filter(|value| value.term.form.scales() == 0);
+            .filter(|value| value.term.fitted_sizes() > 0);
         law.chain(added.flat_map(|value| value.sizes.iter().copied()))
             .collect()
     }

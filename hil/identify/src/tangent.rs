@@ -1,7 +1,6 @@
 //! The derivatives of a fitted force with respect to all fitted parameters: the effect of a small change.
 
 use super::basis::{Basis, Columns};
-use super::families::Entry;
 use super::solution::Solution;
 
 /// Derivatives of the force at every row.
@@ -31,9 +30,8 @@ impl Tangent {
         let mut added = columns.added().into_iter();
         let mut shared = Vec::new();
         for (index, value) in solution.terms.iter().enumerate() {
-            if let Entry::Adds(count) = value.term.form.entry {
-                shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
-            }
+            let count = value.term.fitted_sizes();
+            shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
             shared.extend(
                 basis
                     .slot(index)

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use mesh_damper::effects::Inertia;
 use mesh_damper_model::{AddedEffect, Family};
 
-use crate::families::{Element, Form};
+use crate::families::{Element, Entry, Form, inertia};
 use crate::shape::Extent;
 
 /// One added effect in a fit.
@@ -16,6 +17,18 @@ pub struct Term {
     pub reference: f64,
     /// Whether it was known before, so that it stays.
     pub is_known: bool,
+    /// Its size if it is known exactly, so that it is not fitted: that of a term with one size and no shapes.
+    pub held: Option<f64>,
+}
+
+impl Term {
+    /// The number of its sizes that a fit determines among the linear unknowns.
+    pub(crate) fn fitted_sizes(&self) -> usize {
+        match self.form.entry {
+            Entry::Adds(count) if self.held.is_none() => count,
+            _ => 0,
+        }
+    }
 }
 
 /// A term's parameters after a fit.
@@ -41,8 +54,12 @@ impl TermValue {
         self.shapes.get(index).copied().unwrap_or_default()
     }
 
-    /// Whether no size would be a source of energy, a negative mass or a wall that pulls. Some of several elements may be missing.
+    /// Whether no size would be a source of energy or a wall that pulls, or a mass that the crate refuses: in a slow test, or one of a
+    /// single frequency, a fit does not determine it. Some of several elements may be missing.
     pub fn is_admissible(&self) -> bool {
+        if self.term.form == inertia::FORMS[0] && Inertia::new(self.size(0)).is_err() {
+            return false;
+        }
         let mut sizes = self.sizes.iter();
         let positive = |size: &f64| *size > 0.0;
         !self.term.form.size_is_positive

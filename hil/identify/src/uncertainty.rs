@@ -231,7 +231,10 @@ impl Uncertainty {
             .terms
             .iter()
             .map(|value| TermUncertainty {
-                sizes: rest.by_ref().take(value.sizes.len()).collect(),
+                sizes: match value.term.held {
+                    Some(_) => vec![0.0; value.sizes.len()],
+                    None => rest.by_ref().take(value.sizes.len()).collect(),
+                },
                 shapes: rest
                     .by_ref()
                     .take(value.shapes.len())

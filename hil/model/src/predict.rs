@@ -5,6 +5,7 @@ use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::real::Real;
 use mesh_damper_recording::trajectory::Trajectory;
 
+use crate::file::Elsewhere;
 use crate::{Model, ModelError};
 
 /// The model's force in kN at every sample of `trajectory`, in f64 as identification fitted it, and as the recording's force
@@ -51,6 +52,26 @@ pub fn band(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelErr
         .into_iter()
         .map(|variance| NINETY_PERCENT * variance.sqrt())
         .collect())
+}
+
+/// Half width in kN of the band that holds nine of ten errors of the model itself at every sample of `trajectory`, for which it predicts
+/// `force`: by its errors on motions that it was not fitted to, relative to the RMS force of a block of cycles, or of the whole
+/// trajectory where there is none.
+pub fn own_band(elsewhere: &Elsewhere, trajectory: &Trajectory, force: &[f64]) -> Vec<f64> {
+    let half = |force: &[f64]| {
+        let squares: f64 = force.iter().map(|force| force * force).sum();
+        elsewhere.most * (squares / force.len().max(1) as f64).sqrt()
+    };
+    let mut band = vec![half(force); force.len()];
+    for block in trajectory
+        .blocks
+        .iter()
+        .filter(|block| !block.cycles.is_empty())
+    {
+        let of_block = half(&force[block.samples.clone()]);
+        band[block.samples.clone()].fill(of_block);
+    }
+    band
 }
 
 /// More steps than this between two samples are not tried. Convention: a second at 20 Hz becomes one at 1280 Hz.
@@ -224,4 +245,41 @@ pub fn nrmse(predicted: &[f64], measured: &[f64], included: impl Fn(usize) -> bo
         },
     );
     (error / force).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::Recording;
+
+    use super::*;
+
+    /// Two blocks of sines: the band is the same part of each block's force.
+    #[test]
+    fn a_models_own_band_follows_the_force_of_the_block() {
+        let time: Vec<f64> = (0..8000).map(|index| f64::from(index) / 500.0).collect();
+        let amplitude = |t: f64| if t < 8.0 { 0.1 } else { 0.3 };
+        let displacement: Vec<f64> = time
+            .iter()
+            .map(|&t| amplitude(t) * (TAU * 2.0 * t).sin())
+            .collect();
+        let force: Vec<f64> = displacement.iter().map(|y| 2.0 * y).collect();
+        let recording = Recording::new("two", time, displacement, force.clone()).unwrap();
+        let trajectory = Trajectory::of(&recording).unwrap();
+        assert_eq!(trajectory.blocks.len(), 2);
+        let elsewhere = Elsewhere {
+            conditions: 3,
+            most: 0.1,
+        };
+        let band = own_band(&elsewhere, &trajectory, &force);
+        for (sample, force) in [(2000, 0.2), (6000, 0.6)] {
+            let expected = 0.1 * force / f64::sqrt(2.0);
+            assert!(
+                (band[sample] / expected - 1.0).abs() < 0.02,
+                "{sample}: {}",
+                band[sample]
+            );
+        }
+    }
 }

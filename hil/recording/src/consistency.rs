@@ -43,6 +43,35 @@ crate::numbers! {
 /// Comments that declare what was tested.
 const DECLARATIONS: [&str; 2] = ["specimen", "device"];
 
+/// Notes about held-out recordings that declare another specimen than the `fitted` ones: whether a law predicts a twin is a fair question.
+/// The others must agree with the fitted ones, and among each other, as in [`check_consistency`].
+///
+/// # Errors
+/// As [`check_consistency`].
+pub fn check_held_out(
+    fitted: &[&Recording],
+    held_out: &[&Recording],
+) -> Result<Vec<String>, InputError> {
+    let mut notes = Vec::new();
+    for (index, held) in held_out.iter().enumerate() {
+        let others = || fitted.iter().chain(&held_out[..index]);
+        match fitted
+            .iter()
+            .find_map(|other| another_declared(other, held))
+        {
+            Some(how) => notes.push(format!("{}: {how}; the law is of the latter", held.name)),
+            None => {
+                let of_one = |other: &&&Recording| another_declared(other, held).is_none();
+                for other in others().filter(of_one) {
+                    check_forces(other, held)?;
+                    check_character(other, held)?;
+                }
+            }
+        }
+    }
+    Ok(notes)
+}
+
 /// Rejects recordings of which two contradict each other. Either they declare different specimens, or under the same motion their
 /// forces differ, or under any motion one supplies energy where the other dissipates it, or their units differ.
 ///
@@ -131,21 +160,27 @@ impl Character {
 }
 
 fn check_declarations(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
-    for key in DECLARATIONS {
-        if let (Some(a), Some(b)) = (earlier.declared(key), later.declared(key))
-            && a != b
-        {
-            return Err(InputError::new(
-                &later.name,
-                format!(
-                    "its comments declare the {key} \"{b}\" where {} declares \"{a}\"",
-                    earlier.name
-                ),
-                "give recordings of one specimen at a time, or correct the comment",
-            ));
-        }
+    match another_declared(earlier, later) {
+        Some(how) => Err(InputError::new(
+            &later.name,
+            how,
+            "give recordings of one specimen at a time, hold those of another out, or correct the comment",
+        )),
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// How the later recording's comments declare another specimen than those of the earlier one, if they do.
+fn another_declared(earlier: &Recording, later: &Recording) -> Option<String> {
+    DECLARATIONS.iter().find_map(|key| {
+        let (a, b) = (earlier.declared(key)?, later.declared(key)?);
+        (a != b).then(|| {
+            format!(
+                "its comments declare the {key} \"{b}\" where {} declares \"{a}\"",
+                earlier.name
+            )
+        })
+    })
 }
 
 fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError> {
@@ -191,7 +226,8 @@ fn check_forces(earlier: &Recording, later: &Recording) -> Result<(), InputError
         ),
         Some(factor) => (
             format!("its force is {factor:.4} times as large"),
-            "check the unit of the force, or drop one of the two if they are of different specimens",
+            "check the unit of the force, add a column for what was set differently, such as current_A or slider_mm, or drop one of the \
+             two if they are of different specimens",
         ),
         None => (
             format!("its force differs by {:.0} % RMS", 100.0 * apart),
@@ -352,5 +388,19 @@ mod tests {
             error.contains("ring 3") && error.contains("ring 4"),
             "{error}"
         );
+    }
+
+    /// A twin may be held out, even one whose force differs; a recording that declares nothing must agree.
+    #[test]
+    fn another_specimen_that_is_held_out_is_said() {
+        let a = recording("a", 0.1, |y| y).with_comment("specimen: ring 3");
+        let twin = recording("b", 0.1, |y| 1.5 * y).with_comment("specimen: ring 4");
+        let notes = check_held_out(&[&a], &[&twin]).unwrap();
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        assert!(notes[0].starts_with("b: ") && notes[0].contains("ring 4"));
+        let same = recording("c", 0.1, |y| 1.01 * y).with_comment("specimen: ring 3");
+        assert_eq!(check_held_out(&[&a], &[&same]).unwrap(), [""; 0]);
+        let unknown = recording("d", 0.1, |y| 1.5 * y);
+        assert!(check_held_out(&[&a], &[&unknown]).is_err());
     }
 }

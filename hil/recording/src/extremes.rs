@@ -13,7 +13,7 @@ pub fn least_and_largest(values: impl IntoIterator<Item: Borrow<f64>>) -> (f64, 
 }
 
 /// The value below which `part` (0…1) of `values` lie; 0 for no values.
-pub(crate) fn quantile(values: &mut [f64], part: f64) -> f64 {
+pub fn quantile(values: &mut [f64], part: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

@@ -13,9 +13,11 @@
 //! | [`noise`], [`averaging`], [`spectrum`] | the noise of a channel, and its smoothing |
 //! | [`motion`], [`cycles`], [`trajectory`] | velocity and acceleration, cycles and blocks, and all inputs of a law |
 //! | [`dynamic_stiffness`] | storage and loss stiffness of a cycle |
+//! | [`rig`] | facts about the rig that its user states |
 //! | [`input`] | a single channel that drives something |
+//! | [`notes`] | notes that many recordings share |
 //! | [`mod@numbers`], [`mod@policy`] | the numbers that decide all this, each with its source, and the list of them |
-//! | [`extremes`] | the smallest and the largest of some values |
+//! | [`extremes`] | the smallest, the largest and the quantiles of some values |
 //!
 //! ```
 //! use mesh_damper_recording::Recording;
@@ -46,6 +48,8 @@ mod kinks;
 pub mod motion;
 pub mod motion_error;
 pub mod noise;
+mod noise_floor;
+pub mod notes;
 pub mod numbers;
 pub mod pink;
 pub mod policy;
@@ -54,6 +58,7 @@ mod read;
 mod repeats;
 mod resample;
 mod rest;
+pub mod rig;
 mod smoother;
 pub mod spectrum;
 mod stated_rate;
@@ -61,11 +66,11 @@ mod steady;
 mod times;
 pub mod trajectory;
 mod words;
-mod write;
+pub mod write;
 pub mod zero;
 pub mod zeros;
 
-pub use consistency::check_consistency;
+pub use consistency::{check_consistency, check_held_out};
 pub use repeats::refuse_repeats;
 pub use resample::Uniform;
 
@@ -75,7 +80,7 @@ use mesh_damper_tables::rows::{RowLines, TextRows};
 use mesh_damper_tables::units::Units;
 
 use faults::ChannelFault;
-use words::counted;
+use words::{counted, plain};
 
 /// The key of the comment that marks the recording of a run under way.
 pub const UNFINISHED: &str = "unfinished";
@@ -343,7 +348,7 @@ impl Recording {
         };
         Err(InputError::new(
             &self.name,
-            format!("time {how}: {after} s after {before} s"),
+            format!("time {how}: {} s after {} s", plain(after), plain(before)),
             remedy,
         )
         .at(self.lines.place(index + 1, None)))

@@ -8,6 +8,7 @@ use crate::faults::FaultsPolicy;
 use crate::faults::bridge::BridgePolicy;
 use crate::faults::clipping::ClippingPolicy;
 use crate::faults::counter::CounterPolicy;
+use crate::faults::exchanged::ExchangedPolicy;
 use crate::faults::held::HeldPolicy;
 use crate::faults::hum::HumPolicy;
 use crate::faults::scale::ScalePolicy;
@@ -21,6 +22,7 @@ use crate::kinks::KinksPolicy;
 use crate::motion::MotionPolicy;
 use crate::motion_error::MotionErrorPolicy;
 use crate::noise::NoisePolicy;
+use crate::noise_floor::NoiseFloorPolicy;
 use crate::pink::PinkPolicy;
 use crate::resample::ResamplePolicy;
 use crate::rest::RestPolicy;
@@ -44,6 +46,8 @@ crate::policy! {
     counter: CounterPolicy,
     /// Cycles, and blocks of like ones.
     cycles: CyclesPolicy,
+    /// Displacement and force in each other's columns.
+    exchanged: ExchangedPolicy,
     /// What all searches for channel faults share.
     faults: FaultsPolicy,
     /// Motion that is a sine.
@@ -60,6 +64,8 @@ crate::policy! {
     motion_error: MotionErrorPolicy,
     /// The noise of a channel.
     noise: NoisePolicy,
+    /// Noise that neighbouring samples share.
+    noise_floor: NoiseFloorPolicy,
     /// Noise that grows towards low frequencies.
     pink: PinkPolicy,
     /// Equal steps of time.

@@ -488,11 +488,21 @@ impl Samples {
                 kind: ChannelFaultKind::Cut,
             });
         }
+        let mut all = self.channels.iter().zip(&self.chosen.used);
+        let motion = all.find(|(_, used)| used.channel == Channel::Displacement);
+        let (displacement, scale) = motion.map_or((&[][..], 0.0), |(values, used)| {
+            (values.as_slice(), used.unit.scale)
+        });
         let named = self.chosen.controls.iter().zip(self.inputs);
         let controls = named.filter_map(|(control, values)| {
             let name = control.name.clone();
-            values.map(|values| ControlChannel { name, values })
+            let channel = values.map(|values| ControlChannel { name, values })?;
+            match control.length {
+                Some(unit) => channel.set_beside(displacement, scale / unit.scale),
+                None => Some(channel),
+            }
         });
+        let controls = controls.collect();
         let mut units = Units::default();
         let mut recording = Recording {
             name: self.name,
@@ -501,7 +511,7 @@ impl Samples {
             force: Vec::new(),
             velocity: None,
             temperature: None,
-            controls: controls.collect(),
+            controls,
             comments: self.values.comments,
             units,
             source: (self.values.cells).map(|(header, rows)| Source {

@@ -8,6 +8,7 @@ use super::Recording;
 use super::clock::{Clock, MOST_TICKS, MOST_TICKS_PER_SAMPLE};
 use crate::faults::held::smallest_step;
 use crate::faults::kind::ChannelFault;
+use crate::words::plain;
 
 crate::numbers! {
     /// How a recording is brought to equal steps.
@@ -235,8 +236,8 @@ impl Recording {
             &self.name,
             format!(
                 "time jumps by {} {symbol} here where samples are {} {symbol} apart",
-                step(longest) / scale,
-                period / scale
+                plain(step(longest) / scale),
+                plain(period / scale)
             ),
             "write what comes before and after into two files, or check the unit of the time column",
         )

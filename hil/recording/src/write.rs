@@ -12,6 +12,30 @@ use mesh_damper_tables::write::{
 
 use super::Recording;
 
+/// What a model predicts for the motion of a recording, one value per sample.
+pub struct Prediction {
+    /// The force, kN: the column `predicted_force_UNIT`, in the recording's own unit.
+    pub force: Vec<f64>,
+    /// Half the width of the band about it, kN: the column `predicted_band_UNIT`.
+    pub band: Vec<f64>,
+    /// How far the motion is beyond the operating range, as a fraction of the range, 0 within: the column `predicted_beyond`.
+    pub beyond: Vec<f64>,
+}
+
+/// The name of a column, the unit it is written in (none if it has no other than in the code), and its samples.
+type Channel<'a> = (String, Option<Unit>, &'a [f64]);
+
+impl Prediction {
+    fn columns(&self, unit: Unit) -> [Channel<'_>; 3] {
+        let of_force = |name: &str| format!("{name}_{}", unit.symbol);
+        [
+            ("predicted_beyond".to_owned(), None, &self.beyond),
+            (of_force("predicted_band"), Some(unit), &self.band),
+            (of_force("predicted_force"), Some(unit), &self.force),
+        ]
+    }
+}
+
 impl Recording {
     /// The recording as a file of the given name, in the format of the name's ending: see [`WriteAs`].
     ///
@@ -24,26 +48,24 @@ impl Recording {
         self.written(path, None)
     }
 
-    /// As [`Recording::to_file`], with two more columns, `predicted_band_UNIT` and `predicted_force_UNIT`, in the recording's own
-    /// unit. They replace columns of these names that the recording already has. `predicted` and its half width `band` are in kN,
-    /// one value per sample.
+    /// As [`Recording::to_file`], with the columns of a prediction. They replace columns of these names that the recording already has.
     ///
     /// # Errors
     /// As for [`Recording::to_file`]; a predicted value that is not finite.
     pub fn to_file_with_prediction(
         &self,
         path: &Path,
-        predicted: &[f64],
-        band: &[f64],
+        prediction: &Prediction,
     ) -> Result<Vec<u8>, InputError> {
-        self.written(path, Some([band, predicted]))
+        self.written(path, Some(prediction))
     }
 
-    fn written(&self, path: &Path, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, InputError> {
+    fn written(&self, path: &Path, predicted: Option<&Prediction>) -> Result<Vec<u8>, InputError> {
         let format = WriteAs::of(path).unwrap_or(WriteAs::Csv);
         let name = path.display().to_string();
-        let predictions = ["predicted_band", "predicted_force"].into_iter();
-        for (column, values) in predictions.zip(predicted.into_iter().flatten()) {
+        let force = self.units.force;
+        let predicted = predicted.map(|prediction| prediction.columns(force));
+        for (column, _, values) in predicted.iter().flatten() {
             check_column(&name, column, values)?;
         }
         // A text that was read may lack a value.
@@ -55,13 +77,13 @@ impl Recording {
         format.bytes(
             path,
             &self.comments,
-            || self.columns(predicted),
-            || self.to_csv(predicted),
+            || self.columns(predicted.as_ref()),
+            || self.to_csv(predicted.as_ref()),
         )
     }
 
     /// The columns that the recording was read from if they are numbers, else the recording's channels.
-    fn columns(&self, predicted: Option<[&[f64]; 2]>) -> Columns {
+    fn columns(&self, predicted: Option<&[Channel; 3]>) -> Columns {
         let mut columns: Columns = match &self.source {
             Some(source) => {
                 let mut columns: Vec<Option<(String, Vec<f64>)>> = (source.header.iter())
@@ -89,30 +111,19 @@ impl Recording {
                 columns
             }
             None => {
-                let each = self.channels().into_iter().map(|(name, unit, values)| {
-                    let of = |value: &f64| unit.map_or(*value, |unit| unit.from_code(*value));
-                    (name, values.iter().map(of).collect())
-                });
-                each.collect()
+                let each = self.channels().into_iter();
+                each.map(|channel| (channel.0.clone(), in_its_unit(&channel)))
+                    .collect()
             }
         };
-        let unit = self.units.force;
-        for (name, values) in ["predicted_band", "predicted_force"]
-            .into_iter()
-            .zip(predicted.into_iter().flatten())
-        {
-            let name = format!("{name}_{}", unit.symbol);
-            columns.retain(|(known, _)| *known != name);
-            columns.push((
-                name,
-                values.iter().map(|value| unit.from_code(*value)).collect(),
-            ));
+        for channel in predicted.into_iter().flatten() {
+            columns.retain(|(known, _)| *known != channel.0);
+            columns.push((channel.0.clone(), in_its_unit(channel)));
         }
         columns
     }
 
-    /// For each channel: the name of its column, its unit (none for a control input) and its samples.
-    fn channels(&self) -> Vec<(String, Option<Unit>, &[f64])> {
+    fn channels(&self) -> Vec<Channel<'_>> {
         let units = &self.units;
         let channels = [
             ("time", units.time, Some(&self.time)),
@@ -132,15 +143,20 @@ impl Recording {
     }
 }
 
+fn in_its_unit((_, unit, values): &Channel) -> Vec<f64> {
+    let each = values.iter();
+    each.map(|value| unit.map_or(*value, |unit| unit.from_code(*value)))
+        .collect()
+}
+
 impl Recording {
     /// The recording as text. A recording that was read from a text is written with the same cells.
-    fn to_csv(&self, predicted: Option<[&[f64]; 2]>) -> Result<Vec<u8>, Unwritten> {
+    fn to_csv(&self, predicted: Option<&[Channel; 3]>) -> Result<Vec<u8>, Unwritten> {
         let mut bytes = Vec::new();
         for comment in &self.comments {
             bytes.extend(comment_line(comment).bytes());
         }
-        let unit = self.units.force.symbol;
-        let columns = ["predicted_band", "predicted_force"].map(|name| format!("{name}_{unit}"));
+        let columns = || predicted.into_iter().flatten();
         let channels = self.channels();
         let header: csv::StringRecord = match &self.source {
             Some(source) => source.header.clone(),
@@ -148,23 +164,21 @@ impl Recording {
         };
         let is_replaced: Vec<bool> = header
             .iter()
-            .map(|name| predicted.is_some() && columns.iter().any(|column| column == name))
+            .map(|name| columns().any(|(column, ..)| column == name))
             .collect();
         // A first cell that looks like a comment is quoted.
         let mut writer = csv::WriterBuilder::new()
             .comment(Some(b'#'))
             .from_writer(bytes);
-        let mut line = |cells: &csv::StringRecord, last: Option<[String; 2]>| {
+        let mut line = |cells: &csv::StringRecord, last: Vec<String>| {
             let kept = cells
                 .iter()
                 .zip(&is_replaced)
                 .filter(|(_, is_replaced)| !**is_replaced)
                 .map(|(cell, _)| guarded(cell).into_owned());
-            writer
-                .write_record(kept.chain(last.into_iter().flatten()))
-                .map_err(Unwritten::by)
+            writer.write_record(kept.chain(last)).map_err(Unwritten::by)
         };
-        line(&header, predicted.is_some().then(|| columns.clone()))?;
+        line(&header, columns().map(|(name, ..)| name.clone()).collect())?;
         let mut cells = self.source.iter().flat_map(|source| source.rows.cells());
         let needs_all = channels.iter().map(|(name, unit, values)| {
             unit.is_some_and(|unit| needs_all_digits(name, unit, values))
@@ -172,12 +186,11 @@ impl Recording {
         let needs_all: Vec<bool> = needs_all.collect();
         let mut row = csv::StringRecord::new();
         for index in 0..self.len() {
-            let force = predicted.map(|both| {
-                both.map(|values| {
-                    let force = values.get(index).copied().unwrap_or_default();
-                    decimal(self.units.force.from_code(force))
-                })
+            let predicted = columns().map(|(_, unit, values)| {
+                let value = values.get(index).copied().unwrap_or_default();
+                decimal(unit.map_or(value, |unit| unit.from_code(value)))
             });
+            let predicted = predicted.collect();
             row.clear();
             match &self.source {
                 Some(_) => row.extend(cells.by_ref().take(header.len())),
@@ -193,7 +206,7 @@ impl Recording {
                     },
                 )),
             }
-            line(&row, force)?;
+            line(&row, predicted)?;
         }
         writer.into_inner().map_err(Unwritten::by)
     }

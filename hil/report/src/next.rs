@@ -54,7 +54,7 @@ pub fn steps(result: &TraceResult) -> Section {
                     ": record tests in which only one quantity changes, such as the frequency, the preload or the temperature, and trace them \
                      together. Until then, the error of the model is "
                     (text::percent(result.augmented.nrmse_held_out)) " on held-out data, and the noise "
-                    (text::percent(result.noise_floor_nrmse)) ": decide whether that suffices for your use."
+                    (text::noise(result)) ": decide whether that suffices for your use."
                 }
             }
             @if result.rejected.is_some() || is_worse {

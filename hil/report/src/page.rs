@@ -61,6 +61,10 @@ fn given(data: &ReportData) -> Section {
             dl { @for (name, text) in &data.facts { div { dt { (name) } dd { (text) } } } }
         }
         (recordings(data))
+        @if !data.result.rig.is_empty() {
+            p { strong { "What was stated about the rig" } }
+            ul { @for fact in data.result.rig.in_words() { li { (fact) } } }
+        }
         @if !data.result.guesses.is_empty() {
             p { strong { "How the files were read" } }
             ul { @for guess in &data.result.guesses { li { (guess) } } }

@@ -47,7 +47,7 @@ impl Evidence {
         let body = html! {
             p {
                 "The error of the fitted law is " (text::percent(error)) " of the force's RMS on data that was \
-                 never fitted; the noise of the recording is " (text::percent(result.noise_floor_nrmse)) ". "
+                 never fitted; the noise of the recording is " (text::noise(result)) ". "
                 @if error <= 2.0 * result.noise_floor_nrmse { "It is hardly more than noise." }
                 @else if result.conclusion() == Conclusion::Hidden {
                     "That is " (text::number(error / result.noise_floor_nrmse)) " times the noise, and the uncertainty of the estimated \

@@ -8,6 +8,7 @@ use mesh_damper_identify::trace::result::{
     Rejected, Remainder, Verdict,
 };
 use mesh_damper_identify::trace::rule::Rule;
+use mesh_damper_recording::rig::RigFacts;
 
 use super::*;
 
@@ -83,6 +84,7 @@ fn data() -> ReportData {
             recordings: vec!["ring-3.csv".into()],
             held_out: vec!["tests/ring-3-held.csv".into()],
             noise_floor_nrmse: 0.004,
+            noise_known: true,
             baseline: Baseline {
                 law: "mixed_damping".into(),
                 known: Vec::new(),
@@ -113,6 +115,7 @@ fn data() -> ReportData {
             unconfirmed: Vec::new(),
             conditions: Vec::new(),
             remainder: None,
+            elsewhere: None,
             explainable: None,
             candidates: vec![
                 candidate("stick_slip", 0.00432, true),
@@ -128,6 +131,7 @@ fn data() -> ReportData {
             correction: None,
             warnings: vec!["3 samples are missing after 4.2 s".into()],
             guesses: vec![r#"a.csv: force is read from column "Load" in N"#.into()],
+            rig: RigFacts::default(),
             augmented: Errors {
                 nrmse_fitted: 0.0041,
                 nrmse_held_out: 0.00432,

@@ -47,12 +47,26 @@ pub fn interval(low: f64, value: f64, high: f64) -> [String; 3] {
 
 /// An NRMSE as a percentage.
 pub fn percent(fraction: f64) -> String {
-    if fraction.is_finite() {
+    if fraction.abs() < ROUNDING {
+        "0 %".into()
+    } else if fraction.is_finite() {
         format!("{} %", number(100.0 * fraction))
     } else {
         "—".into()
     }
 }
+
+/// The noise of the recordings over the RMS of the force.
+pub fn noise(result: &TraceResult) -> String {
+    let level = percent(result.noise_floor_nrmse);
+    match result.noise_known {
+        true => level,
+        false => format!("at most {level}"),
+    }
+}
+
+/// A smaller fraction is the rounding of a computation. Convention: the rounding of f64 is 1e-16.
+const ROUNDING: f64 = 1e-12;
 
 /// A unit in the notation for readers: kN·s/mm, kN/mm².
 pub fn unit(unit: &str) -> String {
@@ -165,7 +179,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
         percent(result.baseline.nrmse_held_out),
         percent(result.augmented.nrmse_held_out),
         percent(result.on_target.nrmse_held_out),
-        percent(result.noise_floor_nrmse),
+        noise(result),
     );
     match result.conclusion() {
         Conclusion::Contradicted => (
@@ -175,7 +189,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
                  recording is {}. An effect may be missing that the fitted data does not show, or the held-out data is of another specimen.",
                 law(&result.baseline),
                 percent(result.baseline.nrmse_held_out),
-                percent(result.noise_floor_nrmse)
+                noise(result)
             ),
         ),
         Conclusion::Hidden => (
@@ -186,7 +200,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
                  of the displacement.",
                 law(&result.baseline),
                 percent(result.baseline.nrmse_held_out),
-                percent(result.noise_floor_nrmse)
+                noise(result)
             ),
         ),
         Conclusion::NothingMissing => (
@@ -196,7 +210,7 @@ fn concluded(result: &TraceResult) -> (String, String) {
                  the recording is {}.",
                 law(&result.baseline),
                 percent(result.baseline.nrmse_held_out),
-                percent(result.noise_floor_nrmse)
+                noise(result)
             ),
         ),
         Conclusion::Found => {

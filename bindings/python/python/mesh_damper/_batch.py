@@ -13,13 +13,16 @@ from typing import Any, Union
 
 from . import _core, _frames
 from ._errors import InputError
-from ._recordings import Decimal
+from ._recordings import Decimal, Zero
 from ._trace import Trace, model_of
 
 #: A path of a folder, a list or a table; several paths; or a data frame with a column `path`.
 Recordings = Any
 #: A path of a model or of a trace's folder, or a trace.
 ModelLike = Union[str, "os.PathLike[str]", Trace]
+
+#: Mass of the fixture, delay of the force, and zero of the displacement.
+Rig = tuple[float | None, float | None, Zero | None]
 
 _COLUMNS = ("path", "group", "specimen", "role", "held_out")
 
@@ -79,6 +82,9 @@ def trace_many(
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
     law: Any = None,
+    fixture_mass: float | None = None,
+    force_delay: float | None = None,
+    zero: Zero | None = None,
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Batch:
@@ -94,7 +100,7 @@ def trace_many(
 
     `channels`, `units`, `rate`, `table` and `decimal` say how to read the files, as the options of `hil batch` do: `channels` names the
     column of a quantity, `table` the sheet, group or table of files with several, and `decimal` is the decimal sign of text files, `point`
-    or `comma`.
+    or `comma`. `fixture_mass`, `force_delay` and `zero` are what is known about the rig, as for `trace`.
 
     `jobs` traces run at the same time; the default is the number of cores. A trace with the same recordings and options that an earlier
     run wrote into `out` is not repeated. A recording that cannot be read or traced gets a row with its `error`. Files of a folder whose
@@ -111,7 +117,7 @@ def trace_many(
         if not given:
             raise InputError("recordings: there is none; give at least one path")
     reading = _reading(channels, units, rate, table, decimal, max_read)
-    settings = _settings(reading, families, exclude, baseline, law, reports)
+    settings = _settings(reading, families, exclude, baseline, law, (fixture_mass, force_delay, zero), reports)
     folder = Path(out)
     summary, outcomes, effects, left_out = _core.trace_many(given, rows, folder, settings, jobs, progress)
     if left_out is not None:
@@ -132,7 +138,13 @@ def _reading(
 
 
 def _settings(
-    reading: _core.Reading, families: Sequence[str], exclude: Sequence[str], baseline: str, law: Any, reports: bool = False
+    reading: _core.Reading,
+    families: Sequence[str],
+    exclude: Sequence[str],
+    baseline: str,
+    law: Any,
+    rig: Rig,
+    reports: bool = False,
 ) -> _core.BatchSettings:
     return _core.BatchSettings(
         reading,
@@ -140,6 +152,7 @@ def _settings(
         [exclude] if isinstance(exclude, str) else list(exclude),
         baseline,
         None if law is None else model_of(law),
+        rig,
         reports,
     )
 
@@ -192,6 +205,9 @@ def identity(
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
     law: Any = None,
+    fixture_mass: float | None = None,
+    force_delay: float | None = None,
+    zero: Zero | None = None,
     max_read: int | None = None,
 ) -> str:
     """Return the `id` that `outcome` would give the row of these recordings, without tracing them.
@@ -199,7 +215,8 @@ def identity(
     It is a hash of the contents of the recordings, their roles, the settings and the program's version. It does not depend on the names of
     the files. Thus a scheduler knows which rows it has already.
     """
-    settings = _settings(_reading(channels, units, rate, table, decimal, max_read), families, exclude, baseline, law)
+    reading = _reading(channels, units, rate, table, decimal, max_read)
+    settings = _settings(reading, families, exclude, baseline, law, (fixture_mass, force_delay, zero))
     return _core.identity(_paths(recordings), _paths(held_out), settings)
 
 
@@ -221,6 +238,9 @@ def outcome(
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
     law: Any = None,
+    fixture_mass: float | None = None,
+    force_delay: float | None = None,
+    zero: Zero | None = None,
     max_read: int | None = None,
 ) -> dict[str, Any]:
     """Return the row of one trace, for a user's scheduler that maps over paths.
@@ -228,7 +248,8 @@ def outcome(
     It writes no file and uses one core. A failed trace gives a row instead of an exception. `outcomes` makes a table of many rows. The
     settings are those of `trace_many`.
     """
-    settings = _settings(_reading(channels, units, rate, table, decimal, max_read), families, exclude, baseline, law)
+    reading = _reading(channels, units, rate, table, decimal, max_read)
+    settings = _settings(reading, families, exclude, baseline, law, (fixture_mass, force_delay, zero))
     row: dict[str, Any] = json.loads(_core.outcome(_paths(recordings), _paths(held_out), settings))
     return row
 

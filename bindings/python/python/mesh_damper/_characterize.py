@@ -42,7 +42,13 @@ class Characterization:
             return self._frame([_spreads(self._found, ("equivalent_stiffness", "loss_factor"))])
         return self._frame(
             [
-                {"frequency": block["frequency"], **block["averaged"], **_spreads(block, ("stiffness", "loss_factor"))}
+                {
+                    "frequency": block["frequency"],
+                    **block["averaged"],
+                    **_spreads(block, ("stiffness", "loss_factor")),
+                    "low_stiffness": block["stiffness_interval"][0],
+                    "high_stiffness": block["stiffness_interval"][1],
+                }
                 for block in self._found["blocks"]
             ]
         )
@@ -103,6 +109,8 @@ def characterize(
     time: ChannelLike | float | None = None,
     displacement: ChannelLike | None = None,
     force: ChannelLike | None = None,
+    fixture_mass: float | None = None,
+    force_delay: float | None = None,
     units: Units = None,
     table: str | None = None,
     decimal: Decimal | None = None,
@@ -111,7 +119,8 @@ def characterize(
     """Compute stiffness and loss factor of a recording, as `hil characterize` does.
 
     `kind` is `static` for load–unload curves, or `dynamic` for cycles. The recording, its units, `table`, `decimal` and
-    `max_read` are given as for `trace`.
+    `max_read` are given as for `trace`. `fixture_mass` is the mass in kg that moves between the specimen and the load cell, and
+    `force_delay` the time in s by which the recorded force is late; both are taken out of the force.
     """
     if kind not in ("static", "dynamic"):
         raise InputError(f"kind: no kind is called {kind!r}; give static or dynamic")
@@ -122,5 +131,5 @@ def characterize(
     if len(recordings) != 1:
         raise InputError(f"characterize: {len(recordings)} recordings are given; give one")
     given.warn(stacklevel=2)
-    text, loops = _core.characterize(recordings[0], kind == "static")
+    text, loops = _core.characterize(recordings[0], kind == "static", (fixture_mass, force_delay, None))
     return Characterization(text, loops, given.library)

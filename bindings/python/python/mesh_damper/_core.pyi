@@ -113,6 +113,7 @@ class BatchSettings:
         exclude: Sequence[str],
         baseline: str,
         law: Model | None = None,
+        rig: tuple[float | None, float | None, str | None] | None = None,
         reports: bool = False,
     ) -> BatchSettings: ...
 
@@ -125,11 +126,12 @@ def trace(
     exclude: Sequence[str],
     baseline: str,
     law: Model | None = None,
+    rig: tuple[float | None, float | None, str | None] | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Trace: ...
 def write_files(files: Sequence[tuple[str | PathLike[str], str]]) -> None: ...
 def characterize(
-    recording: Recording, is_static: bool
+    recording: Recording, is_static: bool, rig: tuple[float | None, float | None, str | None] | None = None
 ) -> tuple[str, list[tuple[list[tuple[float, float]], list[tuple[float, float]]]]]: ...
 def respond(
     model: Model,

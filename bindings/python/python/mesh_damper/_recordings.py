@@ -25,6 +25,8 @@ Units = Mapping[str, str] | str | None
 Inputs = Sequence[str] | Mapping[str, ChannelLike] | None
 #: The name of the decimal sign of a text.
 Decimal = Literal["point", "comma"]
+#: Where the displacement of a specimen is 0.
+Zero = Literal["mean", "start", "none"]
 #: A column for the core: name; values, or the reason why they are not numbers; whether they are dates or durations; whether it is the index
 #: of its frame.
 Column = tuple[str, Array | str, bool, bool]

@@ -15,7 +15,7 @@ import numpy as np
 from . import _core, _frames
 from ._errors import InputError
 from ._frames import Library
-from ._recordings import ChannelLike, Decimal, Given, Inputs, RecordingLike, Units
+from ._recordings import ChannelLike, Decimal, Given, Inputs, RecordingLike, Units, Zero
 from ._words import interval, percent, unit_in_words
 
 if TYPE_CHECKING:
@@ -294,6 +294,9 @@ def trace(
     exclude: Sequence[str] = (),
     baseline: str = "mixed",
     law: Any = None,
+    fixture_mass: float | None = None,
+    force_delay: float | None = None,
+    zero: Zero | None = None,
     title: str | None = None,
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
@@ -317,6 +320,10 @@ def trace(
 
     `families` and `exclude` restrict the families that are tried. `baseline` is the law without effects: `mixed`, `linear` or `none`.
     `law` is a model with known effects.
+
+    `fixture_mass` is the mass in kg that moves between the specimen and the load cell, and `force_delay` the time in s by which the
+    recorded force is late, negative if it is early. `zero` says where the displacement of the specimen is 0: at the `mean` of the recorded
+    displacement, at its value at the `start`, or at the recorded zero (`none`). What is given is known, and is not fitted.
 
     `progress` is called with a sentence at each step. Ctrl-C ends a trace.
 
@@ -346,6 +353,7 @@ def trace(
         [exclude] if isinstance(exclude, str) else list(exclude),
         baseline,
         None if law is None else model_of(law),
+        (fixture_mass, force_delay, zero),
         progress,
     )
     return Trace(core, given.notes(), given.library)

@@ -327,7 +327,13 @@ fn uses(chosen: &Chosen) -> HashMap<usize, String> {
         (used.column, format!("{channel} in {unit}{how}"))
     });
     let controls = chosen.controls.iter();
-    let controls = controls.map(|each| (each.column, format!("control input {}", each.name)));
+    let controls = controls.map(|each| {
+        let how = match each.length {
+            Some(_) => ", if it stays the same",
+            None => "",
+        };
+        (each.column, format!("control input {}{how}", each.name))
+    });
     let mut uses: HashMap<usize, String> = controls.collect();
     // The first use of a column counts.
     used.rev().for_each(|(column, how)| {

@@ -8,6 +8,7 @@ mod full;
 mod inspect;
 mod inspect_questions;
 mod inspect_words;
+mod known_rig;
 mod predict;
 mod progress;
 mod reading;

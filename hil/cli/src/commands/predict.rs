@@ -6,12 +6,13 @@ use std::str::FromStr;
 
 use clap::Args;
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
-use mesh_damper_model::file::{ModelFile, model_error};
-use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded};
+use mesh_damper_model::file::{Elsewhere, ModelFile, model_error};
+use mesh_damper_model::predict::{band, nrmse, own_band, predict, predict_embedded};
 use mesh_damper_output::Plan;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::ScalePolicy;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::write::Prediction;
 use mesh_damper_tables::write::WriteAs;
 use serde::{Serialize, Serializer};
 
@@ -25,8 +26,10 @@ use crate::commands::{Failure, say, warn};
 
 /// Predict the force for a recording's motion with a model
 ///
-/// Writes the rows of the recording and two more columns, in the recording's unit: predicted_force_UNIT and predicted_band_UNIT. The band
-/// is half the width of the 90 % interval of the force due to displacement noise. It does not include the error of the model.
+/// Writes the rows of the recording and three more columns: predicted_force_UNIT and predicted_band_UNIT in the recording's unit, and
+/// predicted_beyond. The band is half the width of the interval that holds the force in nine of ten cases, by the model's errors on motions
+/// left out of its fit and by the noise of the displacement. The third column says how far the motion is beyond the range that the model
+/// was fitted on, as a fraction of that range; there the band is not known.
 /// The recording may lack a force: then no error is computed.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  hil demo --seed 4\n  \
@@ -138,6 +141,10 @@ pub(in crate::commands) struct Summary<'a> {
     nrmse: Option<f64>,
     /// RMS of the band's half width over the RMS of the measured force, or of the predicted force if no force was measured.
     band: f64,
+    /// The part of the band that is due to displacement noise, in the same way.
+    band_of_noise: f64,
+    /// The error of the model on motions that were left out of its fit; null if the model file does not hold it.
+    elsewhere: Option<Elsewhere>,
     /// Excess of the motion over the operating range, as a fraction of the range.
     beyond_fitted_range: f64,
     /// The fraction of the samples outside the operating range, and their distance from it, in displacement and velocity.
@@ -178,6 +185,23 @@ struct Input<'a> {
     name: &'a str,
     /// Value of each sample, in the unit of the name.
     values: &'a [f64],
+}
+
+impl Summary<'_> {
+    /// How large an error is to be expected.
+    fn trust(&self) -> String {
+        let noise = 100.0 * self.band_of_noise;
+        match &self.elsewhere {
+            Some(Elsewhere { conditions, .. }) => format!(
+                "nine of ten errors are expected within {:.2} %, by {conditions} conditions left out of the fit and by the displacement's \
+                 noise, {noise:.2} %",
+                100.0 * self.band
+            ),
+            None => format!(
+                "the model's own error is unknown; displacement noise may cause up to {noise:.2} %"
+            ),
+        }
+    }
 }
 
 impl<'a> LawMotion<'a> {
@@ -239,7 +263,22 @@ impl Predict {
             #[cfg(feature = "full")]
             On::Linked(link) => link.predict(self.log, &model, &trajectory, wrong)?,
         };
-        let band = band(&model, &trajectory).map_err(wrong)?;
+        let of_noise = band(&model, &trajectory).map_err(wrong)?;
+        let elsewhere = file.elsewhere();
+        let band: Vec<f64> = match &elsewhere {
+            Some(elsewhere) => {
+                let own = own_band(elsewhere, &trajectory, &force);
+                own.iter()
+                    .zip(&of_noise)
+                    .map(|(own, noise)| own.hypot(*noise))
+                    .collect()
+            }
+            None => of_noise.clone(),
+        };
+        let motion = &trajectory.motion;
+        let range = file.fitted_range();
+        let samples = motion.displacement.iter().zip(&motion.velocity);
+        let beyond: Vec<f64> = samples.map(|(&y, &v)| range.beyond(y, v)).collect();
         // A constant channel is no measured force.
         let is_measured = recording.force.iter().any(|f| *f != recording.force[0]);
         let error = is_measured.then(|| {
@@ -250,7 +289,8 @@ impl Predict {
         if let Some(path) = &self.motion {
             outputs.add_document(path, &LawMotion::new(self.on.clone(), &trajectory, &force))?;
         }
-        let [force, band] = [force, band].map(|values| uniform.at_samples_of(&repaired, &values));
+        let [force, band, of_noise, beyond] =
+            [force, band, of_noise, beyond].map(|values| uniform.at_samples_of(&repaired, &values));
 
         for fault in &trajectory.faults {
             warn(&format!("{}: {fault}", recording.name));
@@ -265,9 +305,7 @@ impl Predict {
                 recording.name
             ));
         }
-        let motion = &trajectory.motion;
-        let outside =
-            Extrapolation::of(&file.fitted_range(), &motion.displacement, &motion.velocity);
+        let outside = Extrapolation::of(&range, &motion.displacement, &motion.velocity);
         warn_of_range(&self.model, &outside, "samples");
         if recording.temperature.is_none() && model.depends_on_temperature() {
             warn(&format!(
@@ -277,24 +315,33 @@ impl Predict {
                 trajectory.temperature_at(0)
             ));
         }
+        let shown = match error {
+            Some(_) => rms(&repaired.force),
+            None => rms(&force),
+        };
+        let part = |values: &[f64]| rms(values) / shown;
         let summary = Summary {
             model: &self.model,
             recording: &self.recording,
             on: self.on.clone(),
             samples: recording.len(),
             nrmse: error,
-            band: rms(&band)
-                / rms(if error.is_some() {
-                    &repaired.force
-                } else {
-                    &force
-                }),
+            band: part(&band),
+            band_of_noise: part(&of_noise),
+            elsewhere,
             beyond_fitted_range: outside.most(),
             outside_operating_range: outside,
         };
         outputs.add(
             &self.out,
-            recording.to_file_with_prediction(&self.out, &force, &band)?,
+            recording.to_file_with_prediction(
+                &self.out,
+                &Prediction {
+                    force,
+                    band,
+                    beyond,
+                },
+            )?,
         );
         if let Some(json) = &self.json {
             outputs.add_document(json, &summary)?;
@@ -312,10 +359,10 @@ impl Predict {
                 None => "no error, because no force was measured,".into(),
             };
             say(&format!(
-                "{}: {error} over {} samples; displacement noise may cause up to {:.2} %",
+                "{}: {error} over {} samples; {}",
                 self.out.display(),
                 summary.samples,
-                100.0 * summary.band
+                summary.trust()
             ));
             say(&in_words(&summary.outside_operating_range));
         }

@@ -1,12 +1,13 @@
 //! The options of every command that reads files: the largest file, and the columns of recordings.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::shell;
 use mesh_damper_output::terminal::tell;
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::notes::shared;
 use mesh_damper_tables::files;
 use mesh_damper_tables::read_limit::ReadLimit;
 
@@ -82,6 +83,21 @@ impl RecordingFiles {
         let recording = Recording::read_channels(path, &self.stated())?;
         say_guesses(recording.named_guesses());
         Ok(recording)
+    }
+
+    /// Reads the channels of recordings, and prints the guesses: one line for all recordings that share one.
+    pub fn channels_of(&self, all: [&[PathBuf]; 2]) -> Result<[Vec<Recording>; 2], InputError> {
+        let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, InputError> {
+            let each = paths.iter();
+            each.map(|path| Recording::read_channels(path, &self.stated()))
+                .collect()
+        };
+        let [first, second] = all;
+        let read = [read(first)?, read(second)?];
+        let each = || read.iter().flatten();
+        let guesses = each().flat_map(Recording::named_guesses);
+        say_guesses(shared(each().map(|one| one.name.as_str()), guesses));
+        Ok(read)
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
-use mesh_damper_model::file::ModelFile;
+use mesh_damper_model::file::{Elsewhere, ModelFile};
 use mesh_damper_model::respond::{
     EnergyBalance, Excitation, LeftOut, Moment, Response, Settings, respond,
 };
@@ -126,6 +126,8 @@ pub(in crate::commands) struct Summary<'a> {
     beyond_fitted_range: f64,
     /// The fraction of the samples outside the operating range, and their distance from it.
     outside_operating_range: Extrapolation,
+    /// The error of the model's force on motions that were left out of its fit; null if the model file does not hold it.
+    elsewhere: Option<Elsewhere>,
     /// Effects of the model that the integration leaves out or treats differently.
     left_out: &'a [LeftOut],
 }
@@ -239,6 +241,7 @@ impl RespondCommand {
             energy: response.energy,
             beyond_fitted_range: outside.most(),
             outside_operating_range: outside,
+            elsewhere: file.elsewhere(),
             left_out: &response.left_out,
         };
         outputs.add(&self.out, to_file(&self.out, &input, drive, &response)?);
@@ -310,6 +313,17 @@ fn print(out: &Path, summary: &Summary<'_>) {
         "Energy, J: input {:.5} = kinetic {:.5} + springs {:.5} + dissipated {:.5} + error of the steps {:.1e}",
         energy.input, energy.kinetic, energy.elastic, energy.dissipated, energy.residual
     ));
+    say_how_far_to_trust(summary.elsewhere.as_ref());
+}
+
+/// How large an error of the force is to be expected.
+pub fn say_how_far_to_trust(elsewhere: Option<&Elsewhere>) {
+    if let Some(Elsewhere { conditions, most }) = elsewhere {
+        say(&format!(
+            "Nine of ten errors of the model's force are expected within {:.2} % of its RMS, by {conditions} conditions left out of the fit",
+            100.0 * most
+        ));
+    }
 }
 
 fn warn_of_input(input: &InputSignal, drive: Drive) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mesh_damper_model::extrapolation::Extrapolation;
-use mesh_damper_model::file::{FittedRange, ModelFile};
+use mesh_damper_model::file::{Elsewhere, FittedRange, ModelFile};
 use mesh_damper_model::respond::{Settings, Sweep, SweepPoint, SweepRange, sweep};
 use mesh_damper_output::Plan;
 use mesh_damper_output::error::InputError;
@@ -14,7 +14,7 @@ use mesh_damper_tables::write::{WriteAs, table};
 use serde::Serialize;
 
 use super::controls::Controls;
-use super::respond::{warn_of_left_out, warn_of_range};
+use super::respond::{say_how_far_to_trust, warn_of_left_out, warn_of_range};
 use crate::commands::document::AddDocument as _;
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say, warn};
@@ -67,6 +67,8 @@ pub(in crate::commands) struct Summary<'a> {
     beyond_fitted_range: f64,
     /// The fraction of the points outside the operating range, and their distance from it.
     outside_operating_range: Extrapolation,
+    /// The error of the model's force on motions that were left out of its fit; null if the model file does not hold it.
+    elsewhere: Option<Elsewhere>,
     #[serde(flatten)]
     sweep: &'a Sweep,
 }
@@ -133,6 +135,7 @@ impl SweepOptions {
                 mass: settings.mass,
                 beyond_fitted_range: outside.most(),
                 outside_operating_range: outside,
+                elsewhere: file.elsewhere(),
                 sweep: &found,
             };
             outputs.add_document(path, &summary)?;
@@ -140,6 +143,7 @@ impl SweepOptions {
         outputs.write()?;
         if ![Some(out), json, self.picture.as_deref()].contains(&Some(Path::new("-"))) {
             print(&found.points);
+            say_how_far_to_trust(file.elsewhere().as_ref());
         }
         Ok(())
     }

@@ -8,7 +8,10 @@ use mesh_damper_identify::trace::Sought;
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_output::error::InputError;
+use mesh_damper_recording::rig::DisplacementZero;
 use mesh_damper_tables::read_limit::ReadLimit;
+
+use super::known_rig::{KnownRig, zero};
 
 /// The families to look for in a trace.
 #[derive(Args, Clone, Debug)]
@@ -30,6 +33,14 @@ pub struct Seeking {
     /// of the model.
     #[arg(long, value_name = "MODEL")]
     law: Option<PathBuf>,
+    #[command(flatten)]
+    rig: KnownRig,
+    /// Where the displacement of the specimen is 0: mean, start or none; the default is what the recording shows
+    ///
+    /// `mean` is the mean of the recorded displacement, `start` the displacement at rest with which the recording starts, `none` the
+    /// recorded zero.
+    #[arg(long, value_name = "WHERE", value_parser = zero)]
+    zero: Option<DisplacementZero>,
 }
 
 impl Seeking {
@@ -41,7 +52,7 @@ impl Seeking {
     /// The settings of these options.
     ///
     /// # Errors
-    /// A model of known effects that cannot be read, or with an effect that the fit does not know.
+    /// A model of known effects that cannot be read, or with an effect that the fit does not know; a mass beyond the crate's range.
     pub fn sought(&self, limit: ReadLimit) -> Result<Sought, InputError> {
         let known = match &self.law {
             Some(path) => {
@@ -50,12 +61,13 @@ impl Seeking {
             }
             None => Sought::default(),
         };
-        Ok(Sought {
+        let sought = Sought {
             families: self.families.clone(),
             exclude: self.exclude.clone(),
             law: self.baseline,
             ..known
-        })
+        };
+        sought.on_rig(self.rig.facts(self.zero))
     }
 }
 

@@ -27,6 +27,13 @@ pub fn print(result: &TraceResult) {
     if let Some(residual) = residual(result) {
         say(&residual);
     }
+    for fact in result.rig.in_words() {
+        say(&format!("Stated: {fact}"));
+    }
+    let noise = match result.noise_known {
+        true => "noise of the recording",
+        false => "noise of the recording, at most",
+    };
     let before = format!("before: {}", law_alone(&result.baseline));
     say("Error of the force, RMS over RMS            fitted     held out");
     for (what, fitted, held_out) in [
@@ -45,7 +52,7 @@ pub fn print(result: &TraceResult) {
             None,
             result.on_target.nrmse_held_out,
         ),
-        ("noise of the recording", None, result.noise_floor_nrmse),
+        (noise, None, result.noise_floor_nrmse),
     ] {
         let fitted = fitted.map(percent).unwrap_or_default();
         say(&format!(

@@ -6,6 +6,7 @@ use std::sync::Once;
 use clap::Args;
 use mesh_damper_identify::trace::trace_for;
 use mesh_damper_output::Plan;
+use mesh_damper_recording::notes::shared;
 use mesh_damper_recording::{Recording, refuse_repeats};
 use mesh_damper_report::{self as report, ReportData, declared};
 
@@ -58,15 +59,9 @@ impl TraceCommand {
             .writes(&self.json)
             .begin()?;
         refuse_repeats(self.recordings.iter().chain(&self.held_out))?;
-        let read = |paths: &[PathBuf]| {
-            paths
-                .iter()
-                .map(|path| self.files.channels(path))
-                .collect::<Result<Vec<_>, _>>()
-        };
         let sought = self.seeking.sought(self.files.reading.limit)?;
-        let recordings = read(&self.recordings)?;
-        let held_out = read(&self.held_out)?;
+        let [recordings, held_out] =
+            (self.files).channels_of([&self.recordings, &self.held_out])?;
         let progress = Progress::steps();
         let begun = Once::new();
         let found = trace_for(&sought, &recordings, &held_out, &|what| {
@@ -113,12 +108,16 @@ impl TraceCommand {
 
 /// A search with a wrong unit takes long, or ends in an error that does not name the unit.
 fn warn_of_units<'r>(progress: &Progress, recordings: impl Iterator<Item = &'r Recording>) {
+    let (mut names, mut doubts) = (Vec::new(), Vec::new());
     for recording in recordings {
+        names.push(recording.name.as_str());
         let repaired = recording.repaired();
         let faults = repaired.faults().iter();
-        for fault in faults.filter(|fault| fault.is_doubtful_unit()) {
-            progress.warn(&format!("{}: {fault}", recording.name));
-        }
+        let doubtful = faults.filter(|fault| fault.is_doubtful_unit());
+        doubts.extend(doubtful.map(|fault| format!("{}: {fault}", recording.name)));
+    }
+    for doubt in shared(names, doubts) {
+        progress.warn(&doubt);
     }
 }
 

@@ -270,7 +270,9 @@ fn a_prediction_for_a_file_of_another_program_is_written_in_our_own_format() {
     );
     let written = fs::read_to_string(root.path().join("p.csv")).unwrap();
     assert!(
-        written.starts_with("time_s,displacement_mm,force_N,predicted_band_N,predicted_force_N\n"),
+        written.starts_with(
+            "time_s,displacement_mm,force_N,predicted_beyond,predicted_band_N,predicted_force_N\n"
+        ),
         "{written}"
     );
     assert_eq!(written.lines().count(), 401);

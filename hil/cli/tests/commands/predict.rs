@@ -102,12 +102,17 @@ fn the_rows_come_back_with_a_column_in_the_recordings_own_unit() {
         assert_eq!(lines[0], before[0]);
         assert_eq!(
             lines[1],
-            format!("{},predicted_band_lbf,predicted_force_lbf", before[1])
+            format!(
+                "{},predicted_beyond,predicted_band_lbf,predicted_force_lbf",
+                before[1]
+            )
         );
         for (i, (line, before)) in lines.iter().zip(&before).enumerate().skip(2) {
             let (row, force) = line.rsplit_once(',').unwrap();
             let (row, band) = row.rsplit_once(',').unwrap();
+            let (row, beyond) = row.rsplit_once(',').unwrap();
             assert_eq!(row, *before);
+            assert!(beyond.parse::<f64>().unwrap() >= 0.0, "{i}: {beyond}");
             let [force, band]: [f64; 2] = [force, band].map(|cell| cell.parse().unwrap());
             assert!((0.0..5e-3).contains(&band), "{i}: {band}");
             let expected =

@@ -1,4 +1,4 @@
-//! A moving mass.
+//! A moving mass, or one for which a load cell is compensated although it is not there.
 
 use mesh_damper::effects::Inertia;
 
@@ -8,7 +8,6 @@ use super::{Form, FormSpec, one, run};
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
     name: "inertia",
     family: "inertia",
-    size_is_positive: true,
     unit_forces: |_, motion| Ok(vec![run(&Inertia::new(1.0)?, motion)]),
     elements: |value| one(vec![("mass", value.size(0))]),
     ..FormSpec::PLAIN

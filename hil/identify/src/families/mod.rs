@@ -117,7 +117,7 @@ pub struct FormSpec {
     pub entry: Entry,
     /// The names of its shapes: positive numbers that are searched on a logarithmic scale.
     pub shape_names: &'static [&'static str],
-    /// Whether a negative size would be a source of energy, a negative mass or a wall that pulls.
+    /// Whether a negative size would be a source of energy or a wall that pulls.
     pub size_is_positive: bool,
     /// Whether some of its sizes may be 0: missing elements.
     pub elements_may_miss: bool,
@@ -330,6 +330,7 @@ mod tests {
                 form,
                 reference,
                 is_known: false,
+                held: None,
             },
             sizes: vec![0.1; form.sizes()],
             shapes: vec![1.0; form.shape_names.len()],

@@ -101,6 +101,7 @@ mod tests {
         each.map(|error| RelativeError {
             error: error * error,
             noise: 1e-6,
+            most: 0.0,
         })
         .collect()
     }

@@ -8,7 +8,8 @@ use mesh_damper_recording::Recording;
 use mesh_damper_recording::cycles::FoundBlock;
 use mesh_damper_recording::faults::ShiftPolicy;
 use mesh_damper_recording::pink::pink_deviation;
-use mesh_damper_recording::trajectory::{Known, Trajectory};
+use mesh_damper_recording::rig::RigFacts;
+use mesh_damper_recording::trajectory::{Known, Trajectory, Zero};
 use mesh_damper_recording::zero::{ZeroPolicy, zero_step};
 use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
@@ -38,25 +39,38 @@ pub(super) struct Aligned<'r> {
     pub trajectories: [Vec<Trajectory>; 2],
     /// Delay of the force according to the channels, s, until a model shows a better value.
     estimate: Option<f64>,
+    rig: RigFacts,
 }
 
 impl<'r> Aligned<'r> {
     /// Applies the result from the longest of the `fitted` recordings, or else of the held-out ones, to all recordings that may
-    /// share it.
+    /// share it, unless `rig` states it.
     ///
     /// # Errors
-    /// As [`Trajectory::of`].
-    pub fn of(fitted: &'r [&'r Recording], held: &'r [&'r Recording]) -> Result<Self, InputError> {
+    /// As [`Trajectory::knowing`].
+    pub fn of(
+        fitted: &'r [&'r Recording],
+        held: &'r [&'r Recording],
+        rig: RigFacts,
+    ) -> Result<Self, InputError> {
+        let known = Known {
+            rig,
+            ..Known::default()
+        };
         let each = |recordings: &[&Recording]| -> Result<Vec<Trajectory>, InputError> {
             let each = recordings.iter();
-            each.map(|recording| Trajectory::of(recording)).collect()
+            each.map(|recording| Trajectory::knowing(recording, known))
+                .collect()
         };
         let mut aligned = Self {
             recordings: [fitted, held],
             trajectories: [each(fitted)?, each(held)?],
             estimate: None,
+            rig,
         };
-        aligned.share_zero()?;
+        if rig.zero.is_none() {
+            aligned.share_zero()?;
+        }
         if let Some(shifted) = aligned.shifted() {
             let (late, tick) = (shifted.late, shifted.tick);
             aligned.estimate = Some(late);
@@ -86,6 +100,40 @@ impl<'r> Aligned<'r> {
         };
         self.move_from(late, to)?;
         Ok(true)
+    }
+
+    /// Whether a force was moved, or its delay is stated.
+    pub fn is_moved(&self) -> bool {
+        self.rig.force_delay.is_some() || self.shifted().is_some()
+    }
+
+    /// Moves the force of every recording, which is early by −`late` s, too far at first, as in [`Aligned::of`]: one rig has one delay.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn move_early(&mut self, late: f64) -> Result<(), InputError> {
+        self.estimate = Some(late);
+        let tick = self.trajectories[0].first().map_or(0.0, |one| one.tick);
+        self.move_all(late - AlignedPolicy::in_use().too_far * tick)
+    }
+
+    /// Takes every force as it was recorded.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn stay(&mut self) -> Result<(), InputError> {
+        self.estimate = None;
+        self.move_all(0.0)
+    }
+
+    fn move_all(&mut self, late: f64) -> Result<(), InputError> {
+        self.again(|trajectory| {
+            Some(Known {
+                late: Some(late),
+                zero: Some(zero_of(trajectory)),
+                ..Known::default()
+            })
+        })
     }
 
     /// Allows for noise that quick changes do not show. Returns whether the residuals of laws with these `forces`, in the order of
@@ -248,7 +296,8 @@ impl<'r> Aligned<'r> {
             let shares = trajectory.late != 0.0 && differs < AlignedPolicy::in_use().same_shift;
             (shares || trajectory.may_be_late_by(to)).then_some(Known {
                 late: Some(to),
-                is_off: Some(trajectory.centre != 0.0),
+                zero: Some(zero_of(trajectory)),
+                ..Known::default()
             })
         })
     }
@@ -264,7 +313,7 @@ impl<'r> Aligned<'r> {
                 AlignedPolicy::in_use().same_zero * largest.min(largest_amplitude(trajectory));
             let shares = trajectory.centre == 0.0 && (trajectory.middle - middle).abs() < same;
             shares.then_some(Known {
-                is_off: Some(true),
+                zero: Some(Zero::Middle),
                 ..Known::default()
             })
         })
@@ -275,11 +324,23 @@ impl<'r> Aligned<'r> {
         for (recordings, trajectories) in self.recordings.iter().zip(&mut self.trajectories) {
             for (recording, trajectory) in recordings.iter().zip(trajectories) {
                 if let Some(known) = known(trajectory) {
+                    let known = Known {
+                        rig: self.rig,
+                        ..known
+                    };
                     *trajectory = Trajectory::knowing(recording, known)?;
                 }
             }
         }
         Ok(())
+    }
+}
+
+/// Where its displacement is counted from, if nothing is stated.
+fn zero_of(trajectory: &Trajectory) -> Zero {
+    match trajectory.centre {
+        0.0 => Zero::Recorded,
+        _ => Zero::Middle,
     }
 }
 
@@ -401,7 +462,7 @@ mod tests {
         let early = recording("early", [1.0, 5.0], -3);
         let recordings = [&early];
         for ticks in [0.5, 2.0, 9.0] {
-            let mut aligned = Aligned::of(&recordings, &[]).unwrap();
+            let mut aligned = Aligned::of(&recordings, &[], RigFacts::default()).unwrap();
             let before = aligned.trajectories[0][0].late;
             assert!((before / TICK + 3.5).abs() < 0.5, "{before} s");
             assert!(aligned.follow(&late_by(ticks * TICK)).unwrap());
@@ -423,7 +484,7 @@ mod tests {
             let hides = recording("hides", hides, late);
             assert_eq!(Trajectory::of(&hides).unwrap().late, 0.0);
             for (fitted, held) in [([&shows], [&hides]), ([&hides], [&shows])] {
-                let aligned = Aligned::of(&fitted, &held).unwrap();
+                let aligned = Aligned::of(&fitted, &held, RigFacts::default()).unwrap();
                 let [fitted, held] = aligned.trajectories.map(|each| each[0].late / TICK);
                 assert!(
                     (fitted + 0.5 - late as f64).abs() < 0.5,
@@ -439,7 +500,7 @@ mod tests {
         let early = recording("early", [1.0, 5.0], -20);
         let in_time = recording("in time", [5.0, 5.0], 0);
         let (fitted, held) = ([&early], [&in_time]);
-        let aligned = Aligned::of(&fitted, &held).unwrap();
+        let aligned = Aligned::of(&fitted, &held, RigFacts::default()).unwrap();
         assert!(aligned.trajectories[0][0].late < -19.0 * TICK);
         assert_eq!(aligned.trajectories[1][0].late, 0.0);
     }

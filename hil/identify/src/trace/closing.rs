@@ -1,6 +1,7 @@
 //! The end of a trace: fits the result to all open samples, and computes its error on the held-out ones.
 
-use mesh_damper_model::predict::{predict, predict_embedded};
+use mesh_damper_model::file::Elsewhere;
+use mesh_damper_model::predict::{NINETY_PERCENT, predict, predict_embedded};
 use mesh_damper_model::{Family, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use rayon::prelude::*;
@@ -19,7 +20,9 @@ use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::unlisted::Laws;
-use super::verdict::{accounts_for, conclude, depends_on, generalises, rivals, warnings};
+use super::verdict::{
+    accounts_for, conclude, depends_on, generalises, rivals, warnings, zero_in_doubt,
+};
 use super::witness::{Explainable, explainable};
 use crate::base_law::BaseLaw;
 use crate::basis::Basis;
@@ -130,6 +133,7 @@ impl<'a> Closing<'a> {
             mut verdict,
             left,
             effects_rejected_by,
+            in_turn,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
         let is_more_missing = verdict == Verdict::Unlisted;
         let mut laws = if is_more_missing {
@@ -148,6 +152,7 @@ impl<'a> Closing<'a> {
                 table_rejected_by: None,
                 rejected: None,
                 graded: None,
+                in_turn,
             }
         };
         if is_more_missing {
@@ -191,6 +196,7 @@ impl<'a> Closing<'a> {
             table_rejected_by,
             rejected,
             graded,
+            in_turn,
         } = laws;
         let baseline = alone.model();
         let named = solution.model();
@@ -263,6 +269,9 @@ impl<'a> Closing<'a> {
                 "only one amplitude and one frequency were fitted: what the model does at others is unknown; record more of them".to_owned(),
             );
         }
+        if self.sought.rig.zero.is_none() {
+            warnings.extend(zero_in_doubt(&model, self.trajectories));
+        }
         let explainable = self.witness(&left_out, &model)?;
         if let Some(witness) = explainable.filter(|one| one.counts()) {
             warnings.push(format!(
@@ -299,6 +308,7 @@ impl<'a> Closing<'a> {
                 .collect(),
             remainder,
             explainable,
+            elsewhere: left_out.differ().then(|| elsewhere(&in_turn)).flatten(),
             candidates: self.candidates(selection, &found)?,
             effects_rejected_by: effects_rejected_by
                 .or((fails_on_held_out && verdict == Verdict::Unlisted).then_some(Rule::SaysLess)),
@@ -310,6 +320,8 @@ impl<'a> Closing<'a> {
             correction: model.correction.as_ref().map(CorrectionSummary::of),
             warnings,
             guesses: Vec::new(),
+            rig: self.sought.rig,
+            noise_known: self.trajectories.iter().all(|one| one.noise_is_known),
             augmented: with,
             on_target: OnTarget {
                 nrmse_held_out: on_target.nrmse_held_out,
@@ -351,6 +363,7 @@ impl<'a> Closing<'a> {
             verdict,
             left,
             effects_rejected_by,
+            in_turn: Vec::new(),
         };
         if verdict == Verdict::Unlisted {
             return Ok(concluded);
@@ -358,14 +371,25 @@ impl<'a> Closing<'a> {
         let unlisted = |rule| Concluded {
             verdict: Verdict::Unlisted,
             effects_rejected_by: (!solution.is_alone()).then_some(rule),
-            ..concluded
+            left,
+            in_turn: Vec::new(),
         };
         let witness = self.witness(left_out, &solution.model())?;
         if witness.is_some_and(|one| one.counts()) {
             return Ok(unlisted(Rule::Predictable));
         }
+        let in_turn = |law| match left_out.are_motions() {
+            true => left_out.in_turn(Samples::Telling, &|picked| {
+                Ok(self.refit_model(&self.rows[0], law, picked))
+            }),
+            false => self.on_validation(law),
+        };
+        let of_solution = in_turn(solution)?;
         if solution.is_alone() {
-            return Ok(concluded);
+            return Ok(Concluded {
+                in_turn: of_solution,
+                ..concluded
+            });
         }
         let left_by_alone = left_out.left_by(&alone.model())?;
         let accounts = match (
@@ -375,18 +399,15 @@ impl<'a> Closing<'a> {
             (Some(alone), Some(left)) => accounts_for(alone, left),
             _ => true,
         };
-        let in_turn = |law| match left_out.are_motions() {
-            true => left_out.in_turn(Samples::Telling, &|picked| {
-                Ok(self.refit_model(&self.rows[0], law, picked))
-            }),
-            false => self.on_validation(law),
-        };
         Ok(if !accounts {
             unlisted(Rule::AccountsForTooLittle)
-        } else if !generalises(&in_turn(alone)?, &in_turn(solution)?) {
+        } else if !generalises(&in_turn(alone)?, &of_solution) {
             unlisted(Rule::UnknownElsewhere)
         } else {
-            concluded
+            Concluded {
+                in_turn: of_solution,
+                ..concluded
+            }
         })
     }
 
@@ -398,9 +419,11 @@ impl<'a> Closing<'a> {
         });
         let samples = ValidationSamples::of(self.trajectories, self.validation, Role::Validation);
         let score = samples.score(|trajectory| predict(&model, trajectory))?;
+        let error = score.nrmse().powi(2);
         Ok(vec![RelativeError {
-            error: score.nrmse().powi(2),
+            error,
             noise: goal(samples.noise()).powi(2),
+            most: NINETY_PERCENT.powi(2) * error,
         }])
     }
 
@@ -554,6 +577,17 @@ struct Concluded {
     left: f64,
     /// The reason why the result does not explain the recordings, if it does not.
     effects_rejected_by: Option<Rule>,
+    /// The errors of the result on conditions left out of its fit; none if more is missing.
+    in_turn: Vec<RelativeError>,
+}
+
+/// The errors of a model on conditions that were left out of its fit.
+fn elsewhere(in_turn: &[RelativeError]) -> Option<Elsewhere> {
+    let most = RelativeError::mean(in_turn).most.sqrt();
+    most.is_finite().then_some(Elsewhere {
+        conditions: in_turn.len(),
+        most,
+    })
 }
 
 /// Whether a held-out recording only repeats a fitted one.

@@ -382,6 +382,7 @@ mod tests {
         let each = [without, with].map(|error| RelativeError {
             error: error * error,
             noise: 1e-4,
+            most: 0.0,
         });
         Some(each)
     }

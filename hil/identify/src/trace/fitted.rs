@@ -4,7 +4,7 @@ use mesh_damper_model::Family;
 
 use super::score::Score;
 use super::tones::OfMotion;
-use crate::families::{Form, drift, inertia, periodic};
+use crate::families::{drift, inertia, periodic};
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::TermValue;
@@ -43,7 +43,28 @@ impl Fitted {
     }
 
     pub(super) fn is_admissible(&self) -> bool {
-        self.solution.found().all(TermValue::is_admissible)
+        self.solution.found().all(TermValue::is_admissible) && !self.has_doubtful_mass()
+    }
+
+    /// Whether it has a mass below 0, as of a load cell that is compensated for too much, beside an effect that depends on frequency: both
+    /// stiffen as the frequency rises, and together they would fit nearly any such effect.
+    fn has_doubtful_mass(&self) -> bool {
+        let is_mass = |value: &&TermValue| value.term.form == inertia::FORMS[0];
+        let mut masses = self
+            .solution
+            .found()
+            .filter(is_mass)
+            .map(|value| value.size(0));
+        let mut others = self.solution.terms.iter().filter(|value| !is_mass(value));
+        let stiffens = |value: &TermValue| {
+            value
+                .term
+                .form
+                .family()
+                .depends_on()
+                .any(|on| on == "frequency")
+        };
+        masses.any(|mass| mass < 0.0) && others.any(stiffens)
     }
 
     /// Whether it has a tone with a frequency that the motion produces.
@@ -54,15 +75,10 @@ impl Fitted {
 
     /// Whether it is `other` with a mass in addition.
     pub(super) fn is_with_mass(&self, other: &Self) -> bool {
-        let forms = |law: &Self| -> Vec<Form> {
-            law.solution
-                .terms
-                .iter()
-                .map(|value| value.term.form)
-                .collect()
-        };
-        let (own, others) = (forms(self), forms(other));
-        own.split_last() == Some((&inertia::FORMS[0], &others[..]))
+        let mut others = other.forms();
+        others.push(inertia::FORMS[0].place());
+        others.sort_unstable();
+        self.forms() == others
     }
 
     pub(super) fn is_degenerate(&self, extent: &Extent) -> bool {

@@ -11,6 +11,7 @@ pub mod conclusion;
 mod conditions;
 pub(crate) mod confirm;
 mod controlled;
+pub(crate) mod early;
 mod errors;
 mod estimates;
 mod fitted;
@@ -43,10 +44,12 @@ use mesh_damper_model::file::{FittedRange, ModelFile};
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_output::error::InputError;
 use mesh_damper_recording::cycles::CyclesPolicy;
+use mesh_damper_recording::faults::ShiftPolicy;
 use mesh_damper_recording::motion::MotionEstimate;
+use mesh_damper_recording::notes::shared;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::zero::ZeroPolicy;
-use mesh_damper_recording::{Recording, check_consistency};
+use mesh_damper_recording::{Recording, check_consistency, check_held_out};
 
 use crate::base_law::BaseLaw;
 use aligned::Aligned;
@@ -109,6 +112,8 @@ impl Trace {
         let conditions = self.result.operating_conditions;
         ModelFile::new(self.model.clone(), self.fitted_range())
             .with_displacement_zero(conditions.map_or([0.0; 2], |one| one.displacement_zero))
+            .with_elsewhere(self.result.elsewhere)
+            .with_rig(self.result.rig)
     }
 
     /// The motion of all samples that are not held out.
@@ -162,14 +167,16 @@ pub fn trace_for(
     let (recordings, held_out): (Vec<_>, Vec<_>) =
         (repaired(recordings).collect(), repaired(held_out).collect());
     // Including all control inputs: one motion under two currents has two forces.
-    let all: Vec<&Recording> = recordings
-        .iter()
-        .chain(&held_out)
-        .map(AsRef::as_ref)
-        .collect();
-    check_consistency(&all)?;
-    let guesses = (all.iter()).flat_map(|each| each.named_guesses());
-    let guesses = guesses.collect();
+    let [to_fit, to_hold] = [&recordings, &held_out].map(|each| {
+        let each = each.iter().map(AsRef::as_ref);
+        each.collect::<Vec<&Recording>>()
+    });
+    check_consistency(&to_fit)?;
+    let of_others = check_held_out(&to_fit, &to_hold)?;
+    let all = || to_fit.iter().chain(&to_hold);
+    let names: Vec<String> = all().map(|each| each.name.clone()).collect();
+    let shared = |notes: Vec<String>| shared(names.iter().map(String::as_str), notes);
+    let guesses = shared(all().flat_map(|each| each.named_guesses()).collect());
     let controlled = Controlled::of(&recordings, &held_out, &sought.controls)?;
     let [fitted, held] = [recordings, held_out].map(|repaired| {
         let arranged = repaired.into_iter().map(|each| controlled.arranged(each));
@@ -185,14 +192,24 @@ pub fn trace_for(
         recording.check_force()?;
     }
     progress("estimating the motion");
-    let mut aligned = Aligned::of(&recordings, &held_out)?;
+    let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
     let mut closed = conclude(&mut aligned, sought, progress)?;
-    for _ in 0..MOST_MOVES {
-        if !aligned.follow(&closed.model)? {
-            break;
+    closed = follow(&mut aligned, closed, sought, progress)?;
+    if is_more_missing(&closed.result)
+        && !aligned.is_moved()
+        && let Some(late) = early::found(&aligned.trajectories[0], &closed, sought)
+    {
+        aligned.move_early(late)?;
+        progress("correcting a force that is early");
+        let moved = conclude(&mut aligned, sought, progress)?;
+        let moved = follow(&mut aligned, moved, sought, progress)?;
+        let less = moved.result.augmented.nrmse_fitted
+            < ShiftPolicy::in_use().better * closed.result.augmented.nrmse_fitted;
+        if less || !is_more_missing(&moved.result) {
+            closed = moved;
+        } else {
+            aligned.stay()?;
         }
-        progress("correcting time shifts of the force");
-        closed = conclude(&mut aligned, sought, progress)?;
     }
     for _ in 0..ZeroPolicy::in_use().most {
         if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
@@ -234,8 +251,29 @@ pub fn trace_for(
             .collect(),
     };
     let outside = held_range::warnings(&trace);
-    trace.result.warnings.extend(outside);
+    let warnings = of_others
+        .into_iter()
+        .chain(trace.result.warnings)
+        .chain(outside);
+    trace.result.warnings = shared(warnings.collect());
     Ok(trace)
+}
+
+/// Moves forces that were found early or late again by what the model shows, and searches again.
+fn follow(
+    aligned: &mut Aligned,
+    mut closed: Closed,
+    sought: &Sought,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Closed, TraceError> {
+    for _ in 0..MOST_MOVES {
+        if !aligned.follow(&closed.model)? {
+            break;
+        }
+        progress("correcting time shifts of the force");
+        closed = conclude(aligned, sought, progress)?;
+    }
+    Ok(closed)
 }
 
 /// Whether the error of the law with its effects is above the noise.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use mesh_damper_recording::extremes::quantile;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::beyond_noise::beyond_noise;
@@ -14,6 +15,8 @@ pub(super) struct RelativeError {
     pub error: f64,
     /// and that of a perfect law.
     pub noise: f64,
+    /// What nine of ten errors do not exceed, squared as well.
+    pub most: f64,
 }
 
 impl RelativeError {
@@ -26,14 +29,18 @@ impl RelativeError {
         weight: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let (mut error, mut noise, mut force) = (0.0, 0.0, 0.0);
+        let mut squares = Vec::new();
         for i in samples.clone().filter(|&i| is_fair(i)) {
-            error += weight(i) * (predicted[i] - trajectory.force[i]).powi(2);
+            let square = (predicted[i] - trajectory.force[i]).powi(2);
+            error += weight(i) * square;
+            squares.push(square);
             noise += least(trajectory);
             force += trajectory.force[i].powi(2);
         }
         (force > 0.0).then(|| Self {
             error: error / force,
             noise: noise / force,
+            most: quantile(&mut squares, 0.9) * squares.len() as f64 / force,
         })
     }
 
@@ -42,6 +49,7 @@ impl RelativeError {
         Self {
             error: factor * self.error,
             noise: factor * self.noise,
+            most: factor * self.most,
         }
     }
 
@@ -51,6 +59,7 @@ impl RelativeError {
         Self {
             error: mean(|one| one.error),
             noise: mean(|one| one.noise),
+            most: mean(|one| one.most),
         }
     }
 

@@ -5,7 +5,9 @@
 use std::collections::BTreeMap;
 
 use mesh_damper_model::correction::{CorrectionTable, Remembered};
+use mesh_damper_model::file::Elsewhere;
 use mesh_damper_output::{Label, LabelField};
+use mesh_damper_recording::rig::RigFacts;
 use mesh_damper_reference::protocol::TestBlock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -22,6 +24,9 @@ pub struct TraceResult {
     pub held_out: Vec<String>,
     /// NRMSE of the noise of the measured force, estimated from the recordings.
     pub noise_floor_nrmse: f64,
+    /// Whether the samples show that noise. Otherwise it is an upper bound: the force was held, interpolated or filtered.
+    #[serde(default = "is_known")]
+    pub noise_known: bool,
     /// The law alone.
     pub baseline: Baseline,
     /// Coefficients of the law, identified together with the effects found, amplitude by amplitude; one entry if they hold for all
@@ -44,6 +49,9 @@ pub struct TraceResult {
     /// conditions to leave out.
     #[serde(default)]
     pub explainable: Option<Explainable>,
+    /// The error of the law of `model.json` on conditions left out of its fit; null if the recordings hold one amplitude and frequency.
+    #[serde(default)]
+    pub elsewhere: Option<Elsewhere>,
     /// All families that were tried, the best first.
     pub candidates: Vec<Candidate>,
     /// The rule by which the effects found are not the complete explanation; null if they are, or if nothing was found.
@@ -72,6 +80,9 @@ pub struct TraceResult {
     /// Guesses made while reading the files of the recordings, as sentences.
     #[serde(default)]
     pub guesses: Vec<String>,
+    /// What was stated about the rig, and entered the fit as known.
+    #[serde(default)]
+    pub rig: RigFacts,
     /// Errors of the law of `model.json` in f64; the law includes the effects found if they were adopted.
     pub augmented: Errors,
     /// Error of the same law as embedded in f32.
@@ -104,6 +115,11 @@ pub struct OperatingConditions {
 impl TraceResult {
     /// The label of `trace.json`.
     pub const LABEL: Label = Label::new("trace", LabelField::Format);
+}
+
+/// Older results without this field took every noise for known.
+fn is_known() -> bool {
+    true
 }
 
 /// Older results without this field had adopted their effects.
@@ -353,7 +369,7 @@ mod tests {
     #[test]
     fn keeps_the_names_of_the_contract() {
         let text = r#"{
-            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004,
+            "recordings": ["a.csv"], "held_out": ["b.csv"], "noise_floor_nrmse": 0.004, "noise_known": true,
             "baseline": {"law": "mixed_damping", "known": [], "nrmse_fitted": 0.1, "nrmse_held_out": 0.2,
                 "nrmse_judged": 0.19, "staged": {"nrmse_fitted": 0.15, "nrmse_held_out": 0.25}},
             "law": [{"amplitude": 0.0,
@@ -371,6 +387,7 @@ mod tests {
                 "nrmse_with": 0.005, "nrmse_without": {"stick_slip": 0.1}}],
             "remainder": {"nrmse": 0.01, "times_noise": 2.5, "held_out": false, "depends_on": ["frequency"]},
             "explainable": {"share": 0.3, "low": 0.1, "conditions": 5},
+            "elsewhere": {"conditions": 5, "most": 0.02},
             "candidates": [{"family": "stick_slip", "nrmse_held_out": 0.005, "distinguishable": true,
                 "step": 1, "added": true, "admissible": true, "rejected_by": null, "nrmse_judged": 0.005}],
             "effects_rejected_by": null, "table_rejected_by": null,
@@ -378,6 +395,7 @@ mod tests {
             "held_out_differs": false, "depends_on": ["displacement", "history"],
             "correction": {"remembers": {"slip": {"limit": 0.03}}, "largest": 0.1}, "warnings": [],
             "guesses": ["a.csv: force is read from column \"Load\" in N"],
+            "rig": {"fixture_mass": 0.8, "force_delay": -0.002, "zero": "start"},
             "augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.005},
             "on_target": {"nrmse_held_out": 0.005}, "adopted": false,
             "rejected": {"augmented": {"nrmse_fitted": 0.004, "nrmse_held_out": 0.3}, "on_target": {"nrmse_held_out": 0.3}},

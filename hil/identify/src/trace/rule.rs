@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Rule {
     /// For a candidate: the law is noise-limited, and no effect is added to such a law.
     NoiseLimited,
-    /// For a candidate: one of its terms would be a source of energy, or a negative mass or stiffness.
+    /// For a candidate: one of its terms would be a source of energy, or a negative stiffness.
     NotPassive,
     /// For a drift: the cycles within blocks do not show it.
     StandsStill,
@@ -64,7 +64,7 @@ impl Rule {
     pub fn says(self) -> &'static str {
         match self {
             Self::NoiseLimited => "the law is noise-limited, so nothing is added",
-            Self::NotPassive => "a term would deliver energy, or has a negative mass or stiffness",
+            Self::NotPassive => "a term would deliver energy, or has a negative stiffness",
             Self::StandsStill => "the cycles within a block show no such drift",
             Self::InStepWithMotion => {
                 "its frequency is one that a specimen can generate from the motion"

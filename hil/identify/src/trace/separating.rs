@@ -428,6 +428,7 @@ mod tests {
                 form,
                 reference: 0.0,
                 is_known: false,
+                held: None,
             };
             let value = TermValue {
                 term,

@@ -1,11 +1,15 @@
 //! The effects that a trace may look for, and the base law.
 
+use mesh_damper::effects::Inertia;
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_recording::rig::RigFacts;
 
 use crate::base_law::BaseLaw;
+use crate::families::inertia;
 use crate::known_terms::{KnownTerm, known_terms};
+use crate::term::Term;
 
 /// Families of effects that a trace may find, and the base law to which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +24,8 @@ pub struct Sought {
     pub controls: Vec<String>,
     /// Known effects: they stay in the law, and their parameters are fitted together with the law's.
     pub known: Vec<KnownTerm>,
+    /// Facts about the rig. Its mass is a known effect; see [`Sought::on_rig`].
+    pub rig: RigFacts,
 }
 
 impl Sought {
@@ -55,6 +61,47 @@ impl Sought {
             controls: controls.collect(),
             ..Self::default()
         })
+    }
+
+    /// The same on a rig with these facts. Its mass stays in the law with the stated size.
+    ///
+    /// # Errors
+    /// A mass or a delay that is not finite, a mass beyond the crate's range, or one beside that of a known model.
+    pub fn on_rig(mut self, rig: RigFacts) -> Result<Self, InputError> {
+        let refused = |field: &str, problem: String, remedy: &str| {
+            InputError::new("the rig", problem, remedy).at(Place::Field(field.to_owned()))
+        };
+        if let Some(delay) = rig.force_delay.filter(|delay| !delay.is_finite()) {
+            let problem = format!("a delay of {delay} s is no time");
+            return Err(refused("force_delay", problem, "give it in seconds"));
+        }
+        if let Some(mass) = rig.fixture_mass {
+            if let Err(error) = Inertia::new(mass) {
+                return Err(refused(
+                    "fixture_mass",
+                    error.to_string(),
+                    "give the mass between specimen and load cell in kg",
+                ));
+            }
+            let form = inertia::FORMS[0];
+            if self.known.iter().any(|known| known.term.form == form) {
+                return Err(refused(
+                    "fixture_mass",
+                    "the model of known effects has a mass too".into(),
+                    "state the mass once: leave it out of the model, or leave this out",
+                ));
+            }
+            let term = Term {
+                form,
+                reference: 0.0,
+                is_known: true,
+                held: Some(mass),
+            };
+            let shapes = Vec::new();
+            self.known.push(KnownTerm { term, shapes });
+        }
+        self.rig = rig;
+        Ok(self)
     }
 
     /// Whether it permits that family.

@@ -35,6 +35,8 @@ pub(super) struct Laws<'c> {
     pub rejected: Option<Rejected>,
     /// The confirmed effects, as far as they are known.
     pub graded: Option<Confirmed>,
+    /// The errors of `model` on conditions left out of its fit, one after the other.
+    pub in_turn: Vec<RelativeError>,
 }
 
 /// A law that may be written.
@@ -165,6 +167,7 @@ impl Closing<'_> {
             table_rejected_by: None,
             rejected: None,
             graded: None,
+            in_turn: candidate.errors.clone(),
         })
     }
 

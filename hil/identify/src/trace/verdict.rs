@@ -2,6 +2,7 @@
 
 use mesh_damper_model::{Family, LawNode, Model};
 use mesh_damper_recording::cycles::same_amplitude;
+use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::adopt::gains;
@@ -9,6 +10,7 @@ use super::relative_error::RelativeError;
 use super::result::{Errors, Verdict};
 use super::rule::Rule;
 use super::select::{Candidate, Selection};
+use crate::families::asymmetry;
 
 mesh_damper_recording::numbers! {
     /// The verdict on the result of a search.
@@ -29,6 +31,8 @@ mesh_damper_recording::numbers! {
         /// Effects explain a recording too if the error that they leave beyond the noise is at most this many times the noise: it does not
         /// show.
         unseen: f64 = 0.6, Tuned("the blind trial");
+        /// A recording whose fastest cycle has a lower frequency than this may have its times in ms, Hz.
+        slow: f64 = 0.05, Convention("in ms it would be 50 Hz, as fast as a rig goes");
         /// A warning is given if the error of the fit exceeds this many times the noise of the force and all of it may come from the
         /// estimated motion.
         hidden_by_motion: f64 = 3.0, Convention("twice the error of a noise-limited law");
@@ -159,6 +163,25 @@ pub(super) fn depends_on(model: &Model, correction: &[&'static str]) -> Vec<Stri
     names
 }
 
+/// That the specimen may be even about another zero of the displacement, if `model` is uneven and that zero lies within the motion.
+pub(super) fn zero_in_doubt(model: &Model, fitted: &[Trajectory]) -> Option<String> {
+    let mut effects = model.effects.iter();
+    let uneven = effects.find(|effect| effect.family == asymmetry::FORMS[0].family())?;
+    // k3·(y − y₀)³ has the part −3·k3·y₀·y².
+    let zero = -uneven.parameters.get("k2")? / (3.0 * model.law.last()?.k3);
+    let has = |one: &Trajectory| {
+        let (low, high) = least_and_largest(&one.motion.displacement);
+        (low..=high).contains(&zero)
+    };
+    let recorded = zero + fitted.first()?.centre;
+    fitted.iter().any(has).then(|| {
+        format!(
+            "a specimen that is the same to both sides of a displacement of {recorded:.3} mm has this asymmetry too: if the zero of the \
+             displacement is known, state it with --zero; otherwise the asymmetry is not certain"
+        )
+    })
+}
+
 /// Warnings for the reader. The error with the effects is `left` times that of a perfect law; `errors` are those of the law alone and
 /// of the augmented law, `embedded` those of the latter in f32, and `noise_floor` is the noise of the force over its RMS.
 pub(super) fn warnings<'t>(
@@ -175,7 +198,25 @@ pub(super) fn warnings<'t>(
     for trajectory in trajectories {
         let faults = trajectory.faults.iter();
         warnings.extend(faults.map(|fault| format!("{}: {fault}", trajectory.name)));
-        if trajectory.centre != 0.0 {
+        if !trajectory.noise_is_known {
+            warnings.push(format!(
+                "{}: neighbouring samples of the force share their noise, as if it was held, interpolated or filtered: its noise is not \
+                 known, and the noise given is an upper bound",
+                trajectory.name
+            ));
+        }
+        let cycles = trajectory.blocks.iter().map(|block| block.frequency);
+        let fastest = cycles.fold(0.0, f64::max);
+        if fastest > 0.0 && fastest < VerdictPolicy::in_use().slow {
+            warnings.push(format!(
+                "{}: its fastest cycle takes {:.0} s: if its times are in ms, give --unit time=ms; every time and rate found is a thousand \
+                 times too long otherwise",
+                trajectory.name,
+                1.0 / fastest
+            ));
+        }
+        // A zero that was stated is no news.
+        if trajectory.centre != 0.0 && trajectory.centre == trajectory.middle {
             warnings.push(format!(
                 "{}: the displacement's zero lies {:.4} mm from the middle of the motion; the law uses the \
                  displacement from the middle",

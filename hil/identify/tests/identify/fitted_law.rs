@@ -40,6 +40,7 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
         form,
         reference: 20.0,
         is_known: false,
+        held: None,
     };
     // Delayed by whole ticks and a fraction of one.
     let shapes = |form: Form, law: &Solution| match form.name {

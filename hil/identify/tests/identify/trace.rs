@@ -5,9 +5,11 @@ mod elements;
 mod held_out;
 mod hidden_by_motion;
 mod known;
+mod on_rig;
 mod play_and_wear;
 mod refused;
 mod rules;
+mod set_lengths;
 mod slow_changes;
 
 use std::collections::BTreeSet;
@@ -343,6 +345,7 @@ fn intervals_hold_the_truth() {
         form: Form::named("jenkins").unwrap(),
         reference: 0.0,
         is_known: false,
+        held: None,
     };
     let (mut sizes, mut shapes) = (0, 0);
     for seed in 0..runs {

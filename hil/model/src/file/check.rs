@@ -59,6 +59,14 @@ impl ModelFile {
                 format!("{low} to {high} is not a finite range"),
             );
         }
+        if let Some(elsewhere) = self.elsewhere
+            && !(0.0..f64::INFINITY).contains(&elsewhere.most)
+        {
+            return refused(
+                "elsewhere.most".into(),
+                format!("{} is no fraction of a force", elsewhere.most),
+            );
+        }
         for (index, control) in self.controls.iter().enumerate() {
             let others = &self.controls[..index];
             if control.name.is_empty() {

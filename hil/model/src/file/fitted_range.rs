@@ -25,6 +25,15 @@ impl FittedRange {
         })
     }
 
+    /// How far a displacement in mm or a velocity in mm/s is beyond these ranges, as a fraction of the larger end; 0 inside.
+    pub fn beyond(&self, displacement: f64, velocity: f64) -> f64 {
+        let [y, v] = self.exceeded_in(&Self {
+            displacement: [displacement; 2],
+            velocity: [velocity; 2],
+        });
+        y.max(v)
+    }
+
     /// How far a motion's displacement and velocity exceed these ranges, each as a fraction of the larger end; 0 inside.
     pub fn exceeded_in(&self, motion: &Self) -> [f64; 2] {
         let beyond = |own: [f64; 2], other: [f64; 2]| {

@@ -12,17 +12,20 @@
 //! [`crate::parameter_unit`].
 
 mod check;
+mod elsewhere;
 mod fitted_range;
 mod unique;
 
 use std::path::Path;
 
 pub use check::model_error;
+pub use elsewhere::Elsewhere;
 pub use fitted_range::FittedRange;
 
 use mesh_damper::error::ConfigError;
 use mesh_damper::pack::Identity;
 use mesh_damper_output::error::{InputError, Place};
+use mesh_damper_recording::rig::RigFacts;
 use mesh_damper_tables::read_limit::{ReadLimit, read_json};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -63,6 +66,12 @@ pub struct ModelFile {
     /// starts there. Absent if it is 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     displacement_zero: [f64; 2],
+    /// The error of the model on motions that it was not fitted to; absent if it is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    elsewhere: Option<Elsewhere>,
+    /// What was stated about the rig of the fitted recordings; absent if nothing was. A mass there is an effect of the law.
+    #[serde(default, skip_serializing_if = "RigFacts::is_empty")]
+    rig: RigFacts,
 }
 
 fn is_zero(range: &[f64; 2]) -> bool {
@@ -127,6 +136,8 @@ impl ModelFile {
             controls: model.controls,
             fitted_range,
             displacement_zero: [0.0; 2],
+            elsewhere: None,
+            rig: RigFacts::default(),
         }
     }
 
@@ -137,6 +148,18 @@ impl ModelFile {
             displacement_zero,
             ..self
         }
+    }
+
+    /// As [`ModelFile::new`], with the error on motions that were left out of the fit.
+    #[must_use]
+    pub fn with_elsewhere(self, elsewhere: Option<Elsewhere>) -> Self {
+        Self { elsewhere, ..self }
+    }
+
+    /// The same with the facts that were stated about the rig.
+    #[must_use]
+    pub fn with_rig(self, rig: RigFacts) -> Self {
+        Self { rig, ..self }
     }
 
     /// Reads a model. The crate checks every coefficient in f64 and in f32.
@@ -268,9 +291,19 @@ impl ModelFile {
         self.fitted_range
     }
 
+    /// The error on motions that it was not fitted to, if it is known.
+    pub fn elsewhere(&self) -> Option<Elsewhere> {
+        self.elsewhere
+    }
+
     /// Smallest and largest offset of the recorded displacement, mm. The law's displacement is the recorded one minus the offset.
     pub fn displacement_zero(&self) -> [f64; 2] {
         self.displacement_zero
+    }
+
+    /// What was stated about the rig of the fitted recordings.
+    pub fn rig(&self) -> RigFacts {
+        self.rig
     }
 }
 

@@ -111,6 +111,27 @@ fn a_zero_is_kept_and_changes_neither_older_files_nor_the_identity() {
 }
 
 #[test]
+fn the_error_elsewhere_is_kept_and_changes_neither_older_files_nor_the_identity() {
+    let file = example();
+    assert!(!serde_json::to_string(&file).unwrap().contains("elsewhere"));
+    let elsewhere = Elsewhere {
+        conditions: 5,
+        most: 0.1 + 0.2,
+    };
+    let known = file.clone().with_elsewhere(Some(elsewhere));
+    assert_eq!(known.identity(), file.identity());
+    let bytes = serde_json::to_vec(&known).unwrap();
+    let read = ModelFile::from_bytes("m.json", &bytes).unwrap();
+    assert_eq!(read.elsewhere(), Some(elsewhere));
+    let refused =
+        read_changed(|v| v["elsewhere"] = serde_json::json!({"conditions": 1, "most": -0.1}));
+    assert!(
+        refused.starts_with("m.json: field elsewhere.most: -0.1 is no fraction of a force"),
+        "{refused}"
+    );
+}
+
+#[test]
 fn refuses_naming_the_field() {
     for (said, error) in [
         (

@@ -106,6 +106,11 @@ pub enum ChannelFaultKind {
         /// Delay of the force, s; negative if it is early.
         late: f64,
     },
+    /// Displacement and force in each other's columns.
+    Exchanged {
+        /// Whether they were exchanged back; otherwise the force may be late instead.
+        repaired: bool,
+    },
     /// A reversed sign.
     Flipped,
     /// A unit that differs from the one in the column's name.
@@ -310,9 +315,25 @@ impl std::fmt::Display for ChannelFault {
             ),
             ChannelFaultKind::Shifted { late } => write!(
                 f,
-                "channels shifted in time: the force is {} by {:.2} ms, which is impossible for a passive damper; the shift was corrected",
+                "channels shifted in time: the force is {} by {:.2} ms{}, which is impossible for a passive damper; the shift was corrected",
                 if late < 0.0 { "early" } else { "late" },
-                1e3 * late.abs()
+                1e3 * late.abs(),
+                if late < 0.0 {
+                    ", as beside a displacement that is late or behind a filter"
+                } else {
+                    ""
+                }
+            ),
+            ChannelFaultKind::Exchanged { repaired: true } => write!(
+                f,
+                "displacement and force exchanged: as recorded, the specimen would deliver energy in every block, and its motion would \
+                 be rougher than its force; they were exchanged back. Correct the columns' names, or give \
+                 --channel displacement=… --channel force=…"
+            ),
+            ChannelFaultKind::Exchanged { repaired: false } => write!(
+                f,
+                "displacement and force may be exchanged, or the force is late: as recorded, the specimen delivers energy in every \
+                 block; check the columns' names"
             ),
             ChannelFaultKind::Flipped if self.channel == Channel::Velocity => write!(
                 f,

@@ -12,6 +12,7 @@ use std::borrow::Cow;
 pub(crate) mod bridge;
 pub(crate) mod clipping;
 pub(crate) mod counter;
+pub(crate) mod exchanged;
 pub(crate) mod held;
 pub(crate) mod hum;
 pub(crate) mod kind;
@@ -40,14 +41,20 @@ crate::numbers! {
 
 pub use kind::{Between, ChannelFault, ChannelFaultKind};
 pub use scale::ScalePolicy;
-pub(super) use shift::Shift;
-pub use shift::ShiftPolicy;
+pub use shift::{Shift, ShiftPolicy};
 
 /// A repair of a recording: whether there was something to repair, or to say. It then adds a fault.
 type Repair = fn(&mut Recording) -> bool;
 
-/// All of them. Rows that are no measurement come first, then jumps, because both look like a late force, a wrong unit or a wrong sign.
-const REPAIRS: [Repair; 4] = [slower::repair, counter::repair, scale::repair, sign::repair];
+/// All of them. Rows that are no measurement come first, then jumps, because both look like a late force, a wrong unit or a wrong sign;
+/// then exchanged channels, whose units and signs are those of the other.
+const REPAIRS: [Repair; 5] = [
+    slower::repair,
+    counter::repair,
+    exchanged::repair,
+    scale::repair,
+    sign::repair,
+];
 
 /// Each kind of repair may be made again after another. Convention: more would undo each other.
 const MOST_REPAIRS: usize = 4 * REPAIRS.len();

@@ -49,7 +49,7 @@ const FUNCTIONS: usize = 12;
 
 /// Delay of the force relative to the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in super::super) struct Shift {
+pub struct Shift {
     /// Ticks; negative when the force is early.
     pub late: f64,
 }
@@ -63,7 +63,7 @@ impl Shift {
     ///
     /// The force is regressed at every shift on the motion, its powers, the direction of the motion, its velocity and its
     /// acceleration. The shift with the smallest residual is that of the channels.
-    pub fn find(trajectory: &Trajectory) -> Option<Self> {
+    pub(in super::super) fn find(trajectory: &Trajectory) -> Option<Self> {
         let [lowest, highest] = frequencies(trajectory);
         let several = highest > ShiftPolicy::in_use().several * lowest;
         let shortest = 1.0 / (highest * trajectory.tick);
@@ -103,7 +103,7 @@ impl Shift {
 
     /// Whether a force `late` ticks later may belong to such a damper as well: the unshifted force has no clearly smaller residual,
     /// and the shifted one still absorbs energy. At a single frequency both may be true.
-    pub fn may_be(trajectory: &Trajectory, late: isize) -> bool {
+    pub(in super::super) fn may_be(trajectory: &Trajectory, late: isize) -> bool {
         let reach = late.unsigned_abs();
         if late == 0 || trajectory.len() <= 2 * reach || gives_energy(trajectory, late) {
             return false;
@@ -128,6 +128,19 @@ impl Shift {
                     * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)))
             })
             .collect()
+    }
+
+    /// The factor by which [`Shift::undone`] changes white noise: that of its weights.
+    pub(crate) fn noise_factor(self) -> f64 {
+        let part = Self {
+            late: self.late - self.late.round(),
+        };
+        let weights = part.undone(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        weights
+            .iter()
+            .map(|weight| weight * weight)
+            .sum::<f64>()
+            .sqrt()
     }
 
     /// The channel fault, for `tick` in s.

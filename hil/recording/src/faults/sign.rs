@@ -68,7 +68,7 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
     correlation < against && work < -certain * most || correlation < with && work < -gives * most
 }
 
-fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
+pub(super) fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     values.iter_mut().for_each(|value| *value -= mean);
     values

@@ -4,6 +4,8 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::cycles::Cycles;
 use crate::extremes::least_and_largest;
+use crate::noise::noise_deviation;
+use crate::rig::DisplacementZero;
 use crate::trajectory::TrajectoryPolicy;
 
 /// The displacement midway between the smallest and the largest, mm.
@@ -12,9 +14,61 @@ pub(super) fn middle(displacement: &[f64]) -> f64 {
     0.5 * (low + high)
 }
 
+/// Where the displacement of a recording is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Zero {
+    /// The recorded zero.
+    Recorded,
+    /// The displacement midway between the smallest and the largest.
+    Middle,
+    /// The mean displacement.
+    Mean,
+    /// The displacement at the start.
+    Start,
+}
+
+impl Zero {
+    /// As the channels show it: the middle of the motion if the recorded zero was left in, otherwise the recorded zero.
+    pub(super) fn seen_in(displacement: &[f64], force: &[f64]) -> Self {
+        match is_off(displacement, force) {
+            true => Self::Middle,
+            false => Self::Recorded,
+        }
+    }
+
+    /// The recorded displacement there, mm.
+    pub(super) fn of(self, displacement: &[f64]) -> f64 {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        match self {
+            Self::Recorded => 0.0,
+            Self::Middle => middle(displacement),
+            Self::Mean => mean(displacement),
+            Self::Start => {
+                // The rest with which a recording starts, as far as it is within the noise.
+                let band =
+                    TrajectoryPolicy::in_use().crossing_noises * noise_deviation(displacement);
+                let rest = displacement
+                    .iter()
+                    .take_while(|y| (*y - displacement[0]).abs() <= band);
+                mean(&displacement[..rest.count()])
+            }
+        }
+    }
+}
+
+impl From<DisplacementZero> for Zero {
+    fn from(stated: DisplacementZero) -> Self {
+        match stated {
+            DisplacementZero::Mean => Self::Mean,
+            DisplacementZero::Start => Self::Start,
+            DisplacementZero::None => Self::Recorded,
+        }
+    }
+}
+
 /// Whether the middle of the motion is a zero that was left in. It is if it lies more than half an amplitude from 0, or if the
 /// specimen does not feel it.
-pub(super) fn is_off(displacement: &[f64], force: &[f64]) -> bool {
+fn is_off(displacement: &[f64], force: &[f64]) -> bool {
     let (low, high) = least_and_largest(displacement);
     let middle = middle(displacement);
     let largest = 0.5 * (high - low);

@@ -18,9 +18,12 @@ use super::faults::{self, Shift};
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
+use super::noise_floor::NoiseFloor;
 use super::smoother::Band;
 use crate::extremes::least_and_largest;
-use centre::{is_off, middle};
+use crate::rig::RigFacts;
+pub use centre::Zero;
+use centre::middle;
 
 crate::numbers! {
     /// How a recording is made ready for identification.
@@ -68,8 +71,8 @@ pub struct Trajectory {
     pub tick: f64,
     /// Displacement, velocity and acceleration.
     pub motion: MotionEstimate,
-    /// Offset subtracted from the recorded displacement, mm: the middle of the motion if it is a sensor's zero rather than the
-    /// position of the specimen; 0 otherwise.
+    /// Offset subtracted from the recorded displacement, mm: the stated zero, or the middle of the motion if it is a sensor's zero
+    /// rather than the position of the specimen; 0 otherwise.
     pub centre: f64,
     /// The middle of the recorded displacement, mm.
     pub middle: f64,
@@ -88,6 +91,8 @@ pub struct Trajectory {
     pub amplitude: Arc<Vec<f64>>,
     /// Standard deviation of the force's noise, kN.
     pub force_noise: f64,
+    /// Whether the samples show that noise; otherwise it is an upper bound.
+    pub noise_is_known: bool,
     /// RMS of the force, kN.
     pub force_rms: f64,
     /// A possible error of the motion.
@@ -104,6 +109,8 @@ pub struct Trajectory {
     pub late: f64,
     /// Faults of the recording's channels.
     pub faults: Vec<ChannelFault>,
+    /// The force in kN before it was moved back, which has the noise that was measured, and the factor by which moving it changed that.
+    pub recorded: Option<(Arc<Vec<f64>>, f64)>,
 }
 
 impl Recording {
@@ -147,7 +154,7 @@ impl Trajectory {
     /// # Errors
     /// As [`Trajectory::of`].
     pub fn knowing(recording: &Recording, known: Known) -> Result<Self, InputError> {
-        let (mut trajectory, average) = Self::prepared(recording, known.is_off)?;
+        let (mut trajectory, average) = Self::prepared(recording, known.zero())?;
         if let Some(average) = average {
             trajectory.see_through(average);
             trajectory.faults.push(ChannelFault {
@@ -157,6 +164,10 @@ impl Trajectory {
                 },
             });
         }
+        if known.rig.force_delay.is_some() {
+            trajectory.move_as_stated(&known.rig)?;
+            return Ok(trajectory);
+        }
         let shift = match known.late {
             None => Shift::find(&trajectory),
             Some(0.0) => None,
@@ -165,9 +176,30 @@ impl Trajectory {
             }),
         };
         if let Some(shift) = shift {
+            trajectory.faults.push(shift.fault(trajectory.tick));
+            trajectory.late = shift.late * trajectory.tick;
             trajectory.undo(shift);
         }
         Ok(trajectory)
+    }
+
+    /// Moves the force back by the stated delay.
+    fn move_as_stated(&mut self, rig: &RigFacts) -> Result<(), InputError> {
+        let Some(delay) = rig.force_delay.filter(|&delay| delay != 0.0) else {
+            return Ok(());
+        };
+        self.undo(Shift {
+            late: delay / self.tick,
+        });
+        let left = self.measured.iter().filter(|&&measured| measured).count();
+        if left < TrajectoryPolicy::in_use().fewest_samples {
+            return Err(InputError::new(
+                &self.name,
+                format!("a force that is late by {delay} s leaves {left} samples of it"),
+                "give the delay of the force in seconds, such as --force-delay 0.002",
+            ));
+        }
+        Ok(())
     }
 
     /// Whether the force, which was not moved, may be late by `late` s, like that of another recording of the rig.
@@ -176,18 +208,21 @@ impl Trajectory {
     }
 
     /// The same with both channels as recorded, for measuring losses rather than a law: an average affects force and displacement
-    /// equally, and the force of a purely viscous specimen looks like that of a spring that is early.
+    /// equally, and the force of a purely viscous specimen looks like that of a spring that is early. Only a force that is stated
+    /// to be late is moved back.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn as_recorded(recording: &Recording) -> Result<Self, InputError> {
-        Ok(Self::prepared(recording, None)?.0)
+    pub fn as_recorded(recording: &Recording, rig: &RigFacts) -> Result<Self, InputError> {
+        let (mut trajectory, _) = Self::prepared(recording, None)?;
+        trajectory.move_as_stated(rig)?;
+        Ok(trajectory)
     }
 
     /// With the average found in its channels, which is not taken into account yet.
     fn prepared(
         recording: &Recording,
-        known_off: Option<bool>,
+        known_zero: Option<Zero>,
     ) -> Result<(Self, Option<MovingAverage>), InputError> {
         recording.require_samples(TrajectoryPolicy::in_use().fewest_samples)?;
         let recording = &recording.repaired();
@@ -213,9 +248,10 @@ impl Trajectory {
         if average.is_some() {
             uniform.velocity = None;
         }
-        let is_off = known_off.unwrap_or_else(|| is_off(&uniform.displacement, &uniform.force));
+        let zero =
+            known_zero.unwrap_or_else(|| Zero::seen_in(&uniform.displacement, &uniform.force));
         let mut trajectory = Self::about(
-            is_off,
+            zero,
             recording.name.clone(),
             uniform.period,
             &uniform.displacement,
@@ -224,6 +260,10 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        if average.is_none() {
+            let all = 0..trajectory.len();
+            trajectory.take_noise(&[all]);
+        }
         trajectory.controls = Arc::new(uniform.controls);
         trajectory.faults = found;
         let (low, high) = least_and_largest(&trajectory.motion.displacement);
@@ -261,9 +301,9 @@ impl Trajectory {
         temperature: Option<Vec<f64>>,
     ) -> Self {
         assert_eq!(force.len(), displacement.len());
-        let is_off = is_off(displacement, &force);
+        let zero = Zero::seen_in(displacement, &force);
         Self::about(
-            is_off,
+            zero,
             name.into(),
             tick,
             displacement,
@@ -273,9 +313,9 @@ impl Trajectory {
         )
     }
 
-    /// As [`Trajectory::new`]; `is_off` says whether to take the middle of the motion as its zero.
+    /// As [`Trajectory::new`]; the displacement is counted from `zero`.
     fn about(
-        is_off: bool,
+        zero: Zero,
         name: String,
         tick: f64,
         displacement: &[f64],
@@ -285,7 +325,7 @@ impl Trajectory {
     ) -> Self {
         let count = displacement.len();
         let middle = middle(displacement);
-        let centre = if is_off { middle } else { 0.0 };
+        let centre = zero.of(displacement);
         let displacement: Vec<f64> = displacement.iter().map(|y| y - centre).collect();
         let displacement = displacement.as_slice();
         let hysteresis = hysteresis(displacement);
@@ -328,6 +368,7 @@ impl Trajectory {
             middle,
             centre,
             force_noise: noise_beside_tones(&force),
+            noise_is_known: true,
             force_rms: rms(force.iter().copied()),
             motion_error,
             carried: Vec::new(),
@@ -339,6 +380,7 @@ impl Trajectory {
             noise_beside: 1.0,
             late: 0.0,
             faults: Vec::new(),
+            recorded: None,
             cycles: Arc::new(cycles.elapsed(count, tick)),
             amplitude: Arc::new(cycles.amplitude_per_sample(count)),
             blocks: cycles.blocks,
@@ -350,21 +392,37 @@ impl Trajectory {
         let force = &self.force;
         let seen = runs.iter().flat_map(|run| &force[run.clone()]).copied();
         self.force_rms = rms(seen);
-        let noise = noise_of_runs(force, runs);
-        let noise = self
-            .average
-            .as_ref()
-            .map_or(noise, |average| average.noise(noise));
-        self.force_noise = self.noise_beside * noise;
+        match &self.average {
+            Some(average) => self.force_noise = average.noise(noise_of_runs(&self.force, runs)),
+            None => self.take_noise(runs),
+        }
+        self.force_noise *= self.noise_beside;
+    }
+
+    /// The noise of the measured samples of `runs`.
+    fn take_noise(&mut self, runs: &[Range<usize>]) {
+        let blocks = self.blocks.iter().map(|block| {
+            let cycle = 1.0 / (block.frequency * self.tick);
+            (block.samples.clone(), cycle)
+        });
+        let blocks: Vec<_> = blocks.collect();
+        let (force, factor) = match &self.recorded {
+            Some((recorded, factor)) => (recorded.as_slice(), *factor),
+            None => (self.force.as_slice(), 1.0),
+        };
+        let floor = NoiseFloor::of(force, &self.motion, (runs, &self.measured), &blocks);
+        (self.force_noise, self.noise_is_known) = (factor * floor.deviation, floor.is_known);
     }
 
     /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.
     fn undo(&mut self, shift: Shift) {
-        self.late = shift.late * self.tick;
-        self.faults.push(shift.fault(self.tick));
-        self.force = shift.undone(&self.force);
+        let moved = shift.undone(&self.force);
+        let recorded = std::mem::replace(&mut self.force, moved);
+        self.recorded = Some((Arc::new(recorded), shift.noise_factor()));
         let count = self.len();
-        let beyond = (shift.late.abs().ceil() as usize + 1).min(count);
+        let beyond = (shift.late.abs().ceil() as usize)
+            .saturating_add(1)
+            .min(count);
         let lost = if shift.late > 0.0 {
             count - beyond..count
         } else {
@@ -438,6 +496,7 @@ impl Trajectory {
             controls: self.controls.clone(),
             measured: Vec::new(),
             faults: Vec::new(),
+            recorded: None,
             blocks: Vec::new(),
             cycles: self.cycles.clone(),
             amplitude: self.amplitude.clone(),
@@ -487,13 +546,22 @@ impl Trajectory {
     }
 }
 
-/// Facts about a recording's channels that are known from other recordings of the same rig.
+/// Facts about a recording's channels that are known beforehand.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known {
-    /// Delay of the force, s; negative where it is early.
+    /// Stated by the user.
+    pub rig: RigFacts,
+    /// Delay of the force in s, negative where it is early, as other recordings of the same rig show it.
     pub late: Option<f64>,
-    /// Whether the middle of the motion is its zero.
-    pub is_off: Option<bool>,
+    /// The zero of the displacement, as other recordings of the same rig show it.
+    pub zero: Option<Zero>,
+}
+
+impl Known {
+    /// The zero of the displacement: what the user states goes before what other recordings show.
+    fn zero(&self) -> Option<Zero> {
+        self.rig.zero.map(Zero::from).or(self.zero)
+    }
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

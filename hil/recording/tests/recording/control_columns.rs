@@ -116,6 +116,50 @@ fn foreign(names: &str, units: &str, options: [&[(&str, &str)]; 2]) -> Result<Re
     Recording::read_as(&path, &reading).map_err(|error| error.to_string())
 }
 
+/// A length that stays where it was set is an input, as in the noise of its sensor; one that moves belongs to the motion.
+#[test]
+fn a_length_that_is_set_is_an_input() {
+    let noise = |row: usize| 0.002 * (17.0 * row as f64).sin();
+    let y = |row: usize| 0.1 * (0.1 * row as f64).sin();
+    let read = read(
+        "Slider [mm],preload_um,lvdt_2_mm,carriage_m,predicted_gap_mm",
+        |row| {
+            format!(
+                "{},-150,{},{},1",
+                12.5 + noise(row),
+                0.5 * y(row),
+                3.0 + 1e-3 * y(row)
+            )
+        },
+    );
+    let found: Vec<(&str, f64)> = (read.controls.iter())
+        .map(|control| (control.name.as_str(), control.values[0]))
+        .collect();
+    // The carriage moves by much less than a hundredth of where it stands, but with the displacement.
+    let [("slider_mm", slider), ("preload_um", preload)] = found[..] else {
+        panic!("{found:?}")
+    };
+    assert!((slider - 12.5).abs() < 1e-3, "{slider}");
+    assert_eq!(preload, -150.0);
+    assert!(read.controls.iter().all(|control| !control.changes()));
+}
+
+/// Recordings at two settings of a slider do not contradict each other; at one setting they do.
+#[test]
+fn a_length_that_was_set_otherwise_explains_another_force() {
+    let at = |slider: f64, factor: f64| {
+        let mut recording = read("slider_mm", |_| slider.to_string());
+        recording
+            .force
+            .iter_mut()
+            .for_each(|force| *force *= factor);
+        recording
+    };
+    assert!(check_consistency(&[&at(10.0, 1.0), &at(25.0, 1.5)]).is_ok());
+    let error = check_consistency(&[&at(10.0, 1.0), &at(10.0, 1.5)]).unwrap_err();
+    assert!(error.remedy.contains("slider_mm"), "{error}");
+}
+
 fn names(recording: &Recording) -> Vec<&str> {
     let controls = recording.controls.iter();
     controls.map(|control| control.name.as_str()).collect()

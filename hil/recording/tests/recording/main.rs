@@ -3,6 +3,7 @@
 mod as_they_come;
 mod columns;
 mod control_columns;
+mod exchanged;
 mod files;
 #[cfg(feature = "formats")]
 mod formats;

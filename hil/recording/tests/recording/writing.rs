@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::write::Prediction;
 use mesh_damper_tables::units;
 use mesh_damper_tables::write::{WriteAs, table};
 
@@ -190,11 +191,15 @@ fn a_prediction_has_the_units_of_the_recording() {
     let mut recording = recording();
     recording.units.force = units::FORCE[1];
     let force: Vec<f64> = recording.force.iter().map(|force| force + 0.5).collect();
-    let band = vec![0.002; force.len()];
+    let prediction = Prediction {
+        band: vec![0.002; force.len()],
+        beyond: vec![0.0; force.len()],
+        force: force.clone(),
+    };
     for name in NAMES {
         let path = Path::new(name);
         let bytes = recording
-            .to_file_with_prediction(path, &force, &band)
+            .to_file_with_prediction(path, &prediction)
             .unwrap();
         let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
         std::fs::write(&file, bytes).unwrap();

@@ -31,6 +31,8 @@ pub struct ChosenControl {
     pub column: usize,
     /// Its name in a recording: `current_A`.
     pub name: String,
+    /// The unit of a length, which may also belong to the motion: it is an input only if it stays where it is.
+    pub length: Option<Unit>,
 }
 
 /// The columns of a recording.

@@ -58,6 +58,7 @@ impl Choice<'_> {
             controls.push(ChosenControl {
                 column,
                 name: format!("{quantity}_{unit}"),
+                length: None,
             });
         }
         let is_said = |name: &str| controls.iter().any(|control| control.name == name);
@@ -89,7 +90,11 @@ impl Choice<'_> {
                 ControlUnit::Known(unit) => {
                     let name = format!("{quantity}_{unit}");
                     if !is_wanted(&name) {
-                        in_other_units.push(ChosenControl { column, name });
+                        in_other_units.push(ChosenControl {
+                            column,
+                            name,
+                            length: None,
+                        });
                     } else if !is_said(&name) {
                         found.entry(name).or_default().push((is_own, column));
                     }
@@ -133,7 +138,11 @@ impl Choice<'_> {
                 let source = quoted(&self.table.columns[column].name);
                 guesses.push(format!("control input {name} is read from column {source}"));
             }
-            controls.push(ChosenControl { column, name });
+            controls.push(ChosenControl {
+                column,
+                name,
+                length: None,
+            });
         }
         if self.needs.inputs.is_none() {
             guesses.extend(unclear.iter().take(MOST).map(|each| {
@@ -146,6 +155,10 @@ impl Choice<'_> {
                 ));
             }
         }
+        let of_controls = controls.iter().map(|control| control.column);
+        let is_used: HashSet<usize> = of_controls.chain(is_used).collect();
+        let lengths = self.lengths(&is_used).into_iter();
+        controls.extend(lengths.filter(|length| is_wanted(&length.name)));
         controls.sort_by_key(|control| control.column);
         match &self.needs.inputs {
             Some(inputs) => inputs

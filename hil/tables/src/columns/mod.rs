@@ -7,6 +7,7 @@ mod apart;
 mod asked;
 mod choose;
 mod controls;
+mod lengths;
 mod lexicon;
 mod listed;
 mod meaning;

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use mesh_damper_identify::trace::result::{Estimate, TraceResult, Verdict};
-use mesh_damper_identify::trace::{TraceError, trace};
+use mesh_damper_identify::trace::{Role, Trace, TraceError, trace};
 use mesh_damper_model::correction::Remembered;
-use mesh_damper_model::predict::NINETY_PERCENT;
+use mesh_damper_model::predict::{NINETY_PERCENT, band, own_band};
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
@@ -50,6 +50,8 @@ pub struct Said {
     /// Whether a remainder is reported.
     #[serde(skip)]
     pub has_remainder: bool,
+    /// Fraction of the held-out samples whose error is within the band that the model states; null if it states none.
+    pub within_band: Option<f64>,
     /// How many of the 90 % intervals of the law's coefficients contain the true value, and how many intervals there are. Both are
     /// 0 unless one set of coefficients holds for all amplitudes.
     #[serde(skip)]
@@ -139,7 +141,7 @@ pub fn judge(trial: &Trial) -> Outcome {
     Outcome {
         secret: trial.secret.clone(),
         said: said
-            .map(|found| Said::of(&found.result, trial))
+            .map(|found| Said::of(&found, trial))
             .map_err(|error: TraceError| error.to_string()),
         seconds,
         time: seconds / (samples as f64 / trial.secret.rate),
@@ -148,7 +150,8 @@ pub fn judge(trial: &Trial) -> Outcome {
 }
 
 impl Said {
-    fn of(result: &TraceResult, trial: &Trial) -> Self {
+    fn of(found: &Trace, trial: &Trial) -> Self {
+        let result = &found.result;
         let noise = trial.held_out_noise;
         let families = result.effects.iter().map(|effect| effect.family.clone());
         let correction = result.correction.as_ref();
@@ -159,9 +162,29 @@ impl Said {
             before: result.baseline.nrmse_held_out / noise,
             after: result.on_target.nrmse_held_out / noise,
             has_remainder: result.remainder.is_some(),
+            within_band: within_band(found),
             intervals: intervals(result, &trial.secret),
         }
     }
+}
+
+/// As [`Said::within_band`].
+fn within_band(found: &Trace) -> Option<f64> {
+    let elsewhere = found.result.elsewhere?;
+    let (mut within, mut count) = (0, 0_u32);
+    for traced in &found.recordings {
+        let trajectory = &traced.trajectory;
+        let own = own_band(&elsewhere, trajectory, &traced.after);
+        let noise = band(&found.model, trajectory).ok()?;
+        for (index, role) in traced.roles.iter().enumerate() {
+            if *role == Role::HeldOut && trajectory.measured[index] {
+                let error = (traced.after[index] - trajectory.force[index]).abs();
+                within += u32::from(error <= own[index].hypot(noise[index]));
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| f64::from(within) / f64::from(count))
 }
 
 /// As [`Said::intervals`].
@@ -237,6 +260,12 @@ impl Outcome {
         self.said
             .as_ref()
             .is_ok_and(|said| said.after <= 1.5 || said.after <= 0.1 * said.before)
+    }
+
+    /// Whether the law that is written predicts the held-out motion worse than eq 13 alone, by more than 2 %.
+    pub fn is_worse(&self) -> bool {
+        let worse = |said: &Said| said.after > 1.02 * said.before;
+        self.said.as_ref().is_ok_and(worse)
     }
 
     /// Held-out error of the embedded law over the noise; not a number if the trace was refused.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use super::families::Version;
-use super::judge::{Mark, Outcome, VelocityError};
+use super::judge::{Mark, Outcome};
 use super::trial::{Class, Test};
 
 /// A count out of a total.
@@ -79,6 +79,12 @@ pub struct Row {
     #[serde(serialize_with = "if_any")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub intervals: f64,
+    /// Number of trials whose law predicts the held-out motion worse than eq 13 alone, by more than 2 %.
+    pub worse: usize,
+    /// Part of the held-out samples within the bands that the models state, 0…1.
+    #[serde(serialize_with = "if_any")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub within_band: f64,
     /// Geometric mean of the error of the estimated velocity over that of cubics in windows alone.
     #[serde(serialize_with = "if_any")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -105,8 +111,8 @@ impl Row {
             let place = place.min(values.len().saturating_sub(1));
             values.get(place).copied().unwrap_or(f64::NAN)
         };
-        let mean = |of: &dyn Fn(&VelocityError) -> f64| {
-            let each = outcomes.iter().map(|o| of(&o.velocity));
+        let mean = |of: &dyn Fn(&Outcome) -> f64| {
+            let each = outcomes.iter().map(|o| of(o));
             let values = each.filter(|value| value.is_finite());
             let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
             sum / count
@@ -122,8 +128,14 @@ impl Row {
             seconds: quantile(|o| o.seconds, 0.5),
             time: outcomes.iter().map(|o| o.time).fold(0.0, f64::max),
             intervals: held as f64 / of as f64,
-            over_cubics: mean(&|velocity| velocity.over_cubics.ln()).exp(),
-            covered: mean(&|velocity| velocity.covered),
+            worse: outcomes.iter().filter(|o| o.is_worse()).count(),
+            within_band: mean(&|o| {
+                o.said
+                    .as_ref()
+                    .map_or(f64::NAN, |said| said.within_band.unwrap_or(f64::NAN))
+            }),
+            over_cubics: mean(&|o| o.velocity.over_cubics.ln()).exp(),
+            covered: mean(&|o| o.velocity.covered),
         }
     }
 

@@ -204,6 +204,7 @@ fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)
         form: case.form,
         reference: 20.0,
         is_known: false,
+        held: None,
     };
     let law = Problem::new(&rows, &extent, &[]).solve();
     let terms = [term];

@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 use mesh_damper_characterize::{
-    DynamicTest, Figures, Spread, StaticTest, dynamic_test, static_test,
+    DynamicTest, Figures, Spread, StaticTest, dynamic_test_on, static_test,
 };
 use mesh_damper_output::Plan;
+use mesh_damper_output::error::InputError;
 use mesh_damper_report::characterization::{dynamic_chart, static_chart};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::commands::document::AddDocument as _;
+use crate::commands::known_rig::KnownRig;
 use crate::commands::reading::RecordingFiles;
 use crate::commands::{Failure, say, warn};
 
@@ -40,6 +42,8 @@ pub struct CharacterizeCommand {
     /// Write the result as JSON to this file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    rig: KnownRig,
     #[command(flatten)]
     files: RecordingFiles,
 }
@@ -72,10 +76,19 @@ impl CharacterizeCommand {
             .writes(&self.json)
             .begin()?;
         let recording = self.files.channels(&self.recording)?;
+        let rig = self.rig.facts(None);
+        if self.of_curves && !rig.is_empty() {
+            return Err(InputError::new(
+                "--static",
+                "is for slow curves, on which a mass and a delay have no influence",
+                "leave --fixture-mass and --force-delay out, or take --dynamic",
+            )
+            .into());
+        }
         let found = if self.of_curves {
             Found::Static(static_test(&recording)?)
         } else {
-            Found::Dynamic(dynamic_test(&recording)?)
+            Found::Dynamic(dynamic_test_on(&recording, &rig)?)
         };
         if let Some(picture) = &picture {
             outputs.add(
@@ -148,8 +161,10 @@ fn print_dynamic(test: &DynamicTest) {
         }
         row("averaged", block.frequency, &block.averaged, "");
         say(&format!(
-            "    mean: K = {} kN/mm, loss factor = {}",
+            "    mean: K = {} kN/mm (90 %: {:.4} … {:.4}), loss factor = {}",
             with_deviation(&block.stiffness),
+            block.stiffness_interval[0],
+            block.stiffness_interval[1],
             with_deviation(&block.loss_factor)
         ));
     }

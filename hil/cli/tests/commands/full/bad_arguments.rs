@@ -147,11 +147,14 @@ fn recordings_that_contradict_each_other_are_refused() {
         ("./a.csv", "is given twice"),
     ] {
         refuses(root.path(), &["trace", "a.csv", other], &[other, said]);
-        refuses(
-            root.path(),
-            &["trace", "a.csv", "--held-out", other],
-            &[other, said],
-        );
+        // Another specimen may be predicted: that is said.
+        if other != "ring-4.csv" {
+            refuses(
+                root.path(),
+                &["trace", "a.csv", "--held-out", other],
+                &[other, said],
+            );
+        }
     }
 }
 

@@ -95,6 +95,7 @@ impl<'a> Search<'a> {
                 form,
                 reference: temperature.unwrap_or_default(),
                 is_known: false,
+                held: None,
             })
             .collect();
         Self {

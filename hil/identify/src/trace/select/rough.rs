@@ -38,6 +38,7 @@ impl Search<'_> {
             form: inertia::FORMS[0],
             reference: 0.0,
             is_known: false,
+            held: None,
         }]);
         if let Ok(massive) = massive
             && massive.is_admissible()

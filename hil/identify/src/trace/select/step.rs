@@ -27,7 +27,7 @@ pub struct Candidate {
     pub distinguishable: bool,
     /// Whether it became the law at this step.
     pub added: bool,
-    /// Whether all its terms are admissible: none is a source of energy, a mass that pushes, a drift that stands still in every
+    /// Whether all its terms are admissible: none is a source of energy, a drift that stands still in every
     /// block, or a drift that the temperature explains.
     pub admissible: bool,
     /// Whether it was fitted. Otherwise it was rated with the parameters of the start of a fit.
