@@ -54,24 +54,30 @@ pub fn band(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelErr
         .collect())
 }
 
-/// Half width in kN of the band that holds nine of ten errors of the model itself at every sample of `trajectory`, for which it predicts
-/// `force`: by its errors on motions that it was not fitted to, relative to the RMS force of a block of cycles, or of the whole
-/// trajectory where there is none.
-pub fn own_band(elsewhere: &Elsewhere, trajectory: &Trajectory, force: &[f64]) -> Vec<f64> {
+/// The [`band`] of noise, with the error of the model itself: half the width in kN of what holds nine of ten errors at every sample of
+/// `trajectory`, for which the model predicts `force`. Its own errors are those on motions that it was not fitted to, relative to the RMS
+/// force of a block of cycles, or of the whole trajectory where there is none.
+pub fn whole_band(
+    of_noise: &[f64],
+    elsewhere: &Elsewhere,
+    trajectory: &Trajectory,
+    force: &[f64],
+) -> Vec<f64> {
     let half = |force: &[f64]| {
         let squares: f64 = force.iter().map(|force| force * force).sum();
         elsewhere.most * (squares / force.len().max(1) as f64).sqrt()
     };
-    let mut band = vec![half(force); force.len()];
+    let mut own = vec![half(force); force.len()];
     for block in trajectory
         .blocks
         .iter()
         .filter(|block| !block.cycles.is_empty())
     {
         let of_block = half(&force[block.samples.clone()]);
-        band[block.samples.clone()].fill(of_block);
+        own[block.samples.clone()].fill(of_block);
     }
-    band
+    let pairs = own.iter().zip(of_noise);
+    pairs.map(|(own, noise)| own.hypot(*noise)).collect()
 }
 
 /// More steps than this between two samples are not tried. Convention: a second at 20 Hz becomes one at 1280 Hz.
@@ -272,7 +278,8 @@ mod tests {
             conditions: 3,
             most: 0.1,
         };
-        let band = own_band(&elsewhere, &trajectory, &force);
+        let of_noise = vec![0.0; force.len()];
+        let band = whole_band(&of_noise, &elsewhere, &trajectory, &force);
         for (sample, force) in [(2000, 0.2), (6000, 0.6)] {
             let expected = 0.1 * force / f64::sqrt(2.0);
             assert!(

@@ -22,7 +22,7 @@ crate::numbers! {
         gap: f64 = 1.75, Tuned("the injected channel faults");
         /// Uneven steps are due to rounding, and not to missing samples or wrong stamps, if at least this many of the rarer kind lie as
         /// evenly as rounding spreads them; fewer only if the displacement is smoother over equal steps.
-        fewest_spread: usize = 9, Derived("so many fall into as many equal parts by chance once in a thousand: 9!/9⁹");
+        fewest_spread: usize = 9, Derived("nine values fall into nine equal parts, one into each, by chance once in a thousand: 9!/9⁹");
         /// The displacement decides between missing samples and rounding if it is smoother by this factor about the steps in question.
         smoother: f64 = 2.0, Convention("noise alone makes it as smooth over both");
         /// A clock may lack as many samples as this times those that follow the one before without a gap.

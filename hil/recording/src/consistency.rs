@@ -5,6 +5,7 @@ use mesh_damper_output::error::InputError;
 use super::Recording;
 use crate::faults::FaultsPolicy;
 use crate::faults::scale::ScalePolicy;
+use crate::faults::sign::work;
 
 crate::numbers! {
     /// Which recordings contradict each other.
@@ -141,14 +142,8 @@ impl Character {
             about_mean(&recording.displacement),
             about_mean(&recording.force),
         );
-        let (mut work, mut most) = (0.0, 0.0);
-        // Over strides, so that the displacement's noise is small compared with its steps.
-        for index in ConsistencyPolicy::in_use().stride..y.len() {
-            let step = y[index] - y[index - ConsistencyPolicy::in_use().stride];
-            let force = f[index - ConsistencyPolicy::in_use().stride / 2];
-            work += force * step;
-            most += (force * step).abs();
-        }
+        let stride = ConsistencyPolicy::in_use().stride;
+        let [work, most] = work(&y, &f, 0..y.len(), stride);
         let rms = |values: &[f64]| {
             (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
         };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::extremes::least_and_largest;
+use crate::extremes::{least_and_largest, quantile};
 
 crate::numbers! {
     /// Which cycles and which blocks are alike.
@@ -316,6 +316,5 @@ fn without_transitions(all: Vec<Range<usize>>) -> Vec<Range<usize>> {
 /// The upper one of two in the middle; `None` for no values.
 pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (!values.is_empty()).then(|| quantile(&mut values, 0.5))
 }

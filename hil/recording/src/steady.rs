@@ -147,7 +147,7 @@ fn is_coarse(period: f64, quantum: f64) -> bool {
     period > 0.0 && quantum > ClockPolicy::in_use().rounding * period
 }
 
-/// A few values in a row are tried at so many places. Convention: one of them lacks none unless every eighth stretch does.
+/// The number of places at which a few values in a row are tried. Convention: one of them lacks none unless every eighth stretch does.
 const WINDOWS: usize = 8;
 
 /// Values with their steps.
@@ -254,7 +254,7 @@ impl Followed {
     }
 }
 
-/// The period is searched for in so many thirds. Derived: to a millionth of what it may be off.
+/// The number of times that the range of the period is cut by a third. Derived: to a millionth of what it may be off.
 const NARROWED: usize = 34;
 /// After more steps than this without a value, it is a pause. Convention: a logger loses a few samples at once.
 const FAR: usize = 8;

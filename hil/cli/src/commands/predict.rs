@@ -7,7 +7,7 @@ use std::str::FromStr;
 use clap::Args;
 use mesh_damper_model::extrapolation::{Extrapolation, percent};
 use mesh_damper_model::file::{Elsewhere, ModelFile, model_error};
-use mesh_damper_model::predict::{band, nrmse, own_band, predict, predict_embedded};
+use mesh_damper_model::predict::{band, nrmse, predict, predict_embedded, whole_band};
 use mesh_damper_output::Plan;
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::ScalePolicy;
@@ -266,13 +266,7 @@ impl Predict {
         let of_noise = band(&model, &trajectory).map_err(wrong)?;
         let elsewhere = file.elsewhere();
         let band: Vec<f64> = match &elsewhere {
-            Some(elsewhere) => {
-                let own = own_band(elsewhere, &trajectory, &force);
-                own.iter()
-                    .zip(&of_noise)
-                    .map(|(own, noise)| own.hypot(*noise))
-                    .collect()
-            }
+            Some(elsewhere) => whole_band(&of_noise, elsewhere, &trajectory, &force),
             None => of_noise.clone(),
         };
         let motion = &trajectory.motion;

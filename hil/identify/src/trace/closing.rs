@@ -133,6 +133,7 @@ impl<'a> Closing<'a> {
             mut verdict,
             left,
             effects_rejected_by,
+            explainable,
             in_turn,
         } = self.verdict(selection, &left_out, [&alone, &solution])?;
         let is_more_missing = verdict == Verdict::Unlisted;
@@ -272,7 +273,10 @@ impl<'a> Closing<'a> {
         if self.sought.rig.zero.is_none() {
             warnings.extend(zero_in_doubt(&model, self.trajectories));
         }
-        let explainable = self.witness(&left_out, &model)?;
+        let explainable = match is_more_missing {
+            true => self.witness(&left_out, &model)?,
+            false => explainable,
+        };
         if let Some(witness) = explainable.filter(|one| one.counts()) {
             warnings.push(format!(
                 "a general regressor predicts {:.0} % of the residual's variance from the motion, on conditions that it was not fitted to: \
@@ -359,37 +363,36 @@ impl<'a> Closing<'a> {
         let left_by_solution = left_out.left_by(&solution.model())?;
         let left = left_by_solution.in_most().unwrap_or(of_validation);
         let (verdict, effects_rejected_by) = conclude(selection, solution.is_alone(), left);
-        let concluded = Concluded {
-            verdict,
+        let unlisted = |effects_rejected_by| Concluded {
+            verdict: Verdict::Unlisted,
             left,
             effects_rejected_by,
+            explainable: None,
             in_turn: Vec::new(),
         };
         if verdict == Verdict::Unlisted {
-            return Ok(concluded);
+            return Ok(unlisted(effects_rejected_by));
         }
-        let unlisted = |rule| Concluded {
-            verdict: Verdict::Unlisted,
-            effects_rejected_by: (!solution.is_alone()).then_some(rule),
+        let explainable = self.witness(left_out, &solution.model())?;
+        if explainable.is_some_and(|one| one.counts()) {
+            let rule = (!solution.is_alone()).then_some(Rule::Predictable);
+            return Ok(unlisted(rule));
+        }
+        let explained = |in_turn| Concluded {
+            verdict,
             left,
-            in_turn: Vec::new(),
+            effects_rejected_by,
+            explainable,
+            in_turn,
         };
-        let witness = self.witness(left_out, &solution.model())?;
-        if witness.is_some_and(|one| one.counts()) {
-            return Ok(unlisted(Rule::Predictable));
-        }
         let in_turn = |law| match left_out.are_motions() {
             true => left_out.in_turn(Samples::Telling, &|picked| {
                 Ok(self.refit_model(&self.rows[0], law, picked))
             }),
             false => self.on_validation(law),
         };
-        let of_solution = in_turn(solution)?;
         if solution.is_alone() {
-            return Ok(Concluded {
-                in_turn: of_solution,
-                ..concluded
-            });
+            return Ok(explained(in_turn(solution)?));
         }
         let left_by_alone = left_out.left_by(&alone.model())?;
         let accounts = match (
@@ -399,15 +402,13 @@ impl<'a> Closing<'a> {
             (Some(alone), Some(left)) => accounts_for(alone, left),
             _ => true,
         };
-        Ok(if !accounts {
-            unlisted(Rule::AccountsForTooLittle)
-        } else if !generalises(&in_turn(alone)?, &of_solution) {
-            unlisted(Rule::UnknownElsewhere)
-        } else {
-            Concluded {
-                in_turn: of_solution,
-                ..concluded
-            }
+        if !accounts {
+            return Ok(unlisted(Some(Rule::AccountsForTooLittle)));
+        }
+        let of_solution = in_turn(solution)?;
+        Ok(match generalises(&in_turn(alone)?, &of_solution) {
+            true => explained(of_solution),
+            false => unlisted(Some(Rule::UnknownElsewhere)),
         })
     }
 
@@ -577,6 +578,8 @@ struct Concluded {
     left: f64,
     /// The reason why the result does not explain the recordings, if it does not.
     effects_rejected_by: Option<Rule>,
+    /// How much of the result's residual can be predicted; `None` if more is missing.
+    explainable: Option<Explainable>,
     /// The errors of the result on conditions left out of its fit; none if more is missing.
     in_turn: Vec<RelativeError>,
 }

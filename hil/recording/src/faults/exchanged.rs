@@ -13,8 +13,8 @@ use super::super::Recording;
 use super::super::cycles::{Cycles, median};
 use super::super::noise::noise_deviation;
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::median_filtered;
-use super::sign::SignPolicy;
+use super::sign::{SignPolicy, work};
+use super::{correlation, median_filtered};
 use mesh_damper_tables::channel::Channel;
 
 crate::numbers! {
@@ -133,13 +133,7 @@ fn gives(y: &[f64], f: &[f64], samples: std::ops::Range<usize>) -> bool {
     let SignPolicy {
         stride, certain, ..
     } = *SignPolicy::in_use();
-    let mean = f[samples.clone()].iter().sum::<f64>() / samples.len() as f64;
-    let (mut work, mut most) = (0.0, 0.0);
-    for index in samples.start + stride..samples.end {
-        let done = (f[index - stride / 2] - mean) * (y[index] - y[index - stride]);
-        work += done;
-        most += done.abs();
-    }
+    let [work, most] = work(y, f, samples, stride);
     work < -certain * most
 }
 
@@ -163,10 +157,4 @@ fn beside(values: &[f64], noise: f64) -> Option<f64> {
     let fundamental = 0.5 * (terms[1].powi(2) + terms[2].powi(2));
     (free > 0.0 && fundamental > 0.0)
         .then(|| (left.sum::<f64>() / free - noise * noise) / fundamental)
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let [a, b] = [a, b].map(|values| super::sign::about_mean(values.to_vec()));
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
 }

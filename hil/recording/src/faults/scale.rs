@@ -7,7 +7,7 @@ use super::super::noise::noise_deviation;
 use mesh_damper_tables::channel::Channel;
 
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::spread;
+use super::{correlation, spread};
 
 crate::numbers! {
     /// How a unit that is wrong by a factor of 1000 is recognized.
@@ -259,24 +259,6 @@ fn change(values: &[f64], other: &[f64]) -> Option<(usize, bool)> {
         .clone()
         .min_by(|&a, &b| roughness(a).total_cmp(&roughness(b)))?;
     Some((at, up))
-}
-
-/// Correlation of two channels.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (a, b) in a.iter().zip(b) {
-        let (a, b) = (a - mean_a, b - mean_b);
-        ab += a * b;
-        aa += a * a;
-        bb += b * b;
-    }
-    if aa * bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
-    }
 }
 
 /// Sums of values and of their squares up to each sample.

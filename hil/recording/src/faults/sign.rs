@@ -1,10 +1,12 @@
 //! A force with a reversed sign: opposite to the displacement, and supplying energy.
 
+use std::ops::Range;
+
 use super::super::Recording;
 use mesh_damper_tables::channel::Channel;
 
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::median_filtered;
+use super::{correlation, median_filtered};
 
 crate::numbers! {
     /// When a force has the wrong sign.
@@ -47,17 +49,9 @@ pub(super) fn repair(recording: &mut Recording) -> bool {
 
 fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
     // A spike must not decide.
-    let y = about_mean(median_filtered(displacement, 2));
-    let f = about_mean(median_filtered(force, 2));
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let correlation = product(&y, &f) / (product(&y, &y) * product(&f, &f)).sqrt();
-    let (mut work, mut most) = (0.0, 0.0);
-    for index in SignPolicy::in_use().stride..y.len() {
-        let done = f[index - SignPolicy::in_use().stride / 2]
-            * (y[index] - y[index - SignPolicy::in_use().stride]);
-        work += done;
-        most += done.abs();
-    }
+    let [y, f] = [displacement, force].map(|all| median_filtered(all, 2));
+    let correlation = correlation(&y, &f);
+    let [work, most] = work(&y, &f, 0..y.len(), SignPolicy::in_use().stride);
     let SignPolicy {
         certain,
         against,
@@ -68,10 +62,17 @@ fn is_flipped(displacement: &[f64], force: &[f64]) -> bool {
     correlation < against && work < -certain * most || correlation < with && work < -gives * most
 }
 
-pub(super) fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter_mut().for_each(|value| *value -= mean);
-    values
+/// Work of the force about its mean in these samples, and the work if all of it were done in one direction. Steps of the displacement are
+/// over `stride` samples, so that its noise is small compared with them.
+pub(crate) fn work(y: &[f64], f: &[f64], samples: Range<usize>, stride: usize) -> [f64; 2] {
+    let mean = f[samples.clone()].iter().sum::<f64>() / samples.len() as f64;
+    let (mut work, mut most) = (0.0, 0.0);
+    for index in samples.start + stride..samples.end {
+        let done = (f[index - stride / 2] - mean) * (y[index] - y[index - stride]);
+        work += done;
+        most += done.abs();
+    }
+    [work, most]
 }
 
 #[cfg(test)]

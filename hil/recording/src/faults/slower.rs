@@ -23,7 +23,7 @@ crate::numbers! {
         on_line: f64 = 6.0, Convention("the usual distance is that of the last digit, of which three values have one each");
         /// A value is new if it is off the line between its neighbours by at least this many times what lies on it.
         off_line: f64 = 4.0, Convention("four times the last digit");
-        /// Interpolated values are searched for where a value is new in at least every so many rows.
+        /// Interpolated values are searched for where a value is new in at least one row of this many.
         most_rows: f64 = 16.0, Convention("a motion with corners farther apart is no interpolation");
         /// A coarse channel changes by its last digit only; a slower one does so in at most this fraction of its changes.
         digits: f64 = 0.8, Convention("a slow motion with noise has larger changes too");

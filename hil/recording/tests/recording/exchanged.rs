@@ -108,7 +108,7 @@ impl Test {
         }
     }
 
-    /// With these columns of displacement, force in a unit of so many kN, and velocity, in CSV and in MAT.
+    /// With these columns of displacement, force in a unit given in kN, and velocity, in CSV and in MAT.
     fn read(
         &self,
         [displacement, force]: [&[f64]; 2],

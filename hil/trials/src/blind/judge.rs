@@ -5,7 +5,7 @@ use std::time::Instant;
 use mesh_damper_identify::trace::result::{Estimate, TraceResult, Verdict};
 use mesh_damper_identify::trace::{Role, Trace, TraceError, trace};
 use mesh_damper_model::correction::Remembered;
-use mesh_damper_model::predict::{NINETY_PERCENT, band, own_band};
+use mesh_damper_model::predict::{NINETY_PERCENT, band, whole_band};
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
@@ -174,12 +174,12 @@ fn within_band(found: &Trace) -> Option<f64> {
     let (mut within, mut count) = (0, 0_u32);
     for traced in &found.recordings {
         let trajectory = &traced.trajectory;
-        let own = own_band(&elsewhere, trajectory, &traced.after);
-        let noise = band(&found.model, trajectory).ok()?;
+        let of_noise = band(&found.model, trajectory).ok()?;
+        let band = whole_band(&of_noise, &elsewhere, trajectory, &traced.after);
         for (index, role) in traced.roles.iter().enumerate() {
             if *role == Role::HeldOut && trajectory.measured[index] {
                 let error = (traced.after[index] - trajectory.force[index]).abs();
-                within += u32::from(error <= own[index].hypot(noise[index]));
+                within += u32::from(error <= band[index]);
                 count += 1;
             }
         }
