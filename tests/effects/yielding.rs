@@ -63,7 +63,7 @@ fn rate_at(e: f64, [_, x, v0, time]: Parameters) -> f64 {
 
 /// The forces at the ticks, with straight lines between them, each integrated in many steps of the midpoint rule.
 fn reference(parameters: Parameters, path: &[f64], tick: f64) -> Vec<f64> {
-    const STEPS: u32 = 400;
+    const STEPS: u32 = 100;
     let step = tick / f64::from(STEPS);
     let mut e: f64 = 0.0;
     let mut forces = vec![0.0];

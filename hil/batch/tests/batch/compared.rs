@@ -403,6 +403,7 @@ fn claims(seeds: std::ops::Range<u64>, of: fn(u64) -> Comparison) -> Vec<(u64, C
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn of_a_specimen_that_stays_as_it_is_nothing_is_claimed() {
     let claimed = claims(0..UNCHANGED, about_rest);
     // With 5 % each, more than four claims of 20 would occur once in 390.

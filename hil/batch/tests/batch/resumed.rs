@@ -96,6 +96,7 @@ fn other_settings_are_other_traces_and_the_limit_matters_to_what_it_refused() {
 /// A batch can be killed in any state: the journal may end anywhere, files of traces may be missing from the journal, and files may
 /// be half written.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_batch_that_was_killed_anywhere_makes_only_what_it_had_not_kept() {
     let root = tempfile::tempdir().unwrap();
     let (folder, whole) = (root.path().join("recordings"), root.path().join("whole"));

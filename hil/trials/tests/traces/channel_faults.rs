@@ -23,6 +23,7 @@ fn faults_of(recording: &Recording) -> Vec<ChannelFault> {
 
 /// Every kind of motion, rate, noise and physics: no fault is found in a clean recording.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn clean_recordings_have_no_faults() {
     let (mut tried, mut wrong) = (0, Vec::new());
     for (which, &hides) in HIDES.iter().enumerate() {
@@ -58,6 +59,7 @@ fn clean_recordings_have_no_faults() {
 /// The same for the recordings next to the repository, which none of its code produced. Two of the measured ones do have faults: a
 /// logger that left out a row 179 times, and four single samples of a load cell with an error of 0.06 … 0.2 kN.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn recordings_of_others_have_the_faults_that_are_in_them() {
     let Some(folder) = recordings() else {
         return;
@@ -114,6 +116,7 @@ fn recordings_of_others_have_the_faults_that_are_in_them() {
 /// Every fault, in recordings of every physics: it is found in its channel, with about the correct number of samples, and nothing
 /// else is reported. The gate tries every third combination in order.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn faults_are_found_counted_and_nothing_else_is() {
     every_fault_in_every_physics(3);
 }

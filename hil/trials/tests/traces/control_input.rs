@@ -158,6 +158,7 @@ fn a_current_on_which_nothing_depends_is_none() {
 
 /// Its index in the model differs from that in the recording: another column precedes it.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_column_is_known_by_its_name() {
     let test = |seed: u64| {
         let mut test = recorded(controlled(1.0, steps(seed)), &blocks(), seed);
@@ -238,6 +239,7 @@ fn a_current_that_was_never_another_is_said_to_be_another() {
 
 /// An input that is missing in one of the recordings cannot be used, and the trace reports this.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_column_that_a_recording_lacks_is_not_looked_at() {
     let test = |seed| recorded(controlled(1.0, steps(seed)), &blocks(), seed);
     let mut without = test(2);

@@ -128,6 +128,7 @@ fn documents(root: &Path) -> BTreeMap<&'static str, Value> {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn what_the_commands_write_is_as_their_schemas_say() {
     let root = tempfile::tempdir().unwrap();
     let documents = documents(root.path());

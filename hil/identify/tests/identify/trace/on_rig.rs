@@ -122,6 +122,7 @@ fn a_mass_and_a_delay_that_are_stated_are_not_fitted() {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_displacement_that_is_late_is_found_and_said() {
     for seed in 0..2 {
         let late = ChaCha8Rng::seed_from_u64(50 + seed).random_range(1.5e-3..2.5e-3);
@@ -167,6 +168,7 @@ fn a_mass_below_zero_is_a_mass() {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn the_displacement_is_counted_from_the_stated_zero() {
     let rig = Rig {
         zero: 0.03,

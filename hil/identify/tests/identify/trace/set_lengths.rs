@@ -23,6 +23,7 @@ fn at(set: f64, stiffness: f64, seed: u64) -> Recording {
 }
 
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn a_length_that_sets_the_stiffness_is_used() {
     for seed in 0..2 {
         let mut random = ChaCha8Rng::seed_from_u64(70 + seed);
