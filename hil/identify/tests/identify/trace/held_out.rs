@@ -108,8 +108,9 @@ fn the_same_test_run_on_is_scored_where_it_is_new() {
 /// For any force in the test data, the verdict and every coefficient come out the same, and only the errors that
 /// are reported differ; for a named effect and for a residual table.
 #[test]
+#[ignore = "half a minute: in the full tier"]
 fn nothing_that_is_held_out_reaches_the_law_of_a_named_effect() {
-    nothing_that_is_held_out_reaches_the_law(|s| -2.0 * s.1 * s.1);
+    nothing_that_is_held_out_reaches_the_law(|s| 0.004 * s.2 * s.2.abs());
 }
 
 #[test]
