@@ -71,6 +71,12 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         starts
     }
 
+    /// The squared error that a force, in kN at every row and of any size, saves in addition to the law's, to first order.
+    pub fn saving(&self, force: &[f64]) -> f64 {
+        let factor = self.factor.as_ref();
+        factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
+    }
+
     fn gain(&self, term: Term, shapes: &[f64]) -> f64 {
         let Some(factor) = &self.factor else {
             return 0.0;

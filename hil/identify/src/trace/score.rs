@@ -129,21 +129,27 @@ impl Score {
     /// A piece counts with its relative gain (a − b)/(a + b), which lies in −1…1, so no piece can decide alone. A contact acts in a
     /// few pieces only. So a law also wins if it reduces the error by a large part without the piece in which it gains most.
     pub fn beats(&self, other: &Self) -> bool {
-        let pieces = || other.pieces.iter().zip(&self.pieces);
+        let pieces = other.pieces.iter().zip(&self.pieces);
+        let saved: Vec<f64> = pieces.map(|(a, b)| a - b).collect();
         let before: f64 = other.pieces.iter().sum();
-        let saved: f64 = pieces().map(|(a, b)| a - b).sum();
-        if saved <= ScorePolicy::in_use().least_gain * before {
+        let all: f64 = saved.iter().sum();
+        if all <= ScorePolicy::in_use().least_gain * before {
             return false;
         }
-        let most = pieces().map(|(a, b)| a - b).fold(0.0, f64::max);
-        let gains: Vec<f64> = pieces()
+        let most = saved.iter().copied().fold(0.0, f64::max);
+        all - most > ScorePolicy::in_use().large_gain * before || self.gains_throughout(other)
+    }
+
+    /// Whether this law is better than `other` piece by piece, by however little: beyond chance, and not by a few pieces.
+    pub fn gains_throughout(&self, other: &Self) -> bool {
+        let pieces = other.pieces.iter().zip(&self.pieces);
+        let gains: Vec<f64> = pieces
             .map(|(a, b)| (a - b) / (a + b).max(f64::MIN_POSITIVE))
             .collect();
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        saved - most > ScorePolicy::in_use().large_gain * before
-            || mean > ScorePolicy::in_use().deviations * (variance / count).sqrt()
+        mean > ScorePolicy::in_use().deviations * (variance / count).sqrt()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The search for missing effects: one at a time, each compared on cycles that it was not fitted to.
 
 mod beside;
+mod mass;
 mod nodes;
 mod refine;
 mod rivals;
@@ -158,15 +159,18 @@ impl<'a> Search<'a> {
                     0
                 },
             );
-            let helps = |one: &Candidate| one.admissible && one.fitted.score.beats(&found.score);
-            // A fixture's mass is hidden below the noise of many a recording and still distorts what was found.
-            let is_mass = |one: &Candidate| one.fitted.is_with_mass(&found) && helps(one);
-            let mass = tried.iter().position(is_mass).filter(|_| !may_add);
-            if let Some(place) = mass {
+            let is_mass = |one: &Candidate| one.admissible && one.fitted.is_with_mass(&found);
+            let heavier = (!may_add).then(|| self.with_mass(&found)).flatten();
+            let mass = heavier.zip(tried.iter().position(is_mass));
+            let is_found = mass.is_some();
+            if let Some((heavier, place)) = mass {
+                tried[place].fitted = heavier;
+                tried[place].was_fitted = true;
                 tried[..=place].rotate_right(1);
             }
             let Some(best) = tried.first_mut() else { break };
-            let accepted = mass.is_some() || may_add && helps(best);
+            let helps = best.admissible && self.is_better(&best.fitted, &found);
+            let accepted = is_found || may_add && helps;
             let next = best.fitted.clone();
             best.added = accepted;
             let others = &mut tried[usize::from(accepted)..];

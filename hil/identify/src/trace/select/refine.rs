@@ -74,7 +74,7 @@ impl Search<'_> {
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
             let without = self.scored(problem.solve_near(&rest))?;
-            if found.score.beats(&without.score) {
+            if self.is_better(&found, &without) {
                 index += 1;
             } else {
                 found = without;

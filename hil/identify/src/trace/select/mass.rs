@@ -1,0 +1,58 @@
+//! The mass of a fixture between specimen and load cell. It is hidden below the noise of many a recording, and still distorts what is found
+//! there.
+
+use super::Search;
+use crate::families::inertia;
+use crate::problem::Problem;
+use crate::screen::Screen;
+use crate::term::Term;
+use crate::trace::fitted::Fitted;
+
+impl Search<'_> {
+    /// `law` with a mass in addition, if that is better.
+    pub(super) fn with_mass(&self, law: &Fitted) -> Option<Fitted> {
+        let is_mass = |term: &&Term| term.form == inertia::FORMS[0];
+        let mass = *self.terms.iter().find(is_mass)?;
+        let mut terms = law.solution.terms();
+        if terms.iter().any(|term| is_mass(&term)) {
+            return None;
+        }
+        terms.push(mass);
+        let problem = Problem::new(&self.rows, &self.extent, &terms);
+        let heavier = self.scored(problem.solve_from(&law.solution, &[])).ok()?;
+        (heavier.is_admissible() && self.is_better(&heavier, law)).then_some(heavier)
+    }
+
+    /// Whether `law` is better than `other` on the validation cycles. A mass need not save much, if nothing but a mass saves that: what is
+    /// left of a channel that was mended, or of a force that is early or late, looks like one.
+    pub(super) fn is_better(&self, law: &Fitted, other: &Fitted) -> bool {
+        law.score.beats(&other.score)
+            || law.is_with_mass(other)
+                && self.trajectories.iter().all(|one| one.faults.is_empty())
+                && law.score.gains_throughout(&other.score)
+                && self.is_no_time(other)
+    }
+
+    /// Whether a mass beside `law` saves more than a force that comes earlier or later, to first order.
+    fn is_no_time(&self, law: &Fitted) -> bool {
+        let Ok(predicted) = law.solution.predicted(self.trajectories) else {
+            return false;
+        };
+        let screen = Screen::at(&self.rows, &self.extent, &law.solution);
+        let of_mass = |&(which, sample): &(usize, usize)| {
+            let motion = &self.trajectories[which].motion;
+            motion.acceleration[sample]
+        };
+        let of_time = |&(which, sample): &(usize, usize)| {
+            let (force, tick) = (&predicted[which], self.trajectories[which].tick);
+            let (before, after) = (sample.saturating_sub(1), (sample + 1).min(force.len() - 1));
+            (force[after] - force[before]) / tick
+        };
+        let origin = &self.rows.origin;
+        let [mass, time] = [
+            origin.iter().map(of_mass).collect::<Vec<f64>>(),
+            origin.iter().map(of_time).collect(),
+        ];
+        screen.saving(&mass) > screen.saving(&time)
+    }
+}
