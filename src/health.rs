@@ -5,15 +5,7 @@
 //!
 //! | observation | detected by | cause |
 //! |---|---|---|
-//! | stiffness and energy fall | two-sided CUSUM | [`HealthCause::WireBreakage`] |
-//! | energy falls, stiffness stays | | [`HealthCause::FrictionWear`] |
-//! | stiffness falls, the residual's third harmonic with it | | [`HealthCause::Loosening`] |
-//! | energy rises, stiffness stays | | [`HealthCause::FrictionRise`] |
-//! | stiffness rises | | [`HealthCause::Stiffening`] |
-//! | the mean force moves, at once | | [`HealthCause::PreloadShift`] |
-//! | the mean force moves, bit by bit | | [`HealthCause::SensorDrifting`] of the force |
-//! | the mean force moves, and the command's mean with it | | [`HealthCause::SensorDrifting`] of the displacement |
-//! | any other movement of these | | [`HealthCause::Unexplained`] |
+//! | stiffness, energy, mean force or residual of whole cycles move | two-sided CUSUM | the one whose pattern it is, as [`HealthCause`] says of each, or [`HealthCause::Unexplained`] |
 //! | a slow change, with the temperature | limit on the change since the run-in | [`HealthCause::Temperature`], no fault |
 //! | a slow change, until the run-in is over | | [`HealthCause::RunIn`], no fault |
 //! | a slow change that the adaptation may take up | | none |

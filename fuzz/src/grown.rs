@@ -33,18 +33,34 @@ pub use draw::Size;
 /// Makes a file in which one structure grows.
 type Grow = fn(&mut Draw) -> Vec<u8>;
 
-/// The formats, and the structures that grow in each.
-pub const FORMATS: [(&str, &[(&str, Grow)]); 9] = [
-    ("text", text::STRUCTURES),
-    ("JSON", json::STRUCTURES),
-    ("MATLAB 5", mat::STRUCTURES),
-    ("HDF5", hdf5::STRUCTURES),
-    ("MDF4", mdf::STRUCTURES),
-    ("TDMS", tdms::STRUCTURES),
-    ("Parquet", parquet::STRUCTURES),
-    ("Arrow", arrow::STRUCTURES),
-    ("Excel", xlsx::STRUCTURES),
-];
+/// Makes the list of formats from their modules and names, and of each a test with a few small files, for the gate, and one with many.
+macro_rules! formats {
+    ($($module:ident: $format:literal;)*) => {
+        /// The formats, and the structures that grow in each.
+        pub const FORMATS: &[(&str, &[(&str, Grow)])] = &[$(($format, $module::STRUCTURES)),*];
+
+        #[cfg(test)]
+        mod few {
+            $(#[test] fn $module() { super::run::few($format); })*
+        }
+        #[cfg(test)]
+        mod many {
+            $(#[test] #[ignore = "minutes"] fn $module() { super::run::many($format); })*
+        }
+    };
+}
+
+formats! {
+    text: "text";
+    json: "JSON";
+    mat: "MATLAB";
+    hdf5: "HDF5";
+    mdf: "MDF4";
+    tdms: "TDMS";
+    parquet: "Parquet";
+    arrow: "Arrow";
+    xlsx: "Excel";
+}
 
 /// The file of a structure that a seed draws.
 pub fn file(grow: Grow, seed: u64, size: Size) -> Vec<u8> {
@@ -104,4 +120,18 @@ pub fn look(bytes: &[u8]) -> Looked {
     looked.is_refused = budget.is_used_up();
     let _ = Recording::from_bytes(name, bytes.to_vec());
     looked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_format_that_is_read_grows() {
+        for format in files::FORMATS {
+            let name = format.name();
+            let grows = FORMATS.iter().any(|(format, _)| *format == name);
+            assert!(grows || name == "unread", "{name}: no file grows");
+        }
+    }
 }

@@ -1,5 +1,5 @@
 //! Reads grown files under a count of memory, steps and time, and prints a table of what they took: a line for each structure, then
-//! one for the format, which docs/robustness.md shows.
+//! one for the format.
 //!
 //! `cargo test --release -p mesh-damper-fuzz grown -- --ignored --nocapture --test-threads 1`, and without `--ignored` a few small
 //! ones. With `GROWN=FOLDER`, each file that takes too much is left there.
@@ -152,33 +152,12 @@ fn run(format: &str, files: u64, size: Size) {
     assert!(all.read > 0, "no file was read");
 }
 
-/// Each format with a few small files, for the gate, and with many.
-macro_rules! grown {
-    ($($name:ident: $format:expr;)*) => {
-        mod few {
-            use super::*;
-            $(#[test] fn $name() { run($format, FEW, SMALL); })*
-        }
-        mod many {
-            use super::*;
-            $(#[test] #[ignore = "minutes"] fn $name() { run($format, MANY, LARGE); })*
-        }
-        #[test]
-        fn each_format_is_run() {
-            let run: &[&str] = &[$($format),*];
-            assert!(FORMATS.iter().map(|(format, _)| *format).eq(run.iter().copied()));
-        }
-    };
+/// A format with a few small files.
+pub fn few(format: &str) {
+    run(format, FEW, SMALL);
 }
 
-grown! {
-    text: "text";
-    json: "JSON";
-    matlab_5: "MATLAB 5";
-    hdf5: "HDF5";
-    mdf4: "MDF4";
-    tdms: "TDMS";
-    parquet: "Parquet";
-    arrow: "Arrow";
-    excel: "Excel";
+/// The same with many large ones.
+pub fn many(format: &str) {
+    run(format, MANY, LARGE);
 }

@@ -1,9 +1,10 @@
 """Writes one recording in many formats, with the programs that are usually used for them.
 
-    pip install -r requirements.txt && python write.py FOLDER
+    pip install -r requirements.txt && python write.py FOLDER [FUNCTION…]
 
 FOLDER gets the files and `files.json`. For each file, `files.json` contains the program that wrote it, the options that a reader
 needs, and the permitted error. The files next to this script are its stored output; the tests read them without Python.
+With names of functions below, only their files are written: what FOLDER has of the others stays.
 """
 
 import datetime
@@ -606,14 +607,15 @@ def xlsx():
     book.save(said("units.xlsx", version("openpyxl"), error=1e-15, guesses=["force is read from column \"Kraft\" in kN"]))
 
 
+ALL = [mdf, mat, parquet, hdf5, tdms, tdms_raw, json_files, xlsx]
+ONLY = sys.argv[2:]
 truth()
-mdf()
-mat()
-parquet()
-hdf5()
-tdms()
-tdms_raw()
-json_files()
-xlsx()
+for write in ALL:
+    if not ONLY or write.__name__ in ONLY:
+        write()
+if ONLY:
+    written = [entry["file"] for entry in FILES]
+    stored = json.loads((OUT / "files.json").read_text())
+    FILES = [entry for entry in stored if entry["file"] not in written] + FILES
 (OUT / "files.json").write_text(json.dumps(FILES, indent=1, ensure_ascii=False) + "\n")
 print(f"{len(FILES)} files, {sum(path.stat().st_size for path in OUT.iterdir())} bytes")
