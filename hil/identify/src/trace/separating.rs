@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Control, Family, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::protocol::{TestBlock, motion};
@@ -48,7 +47,7 @@ mesh_damper_recording::numbers! {
 /// it.
 const SIMULATED_CYCLES: u32 = 3;
 
-/// A simulation of the separating test has this many samples in the fastest cycle. Convention: as many as at 5 Hz and 1 kHz.
+/// A simulation of the separating test has this many samples in a cycle. Convention: as many as at 5 Hz and 1 kHz.
 const SAMPLES_PER_CYCLE: f64 = 200.0;
 
 /// The separating test has at most this many blocks. Convention: the test then takes a minute.
@@ -216,10 +215,9 @@ struct Simulation<'s> {
     /// The base law of all rivals.
     law: BaseLaw,
     blocks: Vec<TestBlock>,
-    /// First sample of each block, and the end.
-    starts: Vec<usize>,
-    /// Each with the force of one rival.
-    tests: Vec<Trajectory>,
+    /// Of each rival, its force under each block. Every block begins at rest, with as many samples in a cycle as any other: at one rate the
+    /// slowest block would have a hundred times as many.
+    tests: Vec<Vec<Trajectory>>,
     /// kN
     noise: f64,
 }
@@ -231,43 +229,37 @@ impl<'s> Simulation<'s> {
         law: BaseLaw,
     ) -> Result<Self, ModelError> {
         let blocks = tried(trajectories);
-        let fastest = blocks.iter().fold(0.0_f64, |most, b| most.max(b.frequency));
-        let tick = 1.0 / (SAMPLES_PER_CYCLE * fastest);
-        let displacement: Vec<f64> = motion(&blocks, 1.0 / tick)
-            .iter()
-            .map(|m| m.displacement)
-            .collect();
-        let mut end = 0.0;
-        let mut starts = vec![0];
-        for block in &blocks {
-            end += f64::from(block.cycles) / block.frequency;
-            starts.push(((end / tick) as usize).min(displacement.len()));
-        }
-        let count = displacement.len();
-        let mut still = Trajectory::new("test", tick, &displacement, vec![0.0; count], None, None);
         // Inputs that the rivals have in common are held at their average in the first recording.
-        let held = trajectories.iter().take(1).flat_map(|t| t.controls.iter());
-        let held = held.map(|control| ControlChannel {
-            name: control.name.clone(),
-            values: vec![control.mean(); count],
-        });
-        still.controls = Arc::new(held.collect());
-        let tests = rivals
-            .iter()
-            .map(|rival| {
-                let force = predict(&rival.model(), &still)?;
-                Ok(Trajectory {
-                    force,
-                    ..still.clone()
-                })
-            })
-            .collect::<Result<_, ModelError>>()?;
+        let held = || trajectories.iter().take(1).flat_map(|t| t.controls.iter());
+        let still = |block: &TestBlock| {
+            let rate = SAMPLES_PER_CYCLE * block.frequency;
+            let motion = motion(std::slice::from_ref(block), rate);
+            let displacement: Vec<f64> = motion.iter().map(|m| m.displacement).collect();
+            let count = displacement.len();
+            let none = vec![0.0; count];
+            let mut still = Trajectory::new("test", 1.0 / rate, &displacement, none, None, None);
+            let held = held().map(|control| ControlChannel {
+                name: control.name.clone(),
+                values: vec![control.mean(); count],
+            });
+            still.controls = Arc::new(held.collect());
+            still
+        };
+        let still: Vec<Trajectory> = blocks.iter().map(still).collect();
+        let under = |rival: &&Solution| -> Result<Vec<Trajectory>, ModelError> {
+            let forces = rival.predicted(&still)?.into_iter().zip(&still);
+            let forces = forces.map(|(force, still)| Trajectory {
+                force,
+                ..still.clone()
+            });
+            Ok(forces.collect())
+        };
+        let tests = rivals.iter().map(under).collect::<Result<_, _>>()?;
         let noise = trajectories.iter().map(|t| goal(noise_of(t)) * t.force_rms);
         Ok(Self {
             rivals,
             law,
             blocks,
-            starts,
             tests,
             noise: noise.fold(f64::MIN_POSITIVE, f64::max),
         })
@@ -321,26 +313,20 @@ impl<'s> Simulation<'s> {
 
     /// RMS of the residual when the second rival is fitted to the first one's force, over the noise.
     fn misfit(&self, of: usize, by: usize, blocks: &[usize]) -> Result<f64, ModelError> {
-        let test = &self.tests[of];
-        let recordings = std::slice::from_ref(test);
-        let is_in = |sample: usize| {
-            let mut within = blocks.iter().map(|&b| self.starts[b]..self.starts[b + 1]);
-            within.any(|samples| samples.contains(&sample))
-        };
+        let tests: Vec<Trajectory> = blocks.iter().map(|&b| self.tests[of][b].clone()).collect();
         let mut nodes: Vec<f64> = blocks.iter().map(|&b| self.blocks[b].amplitude).collect();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        let rows = Rows::gather(recordings, self.law, nodes, SEPARATING_ROWS, |_, sample| {
-            is_in(sample)
-        });
-        let extent = Extent::of(recordings);
+        let rows = Rows::gather(&tests, self.law, nodes, SEPARATING_ROWS, |_, _| true);
+        let extent = Extent::of(&tests);
         let problem = Problem::new(&rows, &extent, &self.rivals[by].terms());
-        let fitted = problem.solve_near(self.rivals[by]).model();
-        let predicted = predict(&fitted, test)?;
+        let fitted = problem.solve_near(self.rivals[by]);
         let (mut squares, mut count) = (0.0, 0.0);
-        for sample in (0..test.len()).filter(|&i| is_in(i) && test.is_telling(i)) {
-            squares += (predicted[sample] - test.force[sample]).powi(2);
-            count += 1.0;
+        for (test, predicted) in tests.iter().zip(fitted.predicted(&tests)?) {
+            for sample in (0..test.len()).filter(|&i| test.is_telling(i)) {
+                squares += (predicted[sample] - test.force[sample]).powi(2);
+                count += 1.0;
+            }
         }
         Ok((squares / f64::max(count, 1.0)).sqrt() / self.noise)
     }

@@ -220,9 +220,10 @@ impl<'a> Search<'a> {
             .get_or_init(|| OfMotion::of(self.trajectories))
     }
 
-    /// Whether the error is within the noise.
+    /// Whether the error is within the noise. An upper bound of it may be many times the noise, so that no law is good enough.
     pub fn is_settled(&self, law: &Fitted) -> bool {
-        law.score.nrmse() <= VerdictPolicy::in_use().noise_limited * self.goal()
+        self.trajectories.iter().all(|one| one.noise_is_known)
+            && law.score.nrmse() <= VerdictPolicy::in_use().noise_limited * self.goal()
     }
 
     /// The tolerated error on the validation cycles: the noise, or [`quiet`](crate::tolerance::TolerancePolicy::quiet) if the
