@@ -1,0 +1,347 @@
+//! What a trace says about a drawn recording, compared with the truth.
+
+use std::path::Path;
+
+use mesh_damper_identify::trace::result::{Estimate, FoundEffect, TraceResult, Verdict};
+use mesh_damper_identify::trace::trace;
+use mesh_damper_recording::Recording;
+use mesh_damper_recording::faults::{Between, ChannelFault, ChannelFaultKind};
+use mesh_damper_tables::channel::Channel;
+
+use super::drawn::{Drawn, Filled, Kind, Wrong};
+
+/// A parameter is wrong beyond this many half-widths of its 90 % interval and [`OFF`] of its value. Five standard deviations.
+const HALF_WIDTHS: f64 = 3.0;
+const OFF: f64 = 0.02;
+/// The damping is a tenth of the force, and known to as much less.
+const OFF_DAMPING: f64 = 0.1;
+
+/// The judgement of one recording.
+#[derive(Default)]
+pub struct Judged {
+    /// A channel fault, an effect beside the stick-slip, or a refusal.
+    pub found: bool,
+    /// What was drawn, by its type, and with its size.
+    pub named: bool,
+    /// Nothing else.
+    pub nothing_else: bool,
+    /// No parameter is wrong.
+    pub right: bool,
+    /// Parameters within their 90 % intervals, and their number.
+    pub inside: [usize; 2],
+    /// Everything that was found, for a reader.
+    pub said: String,
+}
+
+/// What a trace found.
+struct Found<'t> {
+    faults: &'t [ChannelFault],
+    effects: &'t [FoundEffect],
+    is_ambiguous: bool,
+    /// Samples per second.
+    rate: f64,
+}
+
+impl Found<'_> {
+    fn effect(&self, family: &str) -> Option<&FoundEffect> {
+        self.effects.iter().find(|effect| effect.family == family)
+    }
+}
+
+/// `value` is `truth` to within a part of it.
+fn near(value: f64, truth: f64, part: f64) -> bool {
+    (value - truth).abs() <= part * truth.abs()
+}
+
+impl Judged {
+    pub fn of(drawn: &Drawn) -> Self {
+        let text = drawn.text.clone().into_bytes();
+        let traced = Recording::from_bytes(Path::new("drawn.csv"), text)
+            .map_err(|error| error.to_string())
+            .and_then(|recording| {
+                let trace = trace(&[recording], &[], &|_| ()).map_err(|error| error.to_string());
+                Ok(trace?)
+            });
+        let trace = match traced {
+            Ok(trace) => trace,
+            Err(said) => return Self::refused(drawn, said),
+        };
+        let trajectory = &trace.recordings[0].trajectory;
+        let found = Found {
+            faults: &trajectory.faults,
+            effects: &trace.result.effects,
+            is_ambiguous: trace.result.verdict == Verdict::Ambiguous,
+            rate: 1.0 / trajectory.tick,
+        };
+        let is_other = |effect: &&FoundEffect| effect.family != "stick_slip";
+        let others = found.effects.iter().filter(is_other).count();
+        let parameters = Parameters::of(drawn, &trace.result);
+        let mut said: Vec<String> = found.faults.iter().map(ToString::to_string).collect();
+        let families = found.effects.iter().map(|effect| effect.family.as_str());
+        said.push(format!(
+            "{:?} {:?}",
+            trace.result.verdict,
+            families.collect::<Vec<_>>()
+        ));
+        said.extend(parameters.said.clone());
+        said.push(format!("{:.1} Hz", found.rate));
+        let (named, nothing_else) = match drawn.kind {
+            None => (true, found.faults.is_empty() && found.has_only(&[])),
+            Some(kind) => (
+                found.names(kind, drawn),
+                found.faults.iter().all(|fault| belongs(fault.kind, kind))
+                    && found.has_only(families_of(kind)),
+            ),
+        };
+        let repaired_rate = matches!(drawn.kind, Some(Kind::RoundedTimes { .. })) && named;
+        Self {
+            found: !found.faults.is_empty() || others > 0 || repaired_rate,
+            named,
+            nothing_else,
+            right: parameters.right,
+            inside: parameters.inside,
+            said: said.join("; "),
+        }
+    }
+
+    /// A refusal is right where the recording has too little for a trace, and says so.
+    fn refused(drawn: &Drawn, said: String) -> Self {
+        let words = match drawn.kind {
+            Some(Kind::WholeSeconds { .. }) => "--rate",
+            Some(Kind::ChangesOnly { .. }) => "changed",
+            _ => "\0",
+        };
+        let named = said.contains(words);
+        Self {
+            found: true,
+            named,
+            nothing_else: named,
+            right: named,
+            inside: [0, 0],
+            said,
+        }
+    }
+}
+
+/// Families of effects in which a kind may show.
+fn families_of(kind: Kind) -> &'static [&'static str] {
+    match kind {
+        Kind::Mass { .. } => &["inertia"],
+        Kind::LowPass {
+            wrong: Wrong::Force,
+            ..
+        } => &["delay"],
+        _ => &[],
+    }
+}
+
+/// Whether a fault belongs to a recording of this kind, even if it is not its name.
+fn belongs(fault: ChannelFaultKind, kind: Kind) -> bool {
+    use ChannelFaultKind as F;
+    match kind {
+        Kind::WrongValue { .. } => {
+            matches!(
+                fault,
+                F::Spikes { .. } | F::Held { .. } | F::Zeros { .. } | F::Missing { .. }
+            )
+        }
+        Kind::RoundedTimes { .. } | Kind::WholeSeconds { .. } => matches!(fault, F::Stamps { .. }),
+        Kind::UnevenSteps { .. } => matches!(fault, F::Uneven { .. }),
+        Kind::Joined { .. } | Kind::BlankCell { .. } => matches!(fault, F::Missing { .. }),
+        Kind::ClockSet { .. } | Kind::TimeCounter { .. } => matches!(fault, F::ClockSet { .. }),
+        Kind::DisplacementCounter { .. } => matches!(fault, F::Counter { .. }),
+        Kind::SlowForce { .. } => matches!(fault, F::Slower { .. }),
+        Kind::ChangesOnly { .. } => matches!(fault, F::ChangesOnly { .. }),
+        Kind::Exchanged => matches!(fault, F::Exchanged { .. }),
+        Kind::LateDisplacement { .. } | Kind::LowPass { .. } => matches!(fault, F::Shifted { .. }),
+        Kind::Mass { .. } => false,
+    }
+}
+
+impl Found<'_> {
+    /// Stick-slip, and perhaps effects of these families. Several that the data cannot tell apart must have the stick-slip among them.
+    fn has_only(&self, families: &[&str]) -> bool {
+        let may_be = |effect: &FoundEffect| {
+            effect.family == "stick_slip" || families.contains(&effect.family.as_str())
+        };
+        self.effects.iter().all(may_be) || self.is_ambiguous && self.effects.iter().any(may_be)
+    }
+
+    /// Whether the kind is named, with its size.
+    fn names(&self, kind: Kind, drawn: &Drawn) -> bool {
+        use ChannelFaultKind as F;
+        let any = |is: &dyn Fn(&ChannelFault) -> bool| self.faults.iter().any(is);
+        match kind {
+            Kind::WrongValue { wrong, rows, .. } => any(&|fault| match (fault.kind, wrong) {
+                (F::Zeros { samples }, Wrong::Row) => samples == rows,
+                (F::Spikes { samples, .. } | F::Held { samples, .. }, of) => {
+                    let channel = match of {
+                        Wrong::Displacement => Channel::Displacement,
+                        _ => Channel::Force,
+                    };
+                    fault.channel == channel && samples == rows
+                }
+                _ => false,
+            }),
+            // Without times that repeat there is nothing to say.
+            Kind::RoundedTimes { decimals } => {
+                let repeats = drawn.rate > 1.05 * 10.0_f64.powi(decimals as i32);
+                let said = any(&|fault| matches!(fault.kind, F::Stamps { .. }));
+                near(self.rate, drawn.rate, 2e-4) && (said || !repeats)
+            }
+            Kind::WholeSeconds { .. } => {
+                near(self.rate, drawn.rate, 5e-3)
+                    && any(&|fault| matches!(fault.kind, F::Stamps { .. }))
+            }
+            Kind::UnevenSteps { times } => any(&|fault| match fault.kind {
+                F::Uneven {
+                    shortest, longest, ..
+                } => near(longest / shortest, times as f64, 0.01),
+                _ => false,
+            }),
+            Kind::Joined { pause } => any(&|fault| match fault.kind {
+                F::Missing { samples, gaps: 1 } => samples as f64 >= pause * drawn.rate - 2.0,
+                _ => false,
+            }),
+            Kind::ClockSet { by } => any(&|fault| match fault.kind {
+                F::ClockSet {
+                    change,
+                    times: 1,
+                    is_counter: false,
+                } => near(change, by, 1e-3),
+                _ => false,
+            }),
+            Kind::TimeCounter { range, .. } => any(&|fault| match fault.kind {
+                F::ClockSet {
+                    change,
+                    is_counter: true,
+                    ..
+                } => near(change.abs(), range, 1e-3),
+                _ => false,
+            }),
+            Kind::DisplacementCounter { range } => any(&|fault| match fault.kind {
+                F::Counter { range: found, .. } => near(found, range, 1e-2),
+                _ => false,
+            }),
+            Kind::SlowForce { rows, filled } => any(&|fault| match fault.kind {
+                F::Slower {
+                    rows: found,
+                    between,
+                } => {
+                    let of = match filled {
+                        Filled::Held => Between::Held,
+                        Filled::Interpolated => Between::Interpolated,
+                        Filled::Blank => Between::Nothing,
+                    };
+                    fault.channel == Channel::Force
+                        && between == of
+                        && near(found, rows as f64, 0.02)
+                }
+                _ => false,
+            }),
+            Kind::ChangesOnly { .. } => any(&|fault| matches!(fault.kind, F::ChangesOnly { .. })),
+            Kind::Exchanged => any(&|fault| matches!(fault.kind, F::Exchanged { .. })),
+            Kind::LateDisplacement { by } => any(&|fault| match fault.kind {
+                // To a tenth of a period of the samples, or of the delay.
+                F::Shifted { late } => (late + by).abs() < f64::max(0.1 * by, 0.1 / drawn.rate),
+                _ => false,
+            }),
+            Kind::LowPass {
+                wrong: Wrong::Displacement,
+                corner,
+            } => any(&|fault| match fault.kind {
+                F::Shifted { late } => {
+                    let delay = std::f64::consts::SQRT_2 / (std::f64::consts::TAU * corner);
+                    near(late, -delay, 0.25)
+                }
+                _ => false,
+            }),
+            Kind::LowPass { corner, .. } => self.effect("delay").is_some_and(|effect| {
+                // A filter may be taken for a delay of a fixed time.
+                let delay = std::f64::consts::SQRT_2 / (std::f64::consts::TAU * corner);
+                let value = |name: &str| effect.parameters.get(name).map(|one| one.value);
+                value("corner").is_some_and(|found| near(found, corner, 0.25))
+                    || value("time").is_some_and(|found| near(found, delay, 0.25))
+            }),
+            Kind::Mass { kg } => {
+                self.effect("inertia").is_some_and(|effect| {
+                    effect
+                        .parameters
+                        .get("mass")
+                        .is_some_and(|mass| !is_wrong(mass, kg, 0.05))
+                }) || self.is_ambiguous && self.effect("inertia").is_some()
+            }
+            Kind::BlankCell { .. } => any(&|fault| {
+                matches!(
+                    fault.kind,
+                    F::Missing {
+                        samples: 1,
+                        gaps: 1
+                    }
+                )
+            }),
+        }
+    }
+}
+
+/// Whether the truth is far outside of the interval.
+fn is_wrong(estimate: &Estimate, truth: f64, off: f64) -> bool {
+    let half = 0.5 * (estimate.high - estimate.low);
+    (estimate.value - truth).abs() > f64::max(HALF_WIDTHS * half, off * truth.abs())
+}
+
+/// The parameters of the law and of its stick-slip.
+struct Parameters {
+    right: bool,
+    inside: [usize; 2],
+    said: Option<String>,
+}
+
+impl Parameters {
+    fn of(drawn: &Drawn, result: &TraceResult) -> Self {
+        let specimen = drawn.specimen;
+        let slips = || {
+            let effects = result.effects.iter().chain(&result.unconfirmed);
+            effects.filter(|effect| effect.family == "stick_slip")
+        };
+        let mut estimates = Vec::new();
+        for law in &result.law {
+            estimates.push(("k1", &law.k1, specimen.stiffness, OFF));
+            estimates.push(("c", &law.c, specimen.damping, OFF_DAMPING));
+        }
+        for slip in slips() {
+            for (name, truth) in [
+                ("stiffness", specimen.slip_stiffness),
+                ("slip_limit", specimen.slip_limit),
+            ] {
+                if let Some(estimate) = slip.parameters.get(name) {
+                    estimates.push((name, estimate, truth, OFF));
+                }
+            }
+        }
+        let inside = estimates
+            .iter()
+            .filter(|(_, estimate, truth, _)| (estimate.low..=estimate.high).contains(truth));
+        let wrong = estimates
+            .iter()
+            .filter(|(_, estimate, truth, off)| is_wrong(estimate, *truth, *off));
+        let mut said: Vec<String> = wrong
+            .map(|(name, estimate, truth, _)| {
+                let Estimate {
+                    value, low, high, ..
+                } = estimate;
+                format!("{name} {value:.4} [{low:.4}, {high:.4}] is {truth:.4}")
+            })
+            .collect();
+        // One slider, with both of its parameters.
+        let has_slider = slips().count() == 1 && estimates.len() == 2 * result.law.len() + 2;
+        if !has_slider {
+            said.push(format!("{} sliders", slips().count()));
+        }
+        Self {
+            right: said.is_empty(),
+            inside: [inside.count(), estimates.len()],
+            said: Some(said.join(", ")).filter(|said| !said.is_empty()),
+        }
+    }
+}
