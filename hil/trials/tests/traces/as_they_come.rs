@@ -59,8 +59,14 @@ fn judged(seeds: std::ops::Range<u64>, unusual: bool) -> Vec<(Option<usize>, Jud
             std::fs::write(format!("{folder}/{seed}.csv"), &drawn.text).unwrap();
         }
         let begin = std::time::Instant::now();
+        if std::env::var("DRAWN_READ").is_ok() {
+            let r = mesh_damper_recording::Recording::from_bytes(std::path::Path::new("a.csv"), drawn.text.clone().into_bytes()).unwrap();
+            let t = mesh_damper_recording::trajectory::Trajectory::of(&r).unwrap();
+            eprintln!("{seed} {:?} {:.2} s {} rows {} ticks: {:?}", drawn.kind, begin.elapsed().as_secs_f64(), r.len(), t.len(), t.faults);
+            return (label, Judged::default());
+        }
         let mut judged = Judged::of(&drawn);
-        eprintln!("{seed} {:.2} s, {} rows {:?}: {}", begin.elapsed().as_secs_f64(), drawn.text.lines().count(), drawn.kind, judged.said);
+        eprintln!("{seed} {}{}{} {:?} {:.2} s, {} rows {:?} {:.1} Hz to {:.2} noise {:.4} {:?}: {}", u8::from(judged.named), u8::from(judged.nothing_else), u8::from(judged.right), judged.inside, begin.elapsed().as_secs_f64(), drawn.text.lines().count(), drawn.kind, drawn.rate, drawn.highest, drawn.noise, drawn.specimen, judged.said);
         let Drawn {
             kind,
             specimen,

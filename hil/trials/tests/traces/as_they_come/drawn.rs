@@ -147,24 +147,21 @@ struct Motion {
 }
 
 impl Motion {
+    /// Two amplitudes at two frequencies each, so that neither stands for the other.
     fn drawn(highest: f64, random: &mut ChaCha8Rng) -> Self {
-        let largest = random.random_range(0.2..0.6);
-        let mut parts = |second: f64, third: f64, fourth: f64| {
-            let mut parts = [1.0, second, third, fourth].map(|part| {
-                let off: f64 = random.random_range(-0.1..0.1);
-                part * if part < 1.0 { 1.0 + off } else { 1.0 }
-            });
-            parts.shuffle(random);
-            parts
-        };
-        let (amplitudes, frequencies) = (parts(0.75, 0.5, 0.35), parts(0.6, 0.4, 0.25));
+        let large = random.random_range(0.2..0.6);
+        let small = large * random.random_range(0.4..0.6);
+        let slow = random.random_range(0.25..0.4);
+        let between = random.random_range(0.45..0.7);
+        let mut conditions = [(large, 1.0), (large, slow), (small, 1.0), (small, between)];
+        conditions.shuffle(random);
         let mut now = 0.3 / highest;
         let mut blocks = Vec::new();
-        for (amplitude, frequency) in amplitudes.into_iter().zip(frequencies) {
-            let frequency = highest * frequency;
-            let cycles = f64::from(random.random_range(6..10));
-            blocks.push([now, cycles, largest * amplitude, frequency]);
-            now += cycles / frequency + random.random_range(0.5..3.0) / highest;
+        for (amplitude, part) in conditions {
+            let frequency = highest * part;
+            let cycles = f64::from(random.random_range(6..9));
+            blocks.push([now, cycles, amplitude, frequency]);
+            now += cycles / frequency + random.random_range(0.5..2.0) / highest;
         }
         Self {
             blocks,
@@ -272,7 +269,7 @@ fn kind(label: usize, random: &mut ChaCha8Rng) -> Kind {
             decimals: if either { 2 } else { 3 },
         },
         4 => Kind::UnevenSteps {
-            times: random.random_range(4..8),
+            times: random.random_range(4..7),
         },
         5 => Kind::Joined {
             pause: random.random_range(1.0..20.0),
@@ -332,11 +329,10 @@ impl Drawn {
         let rate = rate(kind, &mut random);
         let per_cycle = match kind {
             Some(Kind::ChangesOnly { .. }) => random.random_range(150.0..300.0),
-            // So that the slowest block keeps enough samples, and the fast one too.
-            Some(Kind::UnevenSteps { .. } | Kind::SlowForce { .. }) => {
-                random.random_range(60.0..90.0)
-            }
-            _ => random.random_range(25.0..50.0),
+            // So that a cycle has as many samples where they are fewer.
+            Some(Kind::UnevenSteps { .. }) => random.random_range(60.0..90.0),
+            Some(Kind::SlowForce { rows, .. }) => rows as f64 * random.random_range(25.0..40.0),
+            _ => random.random_range(25.0..40.0),
         };
         let highest = rate / per_cycle;
         let motion = Motion::drawn(highest, &mut random);
@@ -345,7 +341,7 @@ impl Drawn {
             stiffness,
             damping: stiffness * random.random_range(0.05..0.3) / (TAU * highest),
             slip_stiffness: stiffness * random.random_range(0.4..1.5),
-            slip_limit: motion.smallest() * random.random_range(0.15..0.5),
+            slip_limit: motion.smallest() * random.random_range(0.2..0.6),
         };
         match &mut kind {
             // Its force at the highest frequency is a part of the spring's.
@@ -466,7 +462,7 @@ impl Channels {
         }
     }
 
-    /// The text of the recording. It begins and ends anywhere in the first and the last block.
+    /// The text of the recording. It begins at rest, or anywhere in the first cycles, and ends at rest or in the last ones.
     fn text(
         mut self,
         kind: Option<Kind>,
@@ -478,8 +474,21 @@ impl Channels {
         let sample = |time: f64| ((time * rate) as usize).min(count - 1);
         let [begin, _, _, first] = motion.blocks[0];
         let &[last_begin, cycles, _, last] = &motion.blocks[motion.blocks.len() - 1];
-        let from = sample(begin + random.random_range(0.5..2.0) / first);
-        let to = sample(last_begin + (cycles - random.random_range(0.5..2.0)) / last);
+        let is_cut = match kind {
+            Some(Kind::WrongValue { .. }) => [true; 2],
+            _ => [random.random(), random.random()],
+        };
+        let [off, early] = [0, 1].map(|_| random.random_range(0.5..2.0));
+        let from = if is_cut[0] {
+            sample(begin + off / first)
+        } else {
+            0
+        };
+        let to = if is_cut[1] {
+            sample(last_begin + (cycles - early) / last)
+        } else {
+            count
+        };
         let inside = |random: &mut ChaCha8Rng| {
             from + (random.random_range(0.15..0.85) * (to - from) as f64) as usize
         };
@@ -545,7 +554,7 @@ impl Channels {
                 let is_fast = |n: usize| {
                     let now = n as f64 / rate;
                     motion.blocks.iter().any(|&[begin, cycles, _, frequency]| {
-                        let fast = frequency > 0.5 * motion.highest();
+                        let fast = frequency > 0.8 * motion.highest();
                         fast && (begin..begin + cycles / frequency).contains(&now)
                     })
                 };
