@@ -136,6 +136,8 @@ pub struct Drawn {
     pub highest: f64,
     /// Standard deviation of the force's noise over the RMS of the force.
     pub noise: f64,
+    /// Whether it begins at rest. Otherwise it begins in the first cycles, with a slider that is stretched by an unknown length.
+    pub begins_at_rest: bool,
     pub text: String,
 }
 
@@ -361,13 +363,14 @@ impl Drawn {
         }
         let noise = random.random_range(0.002..0.008);
         let channels = Channels::measured(kind, &motion, &specimen, rate, noise, &mut random);
-        let text = channels.text(kind, &motion, rate, &mut random);
+        let (begins_at_rest, text) = channels.text(kind, &motion, rate, &mut random);
         Self {
             kind,
             specimen,
             rate,
             highest,
             noise,
+            begins_at_rest,
             text,
         }
     }
@@ -462,14 +465,14 @@ impl Channels {
         }
     }
 
-    /// The text of the recording. It begins at rest, or anywhere in the first cycles, and ends at rest or in the last ones.
+    /// Whether the recording begins at rest, and its text. It begins at rest, or anywhere in the first cycles, and ends at rest or in the last ones.
     fn text(
         mut self,
         kind: Option<Kind>,
         motion: &Motion,
         rate: f64,
         random: &mut ChaCha8Rng,
-    ) -> String {
+    ) -> (bool, String) {
         let count = self.force.len();
         let sample = |time: f64| ((time * rate) as usize).min(count - 1);
         let [begin, _, _, first] = motion.blocks[0];
@@ -616,17 +619,23 @@ impl Channels {
                     *y = counted.rem_euclid(range);
                 }
             }
-            Some(Kind::SlowForce { rows, filled }) => {
-                let phase = random.random_range(0..rows);
-                let new = |n: usize| n - (n + rows - phase) % rows;
+            Some(Kind::SlowForce {
+                rows: every,
+                filled,
+            }) => {
+                // From the first new value to the last.
+                let phase = random.random_range(0..every);
+                let end = count - 1 - (count - 1 - phase) % every;
+                rows.retain(|row| (phase..=end).contains(row));
                 let of = self.force.clone();
-                for n in rows..count - rows {
-                    let (last, next) = (new(n), new(n) + rows);
-                    let part = (n - last) as f64 / rows as f64;
+                for &n in &rows {
+                    let last = n - (n - phase) % every;
+                    let part = (n - last) as f64 / every as f64;
                     match filled {
                         Filled::Held => self.force[n] = of[last],
                         Filled::Interpolated => {
-                            self.force[n] = of[last] + part * (of[next] - of[last]);
+                            let next = of.get(last + every).unwrap_or(&of[last]);
+                            self.force[n] = of[last] + part * (next - of[last]);
                         }
                         Filled::Blank => blank[n][1] = n != last,
                     }
@@ -666,7 +675,7 @@ impl Channels {
         for _ in 0..zeros {
             text += "0.000000,0.000000,0.000000\n";
         }
-        text
+        (!is_cut[0], text)
     }
 }
 

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use mesh_damper_identify::trace::result::{Estimate, FoundEffect, TraceResult, Verdict};
-use mesh_damper_identify::trace::trace;
+use mesh_damper_identify::trace::{TraceError, trace};
 use mesh_damper_recording::Recording;
 use mesh_damper_recording::faults::{Between, ChannelFault, ChannelFaultKind};
+use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_tables::channel::Channel;
 
 use super::drawn::{Drawn, Filled, Kind, Wrong};
@@ -30,6 +31,8 @@ pub struct Judged {
     pub nothing_else: bool,
     /// No parameter is wrong.
     pub right: bool,
+    /// Whether the recording begins at rest.
+    pub begins_at_rest: bool,
     /// Parameters within their 90 % intervals, and their number.
     pub inside: [usize; 2],
     /// Everything that was found, for a reader.
@@ -51,43 +54,81 @@ impl Found<'_> {
     }
 }
 
+fn recording(drawn: &Drawn) -> Result<Recording, TraceError> {
+    let text = drawn.text.clone().into_bytes();
+    Ok(Recording::from_bytes(Path::new("drawn.csv"), text)?)
+}
+
 /// `value` is `truth` to within a part of it.
 fn near(value: f64, truth: f64, part: f64) -> bool {
     (value - truth).abs() <= part * truth.abs()
 }
 
 impl Judged {
+    /// As `hil trace` reads and traces it.
     pub fn of(drawn: &Drawn) -> Self {
-        let text = drawn.text.clone().into_bytes();
-        let traced = Recording::from_bytes(Path::new("drawn.csv"), text)
-            .map_err(|error| error.to_string())
-            .and_then(|recording| {
-                let trace = trace(&[recording], &[], &|_| ()).map_err(|error| error.to_string());
-                Ok(trace?)
-            });
+        let traced = recording(drawn).and_then(|recording| trace(&[recording], &[], &|_| ()));
         let trace = match traced {
             Ok(trace) => trace,
-            Err(said) => return Self::refused(drawn, said),
+            Err(error) => return Self::refused(drawn, &error.to_string()),
         };
         let trajectory = &trace.recordings[0].trajectory;
+        let result = &trace.result;
         let found = Found {
             faults: &trajectory.faults,
-            effects: &trace.result.effects,
-            is_ambiguous: trace.result.verdict == Verdict::Ambiguous,
+            effects: &result.effects,
+            is_ambiguous: result.verdict == Verdict::Ambiguous,
             rate: 1.0 / trajectory.tick,
         };
-        let is_other = |effect: &&FoundEffect| effect.family != "stick_slip";
-        let others = found.effects.iter().filter(is_other).count();
-        let parameters = Parameters::of(drawn, &trace.result);
-        let mut said: Vec<String> = found.faults.iter().map(ToString::to_string).collect();
-        let families = found.effects.iter().map(|effect| effect.family.as_str());
-        said.push(format!(
-            "{:?} {:?}",
-            trace.result.verdict,
-            families.collect::<Vec<_>>()
-        ));
-        said.extend(parameters.said.clone());
-        said.push(format!("{:.1} Hz", found.rate));
+        let parameters = Parameters::of(drawn, result);
+        // Whoever is told that the channels may be exchanged expects no parameters.
+        let doubt = ChannelFaultKind::Exchanged { repaired: false };
+        let is_doubted = found.faults.iter().any(|fault| fault.kind == doubt);
+        let names = found.effects.iter().map(|effect| effect.family.as_str());
+        let names = names.collect::<Vec<_>>().join(", ");
+        let said = format!("{:?}: {names}; {}", result.verdict, parameters.said);
+        let judged = Self::by(drawn, &found, &said);
+        // This verdict says that something else is missing.
+        let is_unlisted = result.verdict == Verdict::Unlisted;
+        Self {
+            found: judged.found || is_unlisted,
+            nothing_else: is_doubted || judged.nothing_else && !is_unlisted,
+            right: is_doubted || parameters.said.is_empty(),
+            inside: if is_doubted {
+                [0, 0]
+            } else {
+                parameters.inside
+            },
+            ..judged
+        }
+    }
+
+    /// As far as the reading of its channels shows.
+    pub fn read(drawn: &Drawn) -> Self {
+        let trajectory =
+            match recording(drawn).and_then(|recording| Ok(Trajectory::of(&recording)?)) {
+                Ok(trajectory) => trajectory,
+                Err(error) => return Self::refused(drawn, &error.to_string()),
+            };
+        let found = Found {
+            faults: &trajectory.faults,
+            effects: &[],
+            is_ambiguous: false,
+            rate: 1.0 / trajectory.tick,
+        };
+        Self {
+            right: true,
+            ..Self::by(drawn, &found, "")
+        }
+    }
+
+    /// Whether nothing is wrong.
+    pub fn is_right(&self) -> bool {
+        self.named && self.nothing_else && self.right
+    }
+
+    fn by(drawn: &Drawn, found: &Found, said: &str) -> Self {
+        let is_other = |effect: &FoundEffect| effect.family != "stick_slip";
         let (named, nothing_else) = match drawn.kind {
             None => (true, found.faults.is_empty() && found.has_only(&[])),
             Some(kind) => (
@@ -96,26 +137,33 @@ impl Judged {
                     && found.has_only(families_of(kind)),
             ),
         };
-        let doubt = ChannelFaultKind::Exchanged { repaired: false };
-        let is_doubted = found.faults.iter().any(|fault| fault.kind == doubt);
-        let repaired_rate = matches!(drawn.kind, Some(Kind::RoundedTimes { .. })) && named;
+        // Rounded times that do not repeat are read without a word.
+        let is_silent = matches!(drawn.kind, Some(Kind::RoundedTimes { .. })) && named;
+        let Drawn {
+            kind,
+            specimen,
+            rate,
+            highest,
+            noise,
+            ..
+        } = drawn;
+        let faults = found.faults.iter().map(ToString::to_string);
+        let faults = faults.collect::<Vec<_>>().join("; ");
         Self {
-            found: !found.faults.is_empty() || others > 0 || repaired_rate,
+            found: !found.faults.is_empty() || found.effects.iter().any(is_other) || is_silent,
             named,
             nothing_else,
-            // Whoever is told that the channels may be exchanged expects no parameters.
-            right: parameters.right || is_doubted,
-            inside: if is_doubted {
-                [0, 0]
-            } else {
-                parameters.inside
-            },
-            said: said.join("; "),
+            begins_at_rest: drawn.begins_at_rest,
+            said: format!(
+                "{kind:?}, {specimen:?}, {rate:.1} Hz, up to {highest:.2} Hz, noise {noise:.4}: read at {:.1} Hz; {faults}; {said}",
+                found.rate
+            ),
+            ..Self::default()
         }
     }
 
     /// A refusal is right where the recording has too little for a trace, and says so.
-    fn refused(drawn: &Drawn, said: String) -> Self {
+    fn refused(drawn: &Drawn, said: &str) -> Self {
         let words = match drawn.kind {
             Some(Kind::WholeSeconds { .. }) => "--rate",
             Some(Kind::ChangesOnly { .. }) => "changed",
@@ -127,8 +175,9 @@ impl Judged {
             named,
             nothing_else: named,
             right: named,
+            begins_at_rest: drawn.begins_at_rest,
             inside: [0, 0],
-            said,
+            said: format!("{:?}: {said}", drawn.kind),
         }
     }
 }
@@ -302,9 +351,9 @@ fn is_wrong(estimate: &Estimate, truth: f64, off: f64) -> bool {
 
 /// The parameters of the law and of its stick-slip.
 struct Parameters {
-    right: bool,
     inside: [usize; 2],
-    said: Option<String>,
+    /// Those that are wrong; empty if none is.
+    said: String,
 }
 
 impl Parameters {
@@ -362,9 +411,8 @@ impl Parameters {
             said.push(format!("{sliders} sliders"));
         }
         Self {
-            right: said.is_empty(),
             inside: [inside.count(), estimates.len()],
-            said: Some(said.join(", ")).filter(|said| !said.is_empty()),
+            said: said.join(", "),
         }
     }
 }
