@@ -55,12 +55,17 @@ impl Steady {
             }
             stride = if stride > 1 { stride.div_ceil(4) } else { 0 };
         }
-        // Most steps may lack a value, if a fair part of them does not.
-        let whole = values
-            .windows(2)
-            .filter(|pair| (pair[1] - pair[0]) < 1.5 * quantum);
-        (ClockPolicy::in_use().most_missing * whole.count() as f64 >= values.len() as f64)
-            .then(|| fitted(quantum, 0.0, values.len()))
+        // Most steps may lack a value, if a fair part of them does not: these are the shortest.
+        let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
+        let positive = steps().filter(|step| *step > 0.0);
+        let shortest = positive.fold(f64::INFINITY, f64::min);
+        let most = (1.5 * shortest).min(shortest + 1.5 * quantum);
+        let whole = steps().filter(|step| *step < most);
+        let (sum, count) = whole.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
+        // Values in multiples of the step itself are not rounded.
+        let rounding = if shortest < 1.5 * quantum { 0.0 } else { quantum };
+        (ClockPolicy::in_use().most_missing * count >= values.len() as f64)
+            .then(|| fitted(sum / count, rounding, FIRST))
             .flatten()
     }
 
@@ -359,6 +364,29 @@ mod tests {
         let steady = Steady::of(&values, quantum(&values), |_| true).unwrap();
         let ticks: Vec<usize> = truth.iter().map(|&tick| tick as usize).collect();
         assert_eq!(steady.ticks, ticks);
+    }
+
+    /// As in rows that were written only where a value changed, at a rate that the digits of the times do not divide.
+    #[test]
+    fn most_steps_may_lack_a_value() {
+        for (seed, rate) in [(1, 269.73), (2, 383.6), (3, 256.0), (4, 128.0)] {
+            let mut random = StdRng::seed_from_u64(seed);
+            let mut truth = vec![0];
+            for n in 0..4000 {
+                let ahead = match random.random_range(0..100) {
+                    0..35 => 1,
+                    35..99 => random.random_range(2..7),
+                    _ => random.random_range(7..600),
+                };
+                truth.push(truth[n] + ahead);
+            }
+            let values: Vec<f64> = truth
+                .iter()
+                .map(|&tick| printed(tick as f64 / rate, 1e-6, false))
+                .collect();
+            let steady = Steady::of(&values, quantum(&values), |_| true).expect("a clock");
+            assert_eq!(steady.ticks, truth, "{rate} Hz");
+        }
     }
 
     /// Neither jitter nor a step that grows is a clock.

@@ -100,15 +100,18 @@ impl Roles {
                     self.assign(which, first.start..last.end, role);
                 }
             }
-            self.keep_stretches(which, role);
+            self.keep_stretches(which, role, &trajectory.measured);
         }
     }
 
-    /// Gives `role` to a quarter of the samples of a recording if its cycles gave it to hardly any.
-    fn keep_stretches(&mut self, which: usize, role: Role) {
+    /// Gives `role` to a quarter of the `measured` samples of a recording if its cycles gave it to hardly any. The samples of a pause would
+    /// outnumber those of the cycles.
+    fn keep_stretches(&mut self, which: usize, role: Role, measured: &[bool]) {
         let roles = &mut self.0[which];
         let is_free = |one: Role| one == role || one == Role::Fit;
-        let free: Vec<usize> = (0..roles.len()).filter(|&i| is_free(roles[i])).collect();
+        let free: Vec<usize> = (0..roles.len())
+            .filter(|&i| is_free(roles[i]) && measured[i])
+            .collect();
         let kept = free.iter().filter(|&&sample| roles[sample] == role).count();
         let SplitPolicy {
             cycles_per_kept,
@@ -173,5 +176,43 @@ impl Roles {
         let free = self.0[which][samples].iter_mut();
         free.filter(|one| **one == Role::Fit)
             .for_each(|one| *one = role);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::Recording;
+
+    use super::*;
+
+    /// The samples that were measured, by their roles: to fit, to validate, held out.
+    fn shares(pause: f64) -> [f64; 3] {
+        let time = (0..1600).map(|n| n as f64 / 200.0 + if n < 800 { 0.0 } else { pause });
+        let time: Vec<f64> = time.collect();
+        let displacement: Vec<f64> = (0..1600)
+            .map(|n| 0.1 * (TAU * 5.0 * n as f64 / 200.0).sin())
+            .collect();
+        let force = displacement.iter().map(|y| 8.0 * y).collect();
+        let recording = Recording::new("joined", time, displacement, force).unwrap();
+        let trajectories = [Trajectory::of(&recording).unwrap()];
+        let mut roles = Roles::all_fit(&trajectories);
+        roles.keep_apart(&trajectories, Role::HeldOut);
+        roles.keep_apart(&trajectories, Role::Validation);
+        [Role::Fit, Role::Validation, Role::HeldOut].map(|role| {
+            let measured = (0..trajectories[0].len()).filter(|&i| trajectories[0].measured[i]);
+            measured.filter(|&i| roles.of(0, i) == role).count() as f64 / 1600.0
+        })
+    }
+
+    /// However long the pause of a joined file is, cycles of both parts are fitted.
+    #[test]
+    fn a_pause_is_nothing_to_hold_out() {
+        for pause in [0.0, 1.0, 6.0, 20.0] {
+            let shares = shares(pause);
+            assert!(shares[0] > 0.45, "{pause} s: {shares:?}");
+            assert!(shares[1] > 0.1 && shares[2] > 0.1, "{pause} s: {shares:?}");
+        }
     }
 }

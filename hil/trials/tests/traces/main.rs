@@ -1,6 +1,7 @@
 //! Traces that take long: of motions of any kind, of channels with faults, under control inputs, and of recordings made elsewhere.
 
 mod any_motion;
+mod as_they_come;
 mod channel_faults;
 mod control_input;
 #[allow(dead_code, reason = "shared with a program that uses the rest")]
