@@ -63,7 +63,11 @@ impl Steady {
         let whole = steps().filter(|step| *step < most);
         let (sum, count) = whole.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
         // Values in multiples of the step itself are not rounded.
-        let rounding = if shortest < 1.5 * quantum { 0.0 } else { quantum };
+        let rounding = if shortest < 1.5 * quantum {
+            0.0
+        } else {
+            quantum
+        };
         (ClockPolicy::in_use().most_missing * count >= values.len() as f64)
             .then(|| fitted(sum / count, rounding, FIRST))
             .flatten()

@@ -2,6 +2,7 @@
 
 mod modules;
 mod motion;
+mod written;
 
 use mesh_damper::effects::residual_table::CELLS;
 use mesh_damper::effects::{DESCRIPTIONS, Motion};

@@ -93,6 +93,8 @@ pub struct Trajectory {
     pub force_noise: f64,
     /// Whether the samples show that noise; otherwise it is an upper bound.
     pub noise_is_known: bool,
+    /// Whether an upper bound of it is one of noise: not of the force itself, whose changes no stride tells from noise.
+    pub noise_is_bounded: bool,
     /// RMS of the force, kN.
     pub force_rms: f64,
     /// A possible error of the motion.
@@ -369,6 +371,7 @@ impl Trajectory {
             centre,
             force_noise: noise_beside_tones(&force),
             noise_is_known: true,
+            noise_is_bounded: true,
             force_rms: rms(force.iter().copied()),
             motion_error,
             carried: Vec::new(),
@@ -411,7 +414,9 @@ impl Trajectory {
             None => (self.force.as_slice(), 1.0),
         };
         let floor = NoiseFloor::of(force, &self.motion, (runs, &self.measured), &blocks);
-        (self.force_noise, self.noise_is_known) = (factor * floor.deviation, floor.is_known);
+        self.force_noise = factor * floor.deviation;
+        self.noise_is_known = floor.is_known;
+        self.noise_is_bounded = floor.has_ended;
     }
 
     /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.

@@ -24,11 +24,10 @@ impl Search<'_> {
     }
 
     /// Whether `law` is better than `other` on the validation cycles. A mass need not save much, if nothing but a mass saves that: what is
-    /// left of a channel that was mended, or of a force that is early or late, looks like one.
+    /// left of a force that is early or late looks like one.
     pub(super) fn is_better(&self, law: &Fitted, other: &Fitted) -> bool {
         law.score.beats(&other.score)
             || law.is_with_mass(other)
-                && self.trajectories.iter().all(|one| one.faults.is_empty())
                 && law.score.gains_throughout(&other.score)
                 && self.is_no_time(other)
     }

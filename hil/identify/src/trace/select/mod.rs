@@ -167,6 +167,11 @@ impl<'a> Search<'a> {
                 tried[place].fitted = heavier;
                 tried[place].was_fitted = true;
                 tried[..=place].rotate_right(1);
+                let (mass, rivals) = tried.split_at_mut(1);
+                for rival in rivals.iter_mut().filter(|rival| rival.admissible) {
+                    let score = &rival.fitted.score;
+                    rival.distinguishable = mass[0].fitted.score.gains_throughout(score);
+                }
             }
             let Some(best) = tried.first_mut() else { break };
             let helps = best.admissible && self.is_better(&best.fitted, &found);
@@ -220,9 +225,9 @@ impl<'a> Search<'a> {
             .get_or_init(|| OfMotion::of(self.trajectories))
     }
 
-    /// Whether the error is within the noise. An upper bound of it may be many times the noise, so that no law is good enough.
+    /// Whether the error is within the noise.
     pub fn is_settled(&self, law: &Fitted) -> bool {
-        self.trajectories.iter().all(|one| one.noise_is_known)
+        self.trajectories.iter().all(|one| one.noise_is_bounded)
             && law.score.nrmse() <= VerdictPolicy::in_use().noise_limited * self.goal()
     }
 
