@@ -81,7 +81,7 @@ impl Judged {
             rate: 1.0 / trajectory.tick,
         };
         let parameters = Parameters::of(drawn, result);
-        // Whoever is told that the channels may be exchanged expects no parameters.
+        // Where the channels may be exchanged, and a note says so, no parameters are expected.
         let doubt = ChannelFaultKind::Exchanged { repaired: false };
         let is_doubted = found.faults.iter().any(|fault| fault.kind == doubt);
         let names = found.effects.iter().map(|effect| effect.family.as_str());
