@@ -37,8 +37,8 @@ pub(crate) struct NoiseFloor {
     pub deviation: f64,
     /// Whether the samples show it; otherwise it is an upper bound.
     pub is_known: bool,
-    /// Whether the estimate ended to grow. One that grows up to the longest stride is of the force itself, and bounds little.
-    pub has_ended: bool,
+    /// Whether the estimate stops growing. One that grows up to the longest stride is of the force itself, and bounds little.
+    pub stops_growing: bool,
 }
 
 impl NoiseFloor {
@@ -109,7 +109,7 @@ impl NoiseFloor {
         Self {
             deviation: if is_known { seen } else { deviation.max(seen) },
             is_known,
-            has_ended: 2 * stride <= longest,
+            stops_growing: 2 * stride <= longest,
         }
     }
 }

@@ -126,8 +126,8 @@ impl Score {
     /// Whether this law is better than `other` on the same samples. It has to reduce the squared error by a relevant part, and
     /// consistently over the pieces instead of by chance in a few.
     ///
-    /// A piece counts with its relative gain (a − b)/(a + b), which lies in −1…1, so no piece can decide alone. A contact acts in a
-    /// few pieces only. So a law also wins if it reduces the error by a large part without the piece in which it gains most.
+    /// A contact acts in a few pieces only. So a law also wins if it reduces the error by a large part without the piece in which it gains
+    /// most.
     pub fn beats(&self, other: &Self) -> bool {
         let pieces = other.pieces.iter().zip(&self.pieces);
         let saved: Vec<f64> = pieces.map(|(a, b)| a - b).collect();
@@ -141,6 +141,8 @@ impl Score {
     }
 
     /// Whether this law is better than `other` piece by piece, by however little: beyond chance, and not by a few pieces.
+    ///
+    /// A piece counts with its relative gain (a − b)/(a + b), which lies in −1…1, so no piece can decide alone.
     pub fn gains_throughout(&self, other: &Self) -> bool {
         let pieces = other.pieces.iter().zip(&self.pieces);
         let gains: Vec<f64> = pieces

@@ -416,7 +416,7 @@ impl Trajectory {
         let floor = NoiseFloor::of(force, &self.motion, (runs, &self.measured), &blocks);
         self.force_noise = factor * floor.deviation;
         self.noise_is_known = floor.is_known;
-        self.noise_is_bounded = floor.has_ended;
+        self.noise_is_bounded = floor.stops_growing;
     }
 
     /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.

@@ -1,25 +1,14 @@
 //! The mass of a fixture between specimen and load cell. It is hidden below the noise of many a recording, and still distorts what is found
 //! there.
 
-use super::Search;
-use crate::families::inertia;
-use crate::problem::Problem;
+use super::{Candidate, Search};
 use crate::screen::Screen;
-use crate::term::Term;
 use crate::trace::fitted::Fitted;
 
 impl Search<'_> {
-    /// `law` with a mass in addition, if that is better.
-    pub(super) fn with_mass(&self, law: &Fitted) -> Option<Fitted> {
-        let is_mass = |term: &&Term| term.form == inertia::FORMS[0];
-        let mass = *self.terms.iter().find(is_mass)?;
-        let mut terms = law.solution.terms();
-        if terms.iter().any(|term| is_mass(&term)) {
-            return None;
-        }
-        terms.push(mass);
-        let problem = Problem::new(&self.rows, &self.extent, &terms);
-        let heavier = self.scored(problem.solve_from(&law.solution, &[])).ok()?;
+    /// The fit of a candidate that is `law` with a mass in addition, if that is better.
+    pub(super) fn heavier(&self, candidate: &Candidate, law: &Fitted) -> Option<Fitted> {
+        let heavier = self.refit(&candidate.fitted).ok()?;
         (heavier.is_admissible() && self.is_better(&heavier, law)).then_some(heavier)
     }
 

@@ -160,10 +160,10 @@ impl<'a> Search<'a> {
                 },
             );
             let is_mass = |one: &Candidate| one.admissible && one.fitted.is_with_mass(&found);
-            let heavier = (!may_add).then(|| self.with_mass(&found)).flatten();
-            let mass = heavier.zip(tried.iter().position(is_mass));
+            let place = tried.iter().position(is_mass).filter(|_| !may_add);
+            let mass = place.and_then(|place| Some((place, self.heavier(&tried[place], &found)?)));
             let is_found = mass.is_some();
-            if let Some((heavier, place)) = mass {
+            if let Some((place, heavier)) = mass {
                 tried[place].fitted = heavier;
                 tried[place].was_fitted = true;
                 tried[..=place].rotate_right(1);
@@ -174,8 +174,8 @@ impl<'a> Search<'a> {
                 }
             }
             let Some(best) = tried.first_mut() else { break };
-            let helps = best.admissible && self.is_better(&best.fitted, &found);
-            let accepted = is_found || may_add && helps;
+            let accepted =
+                is_found || may_add && best.admissible && self.is_better(&best.fitted, &found);
             let next = best.fitted.clone();
             best.added = accepted;
             let others = &mut tried[usize::from(accepted)..];
