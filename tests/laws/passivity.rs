@@ -97,6 +97,8 @@ fn effect(description: &Description, parts: &[f64], wide: bool, tick: f64) -> Op
         "gap" => values[1] = f64::from(parts[0] < 0.5),
         // Factors on the law's damping add up: together with a temperature that takes 0.4 of it, a drift may take half.
         "drift" => {
+            // Of a change that takes longer, 1 − e^(−n/N) in f32 shows steps within the test, at which a spring's energy changes.
+            values[0] = values[0].min(1e3);
             for change in &mut values[2..] {
                 *change = change.max(-0.5);
             }

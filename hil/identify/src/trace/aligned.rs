@@ -143,7 +143,7 @@ impl<'r> Aligned<'r> {
         let mut most = 1.0_f64;
         for (trajectory, forces) in fitted.iter_mut().zip(forces) {
             let left = |index: usize| {
-                if trajectory.measured[index] {
+                if trajectory.is_comparable(index) {
                     trajectory.force[index] - forces.after[index]
                 } else {
                     0.0
@@ -255,7 +255,7 @@ impl<'r> Aligned<'r> {
         }
         let law = named(closed);
         let left = |trajectory: &Trajectory| -> Result<LeftOfOne, ModelError> {
-            let measured = (0..trajectory.len()).filter(|&index| trajectory.measured[index]);
+            let measured = (0..trajectory.len()).filter(|&index| trajectory.is_comparable(index));
             let measured: Vec<usize> = measured.collect();
             Ok(left_of(trajectory, &measured, &predict(&law, trajectory)?))
         };
@@ -355,7 +355,7 @@ fn named(closed: &Closed) -> Model {
 /// The measured samples from which something may be learned: none of the held-out ones.
 fn open(trajectory: &Trajectory, roles: &[Role]) -> Vec<usize> {
     let all = 0..trajectory.len();
-    all.filter(|&index| trajectory.measured[index] && roles[index] != Role::HeldOut)
+    all.filter(|&index| trajectory.is_comparable(index) && roles[index] != Role::HeldOut)
         .collect()
 }
 

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use mesh_damper_model::AddedEffect;
 use mesh_damper_recording::faults::{Shift, ShiftPolicy};
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
@@ -49,8 +50,7 @@ pub(super) fn found(fitted: &[Trajectory], closed: &Closed, sought: &Sought) -> 
         if effect.family == delay::FORMS[0].family() {
             return None;
         }
-        // They stand for an early force.
-        if ![inertia::FORMS[0].family(), viscous::FORMS[0].family()].contains(&effect.family) {
+        if !stands_for_it(effect) {
             found.extend(known_terms(effect)?);
         }
     }
@@ -112,6 +112,11 @@ pub(super) fn found(fitted: &[Trajectory], closed: &Closed, sought: &Sought) -> 
         }
     }
     Some(-tick * 0.5 * (low + high))
+}
+
+/// Whether an effect may stand for an early force: of F(t + τ) ≈ F + τ·dF/dt a spring makes a dashpot, and a dashpot a mass.
+pub(super) fn stands_for_it(effect: &AddedEffect) -> bool {
+    [inertia::FORMS[0].family(), viscous::FORMS[0].family()].contains(&effect.family)
 }
 
 /// Sum of the squared errors of a fit of these terms with the force moved on by `ticks`. It moves by whole ticks, and the motion by the

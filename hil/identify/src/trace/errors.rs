@@ -142,7 +142,7 @@ fn squares(
     predicted: &[f64],
     held_out: bool,
 ) -> (f64, f64) {
-    let counts = |&i: &usize| counts_as(roles[i], held_out) && trajectory.measured[i];
+    let counts = |&i: &usize| counts_as(roles[i], held_out) && trajectory.is_comparable(i);
     let of_part = (0..roles.len()).filter(counts);
     of_part.fold((0.0, 0.0), |(error, force), i| {
         let measured = trajectory.force[i];

@@ -51,7 +51,7 @@ impl Samples {
     fn include(self, trajectory: &Trajectory, sample: usize) -> bool {
         match self {
             Self::Telling => trajectory.is_telling(sample),
-            Self::All => trajectory.measured[sample],
+            Self::All => trajectory.is_comparable(sample),
         }
     }
 

@@ -195,7 +195,8 @@ pub fn trace_for(
     let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
     let mut closed = conclude(&mut aligned, sought, progress)?;
     closed = follow(&mut aligned, closed, sought, progress)?;
-    if is_more_missing(&closed.result)
+    let effects = |of: &Closed| of.model.effects.len();
+    if (is_more_missing(&closed.result) || closed.model.effects.iter().any(early::stands_for_it))
         && !aligned.is_moved()
         && let Some(late) = early::found(&aligned.trajectories[0], &closed, sought)
     {
@@ -205,7 +206,8 @@ pub fn trace_for(
         let moved = follow(&mut aligned, moved, sought, progress)?;
         let less = moved.result.augmented.nrmse_fitted
             < ShiftPolicy::in_use().better * closed.result.augmented.nrmse_fitted;
-        if less || !is_more_missing(&moved.result) {
+        let is_simpler = is_more_missing(&closed.result) || effects(&moved) < effects(&closed);
+        if less || !is_more_missing(&moved.result) && is_simpler {
             closed = moved;
         } else {
             aligned.stay()?;

@@ -128,7 +128,7 @@ pub fn tones(
     let trajectory = &trajectories[longest];
     let left: Vec<f64> = (0..trajectory.len())
         .map(|index| {
-            if trajectory.measured[index] && roles.is_open(longest, index) {
+            if trajectory.is_comparable(index) && roles.is_open(longest, index) {
                 trajectory.force[index] - predicted[longest][index]
             } else {
                 0.0

@@ -31,7 +31,7 @@ pub(super) fn wanders(
         for block in &trajectory.blocks {
             let cycles = block.cycles.iter().filter(|cycle| {
                 let mut samples = (*cycle).clone();
-                samples.all(|i| trajectory.measured[i] && counts(which, i))
+                samples.all(|i| trajectory.is_comparable(i) && counts(which, i))
             });
             let means: Vec<f64> = cycles
                 .map(|cycle| {

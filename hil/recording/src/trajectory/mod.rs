@@ -57,6 +57,12 @@ crate::numbers! {
         /// A crossing of the mid level counts if the displacement then leaves a band around it, of ± this fraction of its range. The wider
         /// of this band and that of `crossing_noises` is used.
         crossing: f64 = 0.01, Convention("a hundredth of the largest motion is the smallest that counts");
+        /// What a specimen remembers from before its recording is forgotten after this many cycles.
+        forgotten: f64 = 1.0, Derived("both ends of the motion were reached: a slider slips there, and a Preisach model is wiped out");
+        /// The same after a pause of the channels of at least this many cycles.
+        lost: f64 = 0.25, Convention("a shorter one has at most one turn, and the displacement is continued through it");
+        /// Such cycles are left out only if they are less than this fraction of a recording.
+        spared: f64 = 0.25, Convention("of what is short, the rest would say too little");
         /// The temperature of a recording without a temperature channel, °C.
         room: f64 = 20.0, Convention("that of a laboratory");
     }
@@ -103,6 +109,9 @@ pub struct Trajectory {
     pub carried: Vec<f64>,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a channel fault was found.
     pub measured: Vec<bool>,
+    /// Samples before which the specimen may have been moved in another way than the recording shows, so that what it remembers is not
+    /// known; in order.
+    pub unsettled: Vec<Range<usize>>,
     /// The average that smoothed the channels before they were written.
     pub average: Option<MovingAverage>,
     /// Ratio of the force's noise to the noise in fast changes; 1 if they are equal.
@@ -262,6 +271,7 @@ impl Trajectory {
             uniform.temperature,
         );
         trajectory.measured = uniform.measured;
+        trajectory.unsettled = trajectory.unsettled();
         if average.is_none() {
             let all = 0..trajectory.len();
             trajectory.take_noise(&[all]);
@@ -379,6 +389,7 @@ impl Trajectory {
             temperature,
             controls: Arc::default(),
             measured: vec![true; count],
+            unsettled: Vec::new(),
             average: None,
             noise_beside: 1.0,
             late: 0.0,
@@ -500,6 +511,7 @@ impl Trajectory {
             temperature: self.temperature.clone(),
             controls: self.controls.clone(),
             measured: Vec::new(),
+            unsettled: Vec::new(),
             faults: Vec::new(),
             recorded: None,
             blocks: Vec::new(),
@@ -519,8 +531,8 @@ impl Trajectory {
         self.motion.displacement.is_empty()
     }
 
-    /// Whether the law can be compared with the force at a sample. The force was measured there, the sample is not next to a kink,
-    /// and its velocity is either certain enough for the law's steep |v|^α or certainly 0.
+    /// Whether a sample tells laws apart: its force can be [compared](Self::is_comparable), it is not next to a kink, and its velocity
+    /// is either certain enough for the law's steep |v|^α or certainly 0.
     pub fn is_telling(&self, index: usize) -> bool {
         let after = self.motion.kinks.partition_point(|&kink| kink + 1 < index);
         let at_kink = self
@@ -530,7 +542,46 @@ impl Trajectory {
             .is_some_and(|kink| kink.abs_diff(index) <= 1);
         let certain = self.motion.velocity[index].abs()
             > TrajectoryPolicy::in_use().certain * self.motion.velocity_deviation[index];
-        self.measured[index] && (certain || self.motion.is_at_rest(index)) && !at_kink
+        self.is_comparable(index) && (certain || self.motion.is_at_rest(index)) && !at_kink
+    }
+
+    /// Whether the force at a sample can be compared with that of a model: it was measured, and the recording shows how the specimen was
+    /// moved before.
+    pub fn is_comparable(&self, index: usize) -> bool {
+        let after = self.unsettled.partition_point(|run| run.end <= index);
+        let unsettled = self.unsettled.get(after);
+        self.measured[index] && unsettled.is_none_or(|run| index < run.start)
+    }
+
+    /// The first cycle of a recording that does not begin at rest, and that after each pause of its channels.
+    fn unsettled(&self) -> Vec<Range<usize>> {
+        let TrajectoryPolicy {
+            forgotten,
+            lost,
+            spared,
+            ..
+        } = *TrajectoryPolicy::in_use();
+        let until = |from: usize| {
+            let known = self.cycles[from] + forgotten;
+            from + self.cycles[from..].partition_point(|&cycle| cycle < known)
+        };
+        let mut all = Vec::new();
+        if !self.motion.is_at_rest(0) {
+            all.push(0..until(0));
+        }
+        let mut start = 0;
+        for run in self.measured.chunk_by(|a, b| a == b) {
+            let end = start + run.len();
+            if !run[0] && end < self.len() && self.cycles[end] - self.cycles[start] >= lost {
+                all.push(end..until(end));
+            }
+            start = end;
+        }
+        let left_out: usize = all.iter().map(ExactSizeIterator::len).sum();
+        if left_out as f64 > spared * self.len() as f64 {
+            all.clear();
+        }
+        all
     }
 
     /// The reading of the force channel for a true `force`, one value per sample.

@@ -42,6 +42,7 @@ impl Trajectory {
         other.force.clone_from(&self.force);
         other.carried.clone_from(&self.carried);
         other.measured.clone_from(&self.measured);
+        other.unsettled.clone_from(&self.unsettled);
         other.blocks.clone_from(&self.blocks);
         let error = &self.motion_error;
         for (channel, error) in [
