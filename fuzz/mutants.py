@@ -167,7 +167,7 @@ class Tree:
 
     def refused(self, places):
         """The mutants at the places of the compiler's errors. For an error elsewhere in a function, all of that function's mutants."""
-        checked = self.cargo("build", "--package", "mesh-damper", "--lib", "--message-format", "json")
+        checked = self.cargo("build", "--package", "mesh-damper", "--lib", "--features", "fixed-point", "--message-format", "json")
         refused, errors = set(), []
         for message in map(json.loads, checked.stdout.splitlines()):
             if message["reason"] != "compiler-message" or message["message"]["level"] != "error":
@@ -186,7 +186,7 @@ class Tree:
     def programs(self, modules, known=None):
         """The test programs: the crate's, the quickest first, and then these modules of the simulated rig's. The run times
         of a mutant that is built alone are those of the `known` programs. `None` if they do not build."""
-        crate = self.built(["--package", "mesh-damper", "--lib", "--tests"])
+        crate = self.built(["--package", "mesh-damper", "--lib", "--tests", "--features", "fixed-point"])
         others = self.built(["--package", "mesh-damper-rig", "--test", "rig"]) if modules else []
         if crate is None or others is None:
             return None

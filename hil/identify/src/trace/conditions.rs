@@ -9,6 +9,9 @@ use mesh_damper_recording::trajectory::Trajectory;
 use super::left_out::LeftOutPolicy;
 use super::split::Roles;
 
+/// At most this many conditions are held out in turn: each needs a fit.
+const MOST_CONDITIONS: usize = 8;
+
 /// Blocks of at least that many open cycles, by their amplitude, then by their frequency.
 fn blocks_of_cycles<'t>(
     trajectories: &'t [Trajectory],
@@ -81,11 +84,7 @@ type Motion = Vec<f64>;
 /// recordings if there are few blocks, or stretches if there are few recordings too. Parts of the same motion under the same control
 /// inputs are one condition, unless that leaves too few.
 pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Condition> {
-    let LeftOutPolicy {
-        fewest_conditions,
-        most_conditions,
-        ..
-    } = *LeftOutPolicy::in_use();
+    let fewest_conditions = LeftOutPolicy::in_use().fewest_conditions;
     let blocks = blocks_of_cycles(trajectories, roles, LeftOutPolicy::in_use().some_cycles);
     // The cycles of a random motion resemble others only by chance: its blocks are no conditions.
     let open = |which: usize, samples: &Range<usize>| {
@@ -113,7 +112,7 @@ pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Cond
             is_motion: differ && !is_cut,
             is_alone: false,
         });
-        return evenly(conditions.collect(), most_conditions);
+        return evenly(conditions.collect(), MOST_CONDITIONS);
     }
     let each = blocks.iter().map(|&(which, block)| {
         let part = Part {
@@ -150,7 +149,7 @@ pub(super) fn conditions(trajectories: &[Trajectory], roles: &Roles) -> Vec<Cond
         is_motion,
         parts,
     });
-    evenly(conditions.collect(), most_conditions)
+    evenly(conditions.collect(), MOST_CONDITIONS)
 }
 
 /// The open samples of each recording, or of stretches if there are few recordings.

@@ -19,8 +19,6 @@ mesh_damper_recording::numbers! {
     LeftOutPolicy {
         /// If there are fewer blocks than this to be conditions, the recordings or stretches of them are the conditions.
         fewest_conditions: usize = 3, Convention("with two, each would be judged by the other alone");
-        /// At most this many conditions are held out in turn.
-        most_conditions: usize = 8, Convention("bounds the time: each needs a fit");
         /// A recording whose blocks are no conditions is cut into this many stretches.
         stretches: usize = 5, Convention("each leaves four fifths to fit");
         /// An error over the cycles counts this fraction of them. The worst cycles, which do not count, may belong to a start or to a
