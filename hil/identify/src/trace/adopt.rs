@@ -37,7 +37,7 @@ pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
 }
 
 /// From the errors of laws on the same conditions, the simplest law first: index of the simplest that is within one standard error of
-/// the best, and of the best. The first is the law alone; another takes its place only if it [`gains`].
+/// the best, and of the best. The first is the law alone; if it is not within that error, another takes its place only if it [`gains`].
 ///
 /// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
 /// over the conditions.
@@ -63,14 +63,14 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
         let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
         mean * mean * count <= variance
     };
-    let simplest = (1..=best)
-        .filter(finite)
-        .find(|law| *law == best || within(law) && gains(laws[0], laws[*law]));
-    let simplest = simplest.unwrap_or(best);
-    match gains(laws[0], laws[simplest]) {
-        true => (simplest, best),
-        false => (0, best),
+    let is_gain = |law: usize| gains(laws[0], laws[law]);
+    if within(&0) || !is_gain(best) {
+        return (0, best);
     }
+    let simplest = (1..best)
+        .filter(finite)
+        .find(|law| within(law) && is_gain(*law));
+    (simplest.unwrap_or(best), best)
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
