@@ -78,7 +78,8 @@ pub(super) fn force(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
 }
 
 /// The error of that `force`, in kN, due to the length of the recording's steps: four thirds of the change with half the step,
-/// because the error of a spring's deflection is proportional to the square of the step. `None` as above.
+/// because the error of a spring's deflection is proportional to the square of the step, as is what a turn exceeds the sample beside it by.
+/// `None` as above.
 pub(super) fn error_of_steps(
     basis: &Basis,
     solution: &Solution,

@@ -162,15 +162,18 @@ impl Uncertainty {
     /// With H = (JᵀJ)⁻¹ their variances are on the diagonal of H·(Σ jᵢjᵢᵀ·(rᵢ/(1 − hᵢ))²)·H, hᵢ = jᵢᵀHjᵢ (HC3, MacKinnon and White
     /// 1985). Where the force is steepest, at reversals, an error of the motion makes the residuals large. There the data are less
     /// precise than a common residual variance would suggest. The variances are raised by the residuals' integrated
-    /// autocorrelation, because errors of neighbouring samples are not independent. If the force has an error e from the length of
-    /// the recording's steps, |H·Σ jᵢeᵢ| is added to 1.645 deviations.
+    /// autocorrelation, because errors of neighbouring samples are not independent. The force has an error e from the length of the
+    /// recording's steps, such as that of a slider whose motion turns between two samples: |H·Σ jᵢeᵢ| is added to 1.645 deviations.
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
         let linearized = || {
             let force = basis.force(&columns, &solution.linear());
-            let no_steps = vec![0.0; rows.len()];
-            (Tangent::of(&basis, &columns, solution), force, no_steps)
+            let as_run = exact::force(&basis, solution);
+            let of_steps =
+                as_run.and_then(|as_run| exact::error_of_steps(&basis, solution, &as_run));
+            let of_steps = of_steps.unwrap_or_else(|| vec![0.0; rows.len()]);
+            (Tangent::of(&basis, &columns, solution), force, of_steps)
         };
         let (tangent, force, of_steps) = exactly(&basis, solution).unwrap_or_else(linearized);
         let nodes = solution.law.len();
