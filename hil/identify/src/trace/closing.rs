@@ -26,6 +26,7 @@ use super::verdict::{
 use super::witness::{Explainable, explainable};
 use crate::base_law::BaseLaw;
 use crate::basis::Basis;
+use crate::families::asymmetry;
 use crate::problem::Problem;
 use crate::rows::Rows;
 use crate::shape::Extent;
@@ -226,6 +227,15 @@ impl<'a> Closing<'a> {
         if let Some(graded) = &graded {
             graded.say_of(&mut effects, rivals.as_ref());
         }
+        let zero_is_known = self.sought.rig.zero.is_some();
+        let in_doubt = zero_in_doubt(&model, self.trajectories).filter(|_| !zero_is_known);
+        if in_doubt.is_some() {
+            let family = asymmetry::FORMS[0].family().name();
+            for effect in effects.iter_mut().filter(|one| one.family == family) {
+                effect.unconfirmed_by.get_or_insert(Rule::Rivalled);
+                effect.rivals.push("zero".to_owned());
+            }
+        }
         let (effects, unconfirmed) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
@@ -270,9 +280,7 @@ impl<'a> Closing<'a> {
                 "only one amplitude and one frequency were fitted: what the model does at others is unknown; record more of them".to_owned(),
             );
         }
-        if self.sought.rig.zero.is_none() {
-            warnings.extend(zero_in_doubt(&model, self.trajectories));
-        }
+        warnings.extend(in_doubt);
         let explainable = match is_more_missing {
             true => self.witness(&left_out, &model)?,
             false => explainable,

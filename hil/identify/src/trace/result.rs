@@ -205,7 +205,8 @@ pub struct FoundEffect {
     /// the error of the law is only noise.
     #[serde(default)]
     pub unconfirmed_by: Option<Rule>,
-    /// Families that do equally well in place of the effect, if it is not confirmed because of them.
+    /// Families that do equally well in place of the effect, if it is not confirmed because of them; `zero` is another zero of the
+    /// displacement.
     #[serde(default)]
     pub rivals: Vec<String>,
 }

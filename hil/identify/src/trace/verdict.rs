@@ -195,6 +195,13 @@ pub(super) fn warnings<'t>(
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let (first, last) = (model.law.first(), model.law.last());
+    let fastest = |trajectory: &Trajectory| {
+        let cycles = trajectory.blocks.iter().map(|block| block.frequency);
+        cycles.fold(0.0, f64::max)
+    };
+    let trajectories: Vec<&Trajectory> = trajectories.collect();
+    // One unit serves all.
+    let all_are_slow = (trajectories.iter()).all(|one| fastest(one) < VerdictPolicy::in_use().slow);
     for trajectory in trajectories {
         let faults = trajectory.faults.iter();
         warnings.extend(faults.map(|fault| format!("{}: {fault}", trajectory.name)));
@@ -205,9 +212,8 @@ pub(super) fn warnings<'t>(
                 trajectory.name
             ));
         }
-        let cycles = trajectory.blocks.iter().map(|block| block.frequency);
-        let fastest = cycles.fold(0.0, f64::max);
-        if fastest > 0.0 && fastest < VerdictPolicy::in_use().slow {
+        let fastest = fastest(trajectory);
+        if fastest > 0.0 && all_are_slow {
             warnings.push(format!(
                 "{}: its fastest cycle takes {:.0} s: if its times are in ms, give --unit time=ms; every time and rate found is a thousand \
                  times too long otherwise",
