@@ -27,7 +27,7 @@ const fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
     }
 }
 
-/// A test of 22 s that distinguishes all nine effects.
+/// A test of 22 s that distinguishes effects.
 ///
 /// Varying amplitude and frequency independently separates rate-dependent effects from rate-independent ones. Every amplitude but
 /// one returns later in the test, so that a change with time cannot look like a dependence on amplitude.
