@@ -74,7 +74,10 @@ fn what_programs_write_is_read_as_it_was_meant() {
     let read = list.iter().filter(|file| file.refused.is_empty());
     let exact = read.clone().filter(|file| file.error == 0.0).count();
     let said = format!("{} files of nine formats: {exact} bit by bit", read.count());
-    assert!(include_str!("../../../../docs/validation.md").contains(&said), "{said}");
+    assert!(
+        include_str!("../../../../docs/validation.md").contains(&said),
+        "{said}"
+    );
     let mut wrong = Vec::new();
     for file in list {
         let path = folder.join(&file.file);
