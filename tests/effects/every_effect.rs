@@ -57,13 +57,7 @@ fn a_state_of_fewer_effects_serves_more() {
     let mut state = small.at_rest();
     small.force(&mut state, &Motion::default());
     large.force(&mut state, &Motion::default());
-    let force = large.force(
-        &mut state,
-        &Motion {
-            displacement: 0.1,
-            ..Motion::default()
-        },
-    );
+    let force = large.force(&mut state, &Motion::at(0.1, 0.0));
     close(force, 0.5 + 0.2, 1e-12);
 }
 
