@@ -15,12 +15,7 @@ use proptest::prelude::*;
 use serde_json::json;
 
 /// No force of eq 13.
-const NOTHING: Coefficients = Coefficients {
-    k1: 0.0,
-    k3: 0.0,
-    c: 0.0,
-    alpha: 0.0,
-};
+const NOTHING: Coefficients = Coefficients::new(0.0, 0.0, 0.0, 0.0);
 
 /// The last of `cycles` cycles of X·sin ωt at `count` samples each: displacement and the force of `effect` alone.
 fn last_cycle(

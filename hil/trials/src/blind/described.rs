@@ -287,11 +287,7 @@ mod tests {
             parameters: vec![90.0],
             number: description.number,
         };
-        let block = |amplitude| TestBlock {
-            amplitude,
-            frequency: 2.0,
-            cycles: 2,
-        };
+        let block = |amplitude| TestBlock::new(amplitude, 2.0, 2);
         let blocks = [block(0.1), block(0.2)];
         let motion = answer(3.0, &[], &blocks, TICK_RATE, TICK_RATE);
         let force = force_of(3.0, &effect, &blocks, &motion).unwrap();
