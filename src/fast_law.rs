@@ -457,11 +457,9 @@ mod tests {
             following.follow(followed);
             for (y, v) in [(0.2f32, 3.0f32), (-0.1, 0.7), (0.15, -2.0)] {
                 let motion = Motion {
-                    displacement: y,
-                    velocity: v,
                     temperature: 45.0,
                     cycles: 30.0,
-                    ..Motion::default()
+                    ..Motion::at(y, v)
                 };
                 let damping = 0.1 * libm::powf(v.abs(), 0.4).copysign(v);
                 let elastic = 1.0 - cooled - 0.3 * done;

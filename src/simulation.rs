@@ -416,11 +416,7 @@ impl<const B: usize, P: Borrow<Programme<B>>> Simulation<B, P> {
         (self.ramp, self.done) = (now.ramp, now.done);
         self.displacement = now.displacement;
         self.steady.cycles_then = now.cycle;
-        let force = self.law.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
-            ..Motion::default()
-        });
+        let force = self.law.force(&Motion::at(now.displacement, now.velocity));
         if let Some([cycle]) = self
             .accumulator
             .update(now.displacement, [force], now.phase)

@@ -122,10 +122,8 @@ fn generator_law_and_cycles_end_as_they_began() {
         );
         assert_eq!(u64::from(now.cycle), ticks / u64::from(TICKS));
         let force = law.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
             acceleration: now.acceleration,
-            ..Motion::default()
+            ..Motion::at(now.displacement, now.velocity)
         });
         if let Some([cycle]) = accumulator.update(now.displacement, [force], now.phase) {
             let values = [cycle.stiffness, cycle.energy, cycle.loss_factor];

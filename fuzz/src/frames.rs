@@ -37,10 +37,8 @@ pub static GOOD: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         .at(1e4)
         .expect("they are the default");
     let motion = Motion {
-        displacement: 0.1,
-        velocity: -2.0,
         controls: [0.5, -1.5, 0.0, 9.0],
-        ..Motion::default()
+        ..Motion::at(0.1, -2.0)
     };
     let knot = Knot {
         displacement: 0.1,

@@ -27,6 +27,18 @@ pub struct Motion<R> {
 }
 
 impl<R: Real> Motion<R> {
+    /// A displacement in mm and a velocity in mm/s; everything else is 0.
+    pub const fn at(displacement: R, velocity: R) -> Self {
+        Self {
+            displacement,
+            velocity,
+            acceleration: R::ZERO,
+            cycles: R::ZERO,
+            temperature: R::ZERO,
+            controls: [R::ZERO; CONTROLS],
+        }
+    }
+
     /// Clamps the motion to [`limits`], once per tick rather than in every effect. NaN becomes 0.
     #[inline(always)]
     pub fn clamped(&self) -> ClampedMotion<R> {

@@ -128,6 +128,10 @@ impl<R: Real> Yielding<R> {
         let [low, high] = if x < R::from_f64(1e-3) * least {
             // The root has too few digits where it is practically 0. The reach is within u²/3 of its lower bound.
             about(least)
+        } else if self.drag + self.slip < R::from_f64(1e-7) * x {
+            // C is less than a digit of x in f32, and all of u·C is nothing. Here an earlier version went back to the start of its search
+            // and rose again, so that its packs have a reach of up to a thousandth more.
+            [about(least)[0], R::from_f64(1.0011) * least]
         } else {
             let root = self.root(x);
             let missing = x - x * tanh(root) - (self.drag + self.slip) * root;
@@ -360,10 +364,16 @@ mod tests {
                     for tick in [TICK[0], 1e-4, 0.01, TICK[1]] {
                         let [k, x, v, t, dt] = [1.0, stretch, rate, time, tick].map(R::from_f64);
                         let honest = Yielding::new(k, x, v, t, dt).unwrap();
-                        for part in [-1.0, 0.0, 0.5, 0.99, 0.9999, 1.0001, 1.01, 2.0, 1e9] {
-                            let reach = honest.reach * R::from_f64(part);
-                            let forged = Yielding { reach, ..honest };
-                            assert!(forged.check().is_err(), "{forged:?}");
+                        let of = |part: f64| Yielding {
+                            reach: honest.reach * R::from_f64(part),
+                            ..honest
+                        };
+                        // Where C is nothing beside x, packs of an earlier version have up to a thousandth more.
+                        let is_old = honest.drag + honest.slip < R::from_f64(1e-7) * x;
+                        assert_eq!(of(1.001).check().is_ok(), is_old, "{honest:?}");
+                        let above = if is_old { 1.002 } else { 1.0001 };
+                        for part in [-1.0, 0.0, 0.5, 0.99, 0.9999, above, 1.01, 2.0, 1e9] {
+                            assert!(of(part).check().is_err(), "{part} of {honest:?}");
                         }
                         checked += 1;
                     }

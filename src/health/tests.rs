@@ -83,33 +83,7 @@ fn event(cause: HealthCause) -> Event {
 fn only_a_lasting_fault_ends_the_adaptation() {
     let mut monitor = monitor();
     for cause in HealthCause::ALL {
-        let lasts = match cause {
-            HealthCause::RunIn | HealthCause::Temperature => false,
-            HealthCause::WireBreakage
-            | HealthCause::FrictionWear
-            | HealthCause::Loosening
-            | HealthCause::PreloadShift
-            | HealthCause::Unexplained
-            | HealthCause::FrictionRise
-            | HealthCause::Stiffening
-            | HealthCause::SensorGain(_)
-            | HealthCause::SpecimenAbsent
-            | HealthCause::SensorReversed(_)
-            | HealthCause::LawMismatch
-            | HealthCause::SensorDrifting(_) => true,
-            HealthCause::SensorStuck(_)
-            | HealthCause::SensorDroppedOut(_)
-            | HealthCause::SensorClipped(_)
-            | HealthCause::SensorSpiking(_)
-            | HealthCause::SensorNoisy(_)
-            | HealthCause::ActuatorSaturated
-            | HealthCause::ActuatorLagging
-            | HealthCause::ActuatorDead
-            | HealthCause::TemperatureImplausible => false,
-            // A cause that was added since says it in its row alone.
-            #[allow(unreachable_patterns, reason = "there may be none")]
-            other => other.description().kind == CauseKind::Lasting,
-        };
+        let lasts = cause.description().kind == CauseKind::Lasting;
         monitor.latch(event(cause));
         assert_eq!(monitor.is_damaged, lasts, "{cause:?}");
         monitor.clear();

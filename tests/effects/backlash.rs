@@ -58,10 +58,7 @@ fn it_begins_in_the_middle_of_the_play() {
         let law = alone::<f64>(effect(2.0, 0.03, 0.08));
         let mut state = law.at_rest();
         let mut to = |displacement| {
-            let motion = Motion {
-                displacement,
-                ..Motion::default()
-            };
+            let motion = Motion::at(displacement, 0.0);
             law.force(&mut state, &motion)
         };
         // At any start position.
@@ -97,10 +94,7 @@ fn f32_follows_f64_within_rounding() {
     let mut error = 0.0_f64;
     for n in 0..5 * TICKS {
         let motion: Motion<f32> = sine(0.2, 1.0, n);
-        let exact = Motion {
-            displacement: f64::from(motion.displacement),
-            ..Motion::default()
-        };
+        let exact = Motion::at(f64::from(motion.displacement), 0.0);
         let [one, other] = [
             f64::from(single.force(&mut small, &motion)),
             double.force(&mut large, &exact),

@@ -15,13 +15,7 @@ fn backbone(effect: Effect<f64>, end: f64, steps: usize) -> f64 {
     let mut state = law.at_rest();
     (0..=steps).fold(0.0, |_, n| {
         let displacement = end * n as f64 / steps as f64;
-        law.force(
-            &mut state,
-            &Motion {
-                displacement,
-                ..Motion::default()
-            },
-        )
+        law.force(&mut state, &Motion::at(displacement, 0.0))
     })
 }
 
@@ -45,10 +39,7 @@ fn a_step_through_0_bends_behind_it() {
     let law = alone(effect(1.0, 1.0, 1.0));
     let mut state = law.at_rest();
     let mut to = |displacement: f64| {
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion)
     };
     to(0.0);

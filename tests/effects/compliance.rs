@@ -24,11 +24,10 @@ fn steady<R: Real>(
     let omega = TAU * frequency;
     let all = (0..5 * ticks).map(|n| {
         let (sin, cos) = (TAU * n as f64 / ticks as f64).sin_cos();
-        let motion = Motion {
-            displacement: R::from_f64(amplitude * sin),
-            velocity: R::from_f64(amplitude * omega * cos),
-            ..Motion::default()
-        };
+        let motion = Motion::at(
+            R::from_f64(amplitude * sin),
+            R::from_f64(amplitude * omega * cos),
+        );
         law.force(&mut state, &motion).to_f64()
     });
     all.skip(4 * ticks).collect()

@@ -19,10 +19,8 @@ fn effect<R: Real>(input: usize, tick: f64) -> ControlInput<R> {
 
 fn under<R: Real>(displacement: f64, velocity: f64, control: f64) -> Motion<R> {
     Motion {
-        displacement: R::from_f64(displacement),
-        velocity: R::from_f64(velocity),
         controls: [R::from_f64(control); CONTROLS],
-        ..Motion::default()
+        ..Motion::at(R::from_f64(displacement), R::from_f64(velocity))
     }
 }
 

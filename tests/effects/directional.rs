@@ -52,11 +52,7 @@ fn half_cycles_take_their_closed_forms() {
 /// With d = 1 the damper acts in one direction only, with twice the force, and with d = −1 in the other.
 #[test]
 fn one_way_damping_is_the_whole_difference() {
-    let moving = |velocity| Motion {
-        displacement: 0.05,
-        velocity,
-        ..Motion::default()
-    };
+    let moving = |velocity| Motion::at(0.05, velocity);
     let alone = Law::new(1.2, 0.0, 0.08, 0.3).unwrap();
     let spring = alone.force(0.05, 0.0);
     let one_way = law::<f64>(1.2, 0.08, 0.3, 1.0);

@@ -23,10 +23,7 @@ fn shown<R: Real>(law: &AugmentedLaw<R, 1>, forces: impl IntoIterator<Item = f64
     let mut state = law.at_rest();
     let force = |force| {
         let displacement = R::from_f64(force);
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion).to_f64()
     };
     forces.into_iter().map(force).collect()
@@ -110,10 +107,7 @@ fn every_effects_force_passes_and_the_first_has_stood_for_ever() {
         let mut state = law.at_rest();
         let force = |tick: i32| {
             let displacement = 0.2 + 0.1 * (0.1 * f64::from(tick)).sin();
-            let motion = Motion {
-                displacement,
-                ..Motion::default()
-            };
+            let motion = Motion::at(displacement, 0.0);
             law.force(&mut state, &motion)
         };
         (0..200).map(force).collect::<Vec<f64>>()

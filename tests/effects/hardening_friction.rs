@@ -16,10 +16,7 @@ fn at_turns(effect: Effect<f64>, turns: &[f64], steps: usize) -> Vec<f64> {
     let law = alone(effect);
     let mut state = law.at_rest();
     let mut to = |displacement: f64| {
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion)
     };
     to(0.0);

@@ -82,10 +82,7 @@ pub fn work(effect: Effect<f64>, turns: impl IntoIterator<Item = f64>, steps: u3
     let law = alone(effect);
     let mut state = law.at_rest();
     let mut at = |displacement: f64| {
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion)
     };
     let (mut y, mut before) = (0.0, at(0.0));
@@ -107,10 +104,7 @@ pub fn largest_force(effect: Effect<f32>, path: Vec<f32>) -> f32 {
     let law = alone(effect);
     let mut state = law.at_rest();
     let forces = path.into_iter().map(|displacement| {
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion).abs()
     });
     // NaN counts as the largest.

@@ -191,11 +191,7 @@ fn a_residual_table_holds_its_edge() {
         .with_residual_table(table)
         .unwrap();
     let force = |times: f64, side: f64, direction: f64| {
-        let motion = Motion {
-            displacement: side * times * RANGE,
-            velocity: direction * times * 6.0,
-            ..Motion::default()
-        };
+        let motion = Motion::at(side * times * RANGE, direction * times * 6.0);
         law.force(&mut law.at_rest(), &motion)
     };
     for (side, direction) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
@@ -279,11 +275,9 @@ fn temperature_turns_a_force_round_and_cycles_do_not() {
     ));
     let (y, v) = (0.1, 0.5);
     let motion = |temperature, cycles| Motion {
-        displacement: y,
-        velocity: v,
         temperature,
         cycles,
-        ..Motion::default()
+        ..Motion::at(y, v)
     };
     let force = alone.force(y, v);
     for (above, part) in [(200.0, 0.0), (400.0, -1.0), (2000.0, -9.0)] {

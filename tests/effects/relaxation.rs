@@ -48,13 +48,7 @@ fn relaxation_fades_over_long_times_in_f32() {
         let mut force = 0.0;
         law.force(&mut state, &Motion::default());
         for _ in 0..(f64::from(time) / 1e-4) as u64 {
-            force = law.force(
-                &mut state,
-                &Motion {
-                    displacement: 1.0,
-                    ..Motion::default()
-                },
-            );
+            force = law.force(&mut state, &Motion::at(1.0, 0.0));
         }
         // The step takes a tick, so the decay is half a tick short of τ. loss = Δt/τ rounds by 2^-24 of itself; the sum over the
         // ticks is compensated.

@@ -76,10 +76,8 @@ impl<R: Real> Alone<R> {
     fn force_at(&mut self, temperature: f64, displacement: f64, velocity: f64, cycles: f64) -> f64 {
         let motion = Motion {
             temperature: R::from_f64(temperature),
-            displacement: R::from_f64(displacement),
-            velocity: R::from_f64(velocity),
             cycles: R::from_f64(cycles),
-            ..Motion::default()
+            ..Motion::at(R::from_f64(displacement), R::from_f64(velocity))
         };
         self.law.force(&mut self.state, &motion).to_f64()
     }
@@ -469,10 +467,7 @@ fn a_law_that_takes_over_keeps_what_is_remembered_only_where_it_remembers_the_sa
         )
     };
     let law = |memory| law_within(REACH as f32, memory);
-    let at = |displacement| Motion {
-        displacement,
-        ..Motion::default()
-    };
+    let at = |displacement| Motion::at(displacement, 0.0);
     // The force at 0.02 mm, after a motion to 0.15 mm under the first law and a swap to the second.
     let swapped = |first, second| {
         let mut running = RunningLaw::new(first);

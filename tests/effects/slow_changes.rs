@@ -11,9 +11,8 @@ fn drift_has_done_63_percent_after_its_cycles() {
     let mut state = law.at_rest();
     let stiffness = |cycles: f64, state: &mut _| {
         let motion = Motion {
-            displacement: 0.1,
             cycles,
-            ..Motion::default()
+            ..Motion::at(0.1, 0.0)
         };
         law.force(state, &motion) / 0.1
     };
@@ -35,10 +34,8 @@ fn drift_changes_elastic_and_damping_force_each_in_its_own_way() {
         .unwrap();
     for (y, v, cycles) in [(0.1, 1.3, 3.0), (-0.2, 0.4, 25.0), (0.05, -3.0, 1e6)] {
         let motion = Motion {
-            displacement: y,
-            velocity: v,
             cycles,
-            ..Motion::default()
+            ..Motion::at(y, v)
         };
         let done = 1.0 - (-cycles / 25.0_f64).exp();
         let elastic = (1.0 - 0.2 * done) * (k1 * y + k3 * y.powi(3));
@@ -60,10 +57,8 @@ fn temperature_scales_the_law_and_nothing_else() {
         .with(Effect::Temperature(Temperature::new(0.004, 20.0).unwrap()))
         .unwrap();
     let motion = Motion {
-        displacement: 0.1,
-        velocity: 1.3,
         temperature: 70.0,
-        ..Motion::default()
+        ..Motion::at(0.1, 1.3)
     };
     close(
         warm.force(&mut warm.at_rest(), &motion),
@@ -81,10 +76,8 @@ fn temperature_scales_elastic_and_damping_force_each_in_its_own_way() {
         .unwrap();
     for (y, v, temperature) in [(0.1, 1.3, 70.0), (-0.2, 0.4, -10.0), (0.05, -3.0, 20.0)] {
         let motion = Motion {
-            displacement: y,
-            velocity: v,
             temperature,
-            ..Motion::default()
+            ..Motion::at(y, v)
         };
         let rise = temperature - 20.0;
         let elastic = (1.0 - 0.004 * rise) * (k1 * y + k3 * y.powi(3));

@@ -46,11 +46,7 @@ fn eq_13_does_not_feel_the_play() {
     let free = with(law, &[gap(0.05, false)]);
     let damped = with(law, &[gap(0.05, true)]);
     for (y, felt) in [(0.03, 0.0), (-0.05, 0.0), (0.2, 0.15), (-0.2, -0.15)] {
-        let motion = Motion {
-            displacement: y,
-            velocity: 2.0,
-            ..Motion::default()
-        };
+        let motion = Motion::at(y, 2.0);
         let velocity = if felt == 0.0 { 0.0 } else { 2.0 };
         let of = |law: &AugmentedLaw<f64, 4>| law.force(&mut law.at_rest(), &motion);
         close(of(&free), law.force(felt, velocity), 1e-12);
@@ -79,12 +75,10 @@ fn a_dashpot_beside_the_play_dissipates_all_the_way() {
 fn the_public_transformation_is_the_one_that_runs() {
     let gap = Gap::new(0.05_f64, false).unwrap();
     let motion = Motion {
-        displacement: -0.07,
-        velocity: 3.0,
         acceleration: 5.0,
         cycles: 2.5,
         temperature: 31.0,
-        ..Motion::default()
+        ..Motion::at(-0.07, 3.0)
     };
     let felt = gap.transform(&motion);
     assert_eq!(
@@ -142,11 +136,7 @@ fn a_delay_holds_the_first_force_and_delays_every_effects() {
         let mut state = law.at_rest();
         for n in 0..2000_i32 {
             let at = |n: f64| 0.5 + 7.0 + 1e-3 * n.max(0.0);
-            let motion = Motion {
-                displacement: at(f64::from(n)) - 0.5,
-                velocity: 1.0,
-                ..Motion::default()
-            };
+            let motion = Motion::at(at(f64::from(n)) - 0.5, 1.0);
             let force = law.force(&mut state, &motion);
             let expected = at(f64::from(n) - ticks);
             // Before the first tick the motion is extrapolated.
@@ -179,11 +169,7 @@ fn the_three_together_are_springs_in_series_behind_the_play_and_late() {
     let mut state = law.at_rest();
     for n in 0..200 {
         let at = |n: i32| 0.1 + tick * f64::from(n);
-        let motion = Motion {
-            displacement: at(n),
-            velocity: 1.0,
-            ..Motion::default()
-        };
+        let motion = Motion::at(at(n), 1.0);
         let force = law.force(&mut state, &motion);
         // The force before the first tick is not known.
         if n > 10 {

@@ -56,11 +56,7 @@ fn tone<R: Real>(ticks: usize, frequency: f64, phase: f64, tick: f64) -> Vec<f64
     ));
     let mut state = law.at_rest();
     let forces = (0..ticks).map(|n| {
-        let motion = Motion {
-            displacement: R::from_f64((n % 17) as f64),
-            velocity: R::from_f64((n % 5) as f64),
-            ..Motion::default()
-        };
+        let motion = Motion::at(R::from_f64((n % 17) as f64), R::from_f64((n % 5) as f64));
         law.force(&mut state, &motion).to_f64()
     });
     forces.collect()

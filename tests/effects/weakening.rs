@@ -96,10 +96,7 @@ fn what_does_not_slide_does_not_weaken() {
     let law = alone::<f32>(effect([2.0, 0.3, 1.0, 1e-9]));
     let mut state = law.at_rest();
     let mut to = |displacement| {
-        let motion = Motion {
-            displacement,
-            ..Motion::default()
-        };
+        let motion = Motion::at(displacement, 0.0);
         law.force(&mut state, &motion)
     };
     assert_eq!(to(3.0), 0.0);
@@ -126,10 +123,7 @@ fn ten_million_ticks_add_up_in_f32() {
         let way = if number % 2 == 0 { 1 } else { -1 };
         while place != way * turn {
             place += way;
-            let motion = Motion {
-                displacement: (f64::from(place) * step) as f32,
-                ..Motion::default()
-            };
+            let motion = Motion::at((f64::from(place) * step) as f32, 0.0);
             force = law.force(&mut state, &motion);
             ticks += 1;
         }
@@ -150,10 +144,7 @@ fn it_ends_with_what_is_left() {
         let mut state = law.at_rest();
         let mut force = 0.0;
         for n in 0..1000 {
-            let motion = Motion {
-                displacement: if n % 2 == 0 { -1e4 } else { 1e4 },
-                ..Motion::default()
-            };
+            let motion = Motion::at(if n % 2 == 0 { -1e4 } else { 1e4 }, 0.0);
             force = law.force(&mut state, &motion);
         }
         let left = k * x * (1.0 - d);

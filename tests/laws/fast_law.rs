@@ -207,17 +207,13 @@ fn stages_run_around_the_tabulated_law() {
         let (displacement, velocity) = (0.1 * sin, 0.1 * omega * cos);
         let acceleration = -omega * omega * displacement;
         let motion = Motion {
-            displacement,
-            velocity,
             acceleration,
-            ..Motion::default()
+            ..Motion::at(displacement, velocity)
         };
         let expected = exact.force(&mut state, &motion);
         let motion = Motion {
-            displacement: displacement as f32,
-            velocity: velocity as f32,
             acceleration: acceleration as f32,
-            ..Motion::default()
+            ..Motion::at(displacement as f32, velocity as f32)
         };
         let force = f64::from(running.force(&motion));
         worst = worst.max((force - expected).abs());

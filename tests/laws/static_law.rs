@@ -41,12 +41,13 @@ fn motion(tick: u32, phase: f32) -> Motion<f32> {
     let t = tick as f32 * TICK;
     let (slow, fast) = (6.0 * t + phase, 190.0 * t);
     Motion {
-        displacement: 0.1 * slow.sin() + 0.02 * fast.sin(),
-        velocity: 0.6 * slow.cos() + 3.8 * fast.cos(),
         acceleration: -3.6 * slow.sin() - 722.0 * fast.sin(),
         cycles: t,
         temperature: 20.0 + 5.0 * t,
-        ..Motion::default()
+        ..Motion::at(
+            0.1 * slow.sin() + 0.02 * fast.sin(),
+            0.6 * slow.cos() + 3.8 * fast.cos(),
+        )
     }
 }
 

@@ -49,12 +49,7 @@ fn worst_error(law: Coefficients, bench: &mut EmulatorBench<2>, above: f64) -> f
 
 #[test]
 fn an_elastic_law_comes_out_within_a_step_of_the_dac() {
-    let law = Coefficients {
-        k1: 1.0539,
-        k3: 10.5,
-        c: 0.0,
-        alpha: 0.5,
-    };
+    let law = Coefficients::new(1.0539, 10.5, 0.0, 0.5);
     let mut bench = started(setup(1.0539, 10.5, 0.0, 0.5));
     let worst = worst_error(law, &mut bench, -1.0);
     // Half a step of the DAC, and half a step of the ADC times the stiffness at 0.1 mm, 1.37 kN/mm. The observer at 100 Hz passes a
@@ -68,12 +63,7 @@ fn an_elastic_law_comes_out_within_a_step_of_the_dac() {
 #[test]
 fn the_mixed_law_comes_out_within_what_the_velocity_allows() {
     // 3.0 g/cm³ at 0.1 mm in Tables 6–9.
-    let law = Coefficients {
-        k1: 1.0539,
-        k3: 10.5,
-        c: 0.1114,
-        alpha: 0.3969,
-    };
+    let law = Coefficients::new(1.0539, 10.5, 0.1114, 0.3969);
     let mut bench = started(setup(1.0539, 10.5, 0.1114, 0.3969));
     let above = 0.1;
     let worst = worst_error(law, &mut bench, above);

@@ -75,11 +75,7 @@ fn parts(programme: &Programme<4>, law: &FastLaw<0>, swap: Option<(usize, &FastL
         if now.cycle_end {
             law.boundary();
         }
-        let force = law.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
-            ..Motion::default()
-        });
+        let force = law.force(&Motion::at(now.displacement, now.velocity));
         given.cycles.extend(
             accumulator
                 .update(now.displacement, [force], now.phase)

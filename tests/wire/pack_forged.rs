@@ -1,7 +1,7 @@
 //! Packs whose numbers were forged, with a right checksum: what follows from other numbers is compared with them, and no law that is
 //! accepted gives a force above its limit, or energy.
 
-use mesh_damper::effects::description::{Energy, Growth};
+use mesh_damper::effects::description::{Dependence, Energy, Growth};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
 use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, ResidualTable};
 use mesh_damper::fast_law::FastLaw;
@@ -254,10 +254,6 @@ fn limit(body: &[u8], run: &Run) -> f64 {
             mass
         };
         most += match name {
-            "offset" => word[0].abs(),
-            "asymmetry" => word[0].abs() * y * y,
-            "hardening" => word[0].abs() * y.powi(5),
-            "viscous" => word[0].abs() * v,
             "inertia" => word[0].abs() * a,
             "load_friction" => word[0] * y * damping,
             "directional" => word[0].abs() * damping,
@@ -289,9 +285,22 @@ fn limit(body: &[u8], run: &Run) -> f64 {
                 spring = Some(word[0].abs());
                 0.0
             }
-            // Friction: a stiffness, and the stretch at which it slips.
-            _ if of.outside == Growth::Saturates => word[0].abs() * word[1],
-            other => panic!("{other} is not limited here"),
+            _ => {
+                let moved = match of.depends_on.contains(&Dependence::Velocity) {
+                    true => v,
+                    false => y,
+                };
+                word[0].abs()
+                    * match of.outside {
+                        Growth::Constant => 1.0,
+                        Growth::Linear => moved,
+                        Growth::Quadratic => moved.powi(2),
+                        Growth::FifthPower => moved.powi(5),
+                        // Friction: the stretch at which its stiffness slips.
+                        Growth::Saturates => word[1],
+                        _ => panic!("{name} is not limited here"),
+                    }
+            }
         };
     }
     if let Some(spring) = spring {

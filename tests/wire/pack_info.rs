@@ -1,12 +1,13 @@
 //! The description in a pack, the requirements that a load may set for it, and packs of the previous version.
 
+use std::f64::consts::PI;
 use std::rc::Rc;
 
 use mesh_damper::adc::Ads8688;
 use mesh_damper::converter::Scale;
 use mesh_damper::dac::Ad5761;
 use mesh_damper::effects::residual_table::Memory;
-use mesh_damper::effects::{AugmentedLaw, Compliance, Delay, Effect, StickSlip};
+use mesh_damper::effects::{AugmentedLaw, CONTROLS, Compliance, Delay, Effect, Motion, StickSlip};
 use mesh_damper::error::ConfigError;
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::operating_range::OperatingRange;
@@ -17,7 +18,7 @@ use mesh_damper::rig::{Rig, RigSettings};
 use mesh_damper::sine::{Block, Programme};
 use mesh_damper_rig::actuator::{SimulatedAd5761, SimulatedAds8688, enable_line};
 
-use crate::support::{encoded, law, of_version, residual_table, with_table};
+use crate::support::{self, encoded, law, of_version, residual_table, with_table};
 
 /// A pack, and its law.
 type Stored = (&'static [u8], fn() -> FastLaw<8>);
@@ -124,6 +125,63 @@ fn a_pack_of_version_6_is_read_and_does_not_know_its_rate() {
         );
         let cut = pack::decode(&pack[..pack.len() - 1], &mut slot, &Expectation::default());
         assert!(matches!(cut, Err(PackError::Length { .. })));
+    }
+}
+
+/// Packs that commit 3f3244e2 wrote: all of its effects with their typical parameters, and a table. With each the force of its law at
+/// some ticks of [`swept`], kN.
+const WRITTEN: [(&[u8], [f32; 5]); 4] = [
+    (
+        include_bytes!("packs/version-7-effects-1.mdcp"),
+        [
+            0.17316346,
+            -0.20604435,
+            0.33281264,
+            0.023495678,
+            -0.14085427,
+        ],
+    ),
+    (
+        include_bytes!("packs/version-7-effects-2.mdcp"),
+        [0.66049176, -0.76404715, 0.30365306, 0.51042354, -0.49415332],
+    ),
+    (
+        include_bytes!("packs/version-7-effects-3.mdcp"),
+        [0.33333844, -0.31774002, 0.13323927, 0.22745061, -0.2008774],
+    ),
+    (
+        include_bytes!("packs/version-7-table.mdcp"),
+        [0.12409, -0.21361311, 0.14540301, 0.018006705, -0.16138902],
+    ),
+];
+
+/// 0.1 mm at 5 Hz, warm, with control inputs.
+fn swept(tick: u16) -> Motion<f32> {
+    let omega = 10.0 * PI;
+    let time = f64::from(tick) / 1e4;
+    let (sin, cos) = (omega * time).sin_cos();
+    Motion {
+        displacement: (0.1 * sin) as f32,
+        velocity: (0.1 * omega * cos) as f32,
+        acceleration: (-0.1 * omega * omega * sin) as f32,
+        cycles: (5.0 * time) as f32,
+        temperature: 35.0,
+        controls: [0.5; CONTROLS],
+    }
+}
+
+#[test]
+fn packs_that_an_earlier_program_wrote_give_the_force_that_they_gave() {
+    for (pack, expected) in WRITTEN {
+        assert_eq!(PackInfo::of(pack), Ok(Some(support::info())));
+        let mut law = FastLaw::<8>::EMPTY;
+        pack::decode(pack, &mut law, &any()).unwrap();
+        let mut law = RunningLaw::new(law);
+        let forces: Vec<f32> = (0..3000).map(|tick| law.force(&swept(tick))).collect();
+        for (tick, expected) in [500, 1200, 1900, 2600, 2999].into_iter().zip(expected) {
+            let error = forces[tick] - expected;
+            assert!(error.abs() < 1e-6, "{tick}: {error} of {expected}");
+        }
     }
 }
 

@@ -186,12 +186,10 @@ proptest! {
                 let cycles = 0.03 * tick as f32;
                 let (sin, cos) = (core::f32::consts::TAU * cycles).sin_cos();
                 let force = law.force(&Motion {
-                    displacement: amplitude * sin,
-                    velocity: amplitude * angular * cos,
                     acceleration: -amplitude * angular * angular * sin,
                     cycles,
                     temperature: 20.0 + cycles,
-                    ..Motion::default()
+                    ..Motion::at(amplitude * sin, amplitude * angular * cos)
                 });
                 prop_assert!(force.is_finite());
             }

@@ -54,10 +54,8 @@ fn slice(
 fn motion(tick: usize) -> Motion<f32> {
     let phase = 0.01 * tick as f32;
     Motion {
-        displacement: 0.1 * phase.sin(),
-        velocity: 10.0 * phase.cos(),
         acceleration: -1000.0 * phase.sin(),
-        ..Motion::default()
+        ..Motion::at(0.1 * phase.sin(), 10.0 * phase.cos())
     }
 }
 

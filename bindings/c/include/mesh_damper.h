@@ -171,12 +171,12 @@ typedef int32_t md_health;
 
 #if defined(MD_POINTERS_OF_32_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 4112
+#define MD_RIG_SIZE 4352
 #endif
 
 #if defined(MD_POINTERS_OF_64_BITS)
 // Bytes of `md_rig`.
-#define MD_RIG_SIZE 4288
+#define MD_RIG_SIZE 4512
 #endif
 
 // Alignment of `md_rig`, bytes.

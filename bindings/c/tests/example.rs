@@ -54,11 +54,9 @@ fn expected() -> String {
             break;
         }
         let force = law.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
             acceleration: now.acceleration,
             temperature: 20.0,
-            ..Motion::default()
+            ..Motion::at(now.displacement, now.velocity)
         });
         if let Some([cycle]) = cycles.update(now.displacement, [force], now.phase) {
             let (stiffness, loss_factor) = (cycle.stiffness, cycle.loss_factor);

@@ -271,12 +271,7 @@ fn cycles(law: Coefficients, blocks: &[(f64, f64, f64)], rate: f64, noise: f64) 
 /// F = k·y + c·v: K = √(k² + (cω)²), ΔW = π·c·ω·X², η = c·ω/K, at 333.3 samples per cycle.
 #[test]
 fn an_ellipse_has_its_closed_form_in_every_cycle_and_on_average() {
-    let law = Coefficients {
-        k1: 1.5,
-        k3: 0.0,
-        c: 0.03,
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(1.5, 0.0, 0.03, 1.0);
     let test = dynamic_test(&cycles(law, &[(0.1, 3.0, 8.0)], 1000.0, 0.0)).unwrap();
     let [block] = &test.blocks[..] else {
         panic!("one block: {:?}", test.blocks.len());
@@ -325,12 +320,7 @@ fn every_block_has_the_energy_of_eq_13() {
 /// Noise widens the extremes of each cycle; the average of twenty cycles has less noise, and the harmonics have none of that.
 #[test]
 fn the_averaged_cycle_is_nearer_than_the_cycles() {
-    let law = Coefficients {
-        k1: 1.5,
-        k3: 0.0,
-        c: 0.03,
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(1.5, 0.0, 0.03, 1.0);
     let test = dynamic_test(&cycles(law, &[(0.1, 2.0, 22.0)], 500.0, 0.02)).unwrap();
     let block = &test.blocks[0];
     let k = law.k1.hypot(law.c * TAU * 2.0);
@@ -461,12 +451,7 @@ fn the_stiffness_has_no_noise_in_it() {
 /// A row or a note for each condition, and the first cycle after a change of amplitude does not count.
 #[test]
 fn every_condition_has_a_row_or_a_note() {
-    let law = Coefficients {
-        k1: 1.5,
-        k3: 0.0,
-        c: 0.03,
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(1.5, 0.0, 0.03, 1.0);
     let mut conditions = Vec::new();
     for amplitude in [0.05, 0.2, 1.0] {
         for frequency in [1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0] {

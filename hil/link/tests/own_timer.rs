@@ -178,10 +178,8 @@ fn every_force_is_that_of_the_same_model_from_a_pack() {
     loop {
         let now = generator.tick();
         forces.add(from_pack.force(&Motion {
-            displacement: now.displacement,
-            velocity: now.velocity,
             acceleration: now.acceleration,
-            ..Motion::default()
+            ..Motion::at(now.displacement, now.velocity)
         }));
         if now.done {
             break;

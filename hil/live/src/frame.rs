@@ -22,26 +22,7 @@ pub const VERSION: u8 = 1;
 /// Bytes before the columns.
 pub const HEADER: usize = 24;
 
-/// Columns of samples: time in s, displacement in mm, force in kN, the law's force in kN.
-pub const SAMPLE_COLUMNS: [&str; 4] = ["time_s", "displacement_mm", "force_kN", "law_force_kN"];
-/// Columns of cycles.
-pub const CYCLE_COLUMNS: [&str; 13] = [
-    "time_s",
-    "block",
-    "cycle",
-    "ramp",
-    "amplitude_mm",
-    "frequency_Hz",
-    "stiffness_kN_per_mm",
-    "loss_factor",
-    "energy_J",
-    "law_stiffness_kN_per_mm",
-    "law_loss_factor",
-    "law_error",
-    "temperature_degC",
-];
-
-/// The message with `samples`, for a viewer that has missed `missed` samples.
+/// The message with `samples`: time in s, displacement in mm, force in kN, the law's force in kN; for a viewer that has missed `missed` samples.
 pub fn of_samples(samples: &[Sample], missed: u64) -> Vec<u8> {
     let start = samples.first().map_or(0.0, |sample| sample.time);
     message(1, samples, missed, start, |sample| {
@@ -100,6 +81,23 @@ fn message<T, const C: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Columns of cycles.
+    const CYCLE_COLUMNS: [&str; 13] = [
+        "time_s",
+        "block",
+        "cycle",
+        "ramp",
+        "amplitude_mm",
+        "frequency_Hz",
+        "stiffness_kN_per_mm",
+        "loss_factor",
+        "energy_J",
+        "law_stiffness_kN_per_mm",
+        "law_loss_factor",
+        "law_error",
+        "temperature_degC",
+    ];
 
     fn float(bytes: &[u8], at: usize) -> f32 {
         f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])

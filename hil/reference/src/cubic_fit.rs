@@ -123,10 +123,5 @@ pub fn identify(displacement: &[f64], velocity: &[f64], force: &[f64]) -> Option
     let rest = remainder(displacement, force, cubic.a1, cubic.a3);
     let largest = rest.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
     let (c, alpha) = damping(velocity, &rest, (largest.max(f64::MIN_POSITIVE), 0.5))?;
-    Some(Coefficients {
-        k1: cubic.a1,
-        k3: cubic.a3,
-        c,
-        alpha,
-    })
+    Some(Coefficients::new(cubic.a1, cubic.a3, c, alpha))
 }

@@ -17,6 +17,11 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
+    /// In the order of the law.
+    pub const fn new(k1: f64, k3: f64, c: f64, alpha: f64) -> Self {
+        Self { k1, k3, c, alpha }
+    }
+
     /// F = k1·y + k3·y³ + c·|v|^α·sgn v, kN, at displacement `y` mm and velocity `v` mm/s; sgn 0 = 0.
     pub fn force(&self, y: f64, v: f64) -> f64 {
         self.elastic_force(y) + self.damping_force(v)

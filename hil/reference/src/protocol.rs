@@ -19,27 +19,30 @@ pub struct TestBlock {
     pub cycles: u32,
 }
 
-const fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
-    TestBlock {
-        amplitude,
-        frequency,
-        cycles,
+impl TestBlock {
+    /// `amplitude` in mm, `frequency` in Hz.
+    pub const fn new(amplitude: f64, frequency: f64, cycles: u32) -> Self {
+        Self {
+            amplitude,
+            frequency,
+            cycles,
+        }
     }
 }
 
-/// A test of 22 s that distinguishes all nine effects.
+/// A test of 22 s that distinguishes effects.
 ///
 /// Varying amplitude and frequency independently separates rate-dependent effects from rate-independent ones. Every amplitude but
 /// one returns later in the test, so that a change with time cannot look like a dependence on amplitude.
 pub const PROTOCOL: [TestBlock; 8] = [
-    block(0.10, 1.0, 4),
-    block(0.20, 5.0, 8),
-    block(0.05, 1.0, 4),
-    block(0.15, 2.0, 8),
-    block(0.10, 10.0, 12),
-    block(0.20, 1.0, 4),
-    block(0.05, 5.0, 8),
-    block(0.10, 5.0, 8),
+    TestBlock::new(0.10, 1.0, 4),
+    TestBlock::new(0.20, 5.0, 8),
+    TestBlock::new(0.05, 1.0, 4),
+    TestBlock::new(0.15, 2.0, 8),
+    TestBlock::new(0.10, 10.0, 12),
+    TestBlock::new(0.20, 1.0, 4),
+    TestBlock::new(0.05, 5.0, 8),
+    TestBlock::new(0.10, 5.0, 8),
 ];
 
 /// One instant of a motion.

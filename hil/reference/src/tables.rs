@@ -81,12 +81,7 @@ pub fn interpolate(density: f64, amplitude: f64) -> Coefficients {
         let along = |line: &[f64; 5]| line[column] * (1.0 - across) + line[column + 1] * across;
         along(&table[row]) * (1.0 - down) + along(&table[row + 1]) * down
     };
-    Coefficients {
-        k1: between(&K1),
-        k3: between(&K3),
-        c: between(&C),
-        alpha: between(&ALPHA),
-    }
+    Coefficients::new(between(&K1), between(&K3), between(&C), between(&ALPHA))
 }
 
 /// The interval of `nodes` that contains `value`, and the position in it, 0…1.

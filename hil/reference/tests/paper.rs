@@ -78,12 +78,7 @@ fn unloading_that_ends_early_counts_as_no_force() {
 /// Eqs 3–7 on F = k·y + c·v: K = √(k² + (cω)²), ΔW = π·c·ω·X², η = c·ω/K, wherever in the cycle the samples begin.
 #[test]
 fn linear_damper_has_its_closed_form_at_every_phase() {
-    let law = Coefficients {
-        k1: 1.5,
-        k3: 0.0,
-        c: 0.03,
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(1.5, 0.0, 0.03, 1.0);
     let (amplitude, frequency, count) = (0.1, 5.0, 2000);
     let c_omega = law.c * TAU * frequency;
     let k = law.k1.hypot(c_omega);
@@ -116,12 +111,7 @@ fn linear_damper_has_its_closed_form_at_every_phase() {
 /// α = 0: Coulomb friction dissipates 4·c·X.
 #[test]
 fn coulomb_friction_dissipates_four_times_force_times_amplitude() {
-    let law = Coefficients {
-        k1: 2.0,
-        k3: 50.0,
-        c: 0.04,
-        alpha: 0.0,
-    };
+    let law = Coefficients::new(2.0, 50.0, 0.04, 0.0);
     let (y, _, force) = cycle(law, 0.1, 1.0, 10_000, 0.0);
     let result = dynamic_test::characterize(&y, &force).unwrap();
     // Σ|cos| over N samples against 2N/π: a relative (π/N)²/3.
@@ -132,12 +122,7 @@ fn coulomb_friction_dissipates_four_times_force_times_amplitude() {
 #[test]
 fn fractional_damping_dissipates_its_beta_integral() {
     let (c, alpha, amplitude, frequency) = (0.1359, 0.337, 0.1, 1.0);
-    let law = Coefficients {
-        k1: 0.0,
-        k3: 0.0,
-        c,
-        alpha,
-    };
+    let law = Coefficients::new(0.0, 0.0, c, alpha);
     let (y, _, force) = cycle(law, amplitude, frequency, 100_000, 0.0);
     let gamma = libm::tgamma;
     let integral = PI.sqrt() / 2.0 * gamma(1.0 + alpha / 2.0) / gamma(1.5 + alpha / 2.0);

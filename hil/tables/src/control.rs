@@ -64,8 +64,8 @@ fn ends(values: &[f64]) -> (f64, f64) {
     })
 }
 
-/// Where both have values; 0 if one has a single value.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
+/// Correlation of two channels where both have values; 0 if one does not vary.
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let pairs = || {
         let pairs = a.iter().zip(b);
         pairs.filter(|(a, b)| a.is_finite() && b.is_finite())

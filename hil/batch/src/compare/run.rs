@@ -140,11 +140,7 @@ fn blocks(
     numbers: &ComparePolicy,
 ) -> (f64, Vec<(TestBlock, Vec<MotionSample>, usize)>) {
     let parts = || (1..=numbers.steps).map(|step| step as f64 / numbers.steps as f64);
-    let settling = TestBlock {
-        amplitude: largest,
-        frequency: velocity / (TAU * largest),
-        cycles: 1,
-    };
+    let settling = TestBlock::new(largest, velocity / (TAU * largest), 1);
     let sines = parts().flat_map(|of_displacement| {
         parts().map(move |of_velocity| {
             let amplitude = of_displacement * largest;

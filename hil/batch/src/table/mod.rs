@@ -1,5 +1,16 @@
 //! The tables of a batch: one row per trace, and one row per parameter.
 
+/// A table of these columns: of each its name, its contents and its values.
+macro_rules! columns {
+    ($($name:ident: $about:literal, $values:expr;)+) => {
+        crate::table::Table(vec![$(crate::table::Column {
+            name: stringify!($name),
+            about: $about,
+            values: $values,
+        },)+])
+    };
+}
+
 mod csv;
 mod outcomes;
 mod parameters;

@@ -2,7 +2,7 @@
 
 use mesh_damper_identify::trace::result::Estimate;
 
-use super::{Column, Table, Values};
+use super::{Table, Values};
 use crate::outcome::{Effect, Outcome};
 use crate::row::Row;
 
@@ -26,83 +26,23 @@ pub fn parameters(rows: &[Row]) -> Table {
         let finite = |parameter| of(parameter).filter(|value| value.is_finite());
         Values::Real(all.iter().map(finite).collect())
     };
-    let columns = [
-        (
-            "id",
-            "Identity of the trace, as in `outcomes`.",
-            text(|one| one.row.id.clone()),
-        ),
-        (
-            "trace",
-            "The trace, as in `outcomes`.",
-            text(|one| Some(one.row.trace.clone())),
-        ),
-        (
-            "specimen",
-            "The specimen from the table.",
-            text(|one| one.row.specimen.clone()),
-        ),
-        (
-            "part",
-            "`law`; `effect` for an effect found; `unconfirmed` for one that is in the model and not confirmed.",
-            text(|one| Some(one.part.to_owned())),
-        ),
-        (
-            "family",
-            "The law's name, or the family of the effect.",
-            text(|one| Some(one.family.to_owned())),
-        ),
-        (
-            "amplitude_mm",
-            "Of a law: the amplitude of the coefficient; 0 if it holds for all amplitudes. Empty for an effect.",
-            real(|one| one.amplitude),
-        ),
-        (
-            "parameter",
-            "The parameter's name.",
-            text(|one| Some(one.name.to_owned())),
-        ),
-        (
-            "value",
-            "Its value, in `unit`.",
-            real(|one| Some(one.estimate.value)),
-        ),
-        (
-            "low",
-            "Lower end of its 90 % interval; empty if the data set no bound.",
-            real(|one| Some(one.estimate.low)),
-        ),
-        (
-            "high",
-            "Upper end, likewise.",
-            real(|one| Some(one.estimate.high)),
-        ),
-        (
-            "unit",
-            "The unit of the value and of both ends.",
-            text(|one| Some(one.estimate.unit.clone())),
-        ),
-        (
-            "nrmse_without",
-            "Of an effect: the held-out error without it.",
-            real(|one| one.errors[0]),
-        ),
-        (
-            "nrmse_with",
-            "Of an effect: the held-out error with it.",
-            real(|one| one.errors[1]),
-        ),
-    ];
-    let columns = columns.into_iter();
-    Table(
-        columns
-            .map(|(name, about, values)| Column {
-                name,
-                about,
-                values,
-            })
-            .collect(),
-    )
+    columns! {
+        id: "Identity of the trace, as in `outcomes`.", text(|one| one.row.id.clone());
+        trace: "The trace, as in `outcomes`.", text(|one| Some(one.row.trace.clone()));
+        specimen: "The specimen from the table.", text(|one| one.row.specimen.clone());
+        part: "`law`; `effect` for an effect found; `unconfirmed` for one that is in the model and not confirmed.",
+            text(|one| Some(one.part.to_owned()));
+        family: "The law's name, or the family of the effect.", text(|one| Some(one.family.to_owned()));
+        amplitude_mm: "Of a law: the amplitude of the coefficient; 0 if it holds for all amplitudes. Empty for an effect.",
+            real(|one| one.amplitude);
+        parameter: "The parameter's name.", text(|one| Some(one.name.to_owned()));
+        value: "Its value, in `unit`.", real(|one| Some(one.estimate.value));
+        low: "Lower end of its 90 % interval; empty if the data set no bound.", real(|one| Some(one.estimate.low));
+        high: "Upper end, likewise.", real(|one| Some(one.estimate.high));
+        unit: "The unit of the value and of both ends.", text(|one| Some(one.estimate.unit.clone()));
+        nrmse_without: "Of an effect: the held-out error without it.", real(|one| one.errors[0]);
+        nrmse_with: "Of an effect: the held-out error with it.", real(|one| one.errors[1]);
+    }
 }
 
 fn of_row(row: &Row) -> Vec<Parameter<'_>> {

@@ -103,9 +103,7 @@ impl DemoCommand {
         if let Some(picture) = largest_loop(&report) {
             outputs.add(self.out.join("loop.svg"), picture);
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         drop(progress);
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -25,6 +25,19 @@ pub trait AddDocument {
         path: impl Into<PathBuf>,
         document: &T,
     ) -> Result<(), InputError>;
+
+    /// [`Self::add_document`] under the path that an option gives, if it does.
+    ///
+    /// # Errors
+    /// As [`Self::add_document`].
+    fn add_document_if<T: Document>(
+        &mut self,
+        path: &Option<PathBuf>,
+        document: &T,
+    ) -> Result<(), InputError> {
+        path.as_ref()
+            .map_or(Ok(()), |path| self.add_document(path, document))
+    }
 }
 
 impl AddDocument for Outputs {

@@ -337,9 +337,7 @@ impl Predict {
                 },
             )?,
         );
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs.write()?;
         let dash = Path::new("-");
         let is_free = |other: &Option<PathBuf>| other.as_deref() != Some(dash);

@@ -245,9 +245,7 @@ impl RespondCommand {
             left_out: &response.left_out,
         };
         outputs.add(&self.out, to_file(&self.out, &input, drive, &response)?);
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs.write()?;
         if ![Some(&self.out), self.json.as_ref()].contains(&Some(&PathBuf::from("-"))) {
             print(&self.out, &summary);

@@ -84,9 +84,7 @@ impl TraceCommand {
         if separates {
             outputs.add(&separating, separating::motion(&separating, &result)?);
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &result)?;
-        }
+        outputs.add_document_if(&self.json, &result)?;
         drop(progress);
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Write as _;
 
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 
 /// A law with an offset.
@@ -244,14 +245,8 @@ fn every_bad_recording_is_refused_by_predict() {
         .filter(|(name, ..)| *name != "no-force.csv");
     for (name, bytes, said) in bad {
         fs::write(root.path().join(name), bytes).unwrap();
-        let arguments = [
-            "predict",
-            "--model",
-            "model.json",
-            name,
-            "--out",
-            "new/pred.csv",
-        ];
+        let line = format!("predict --model model.json {name} --out new/pred.csv");
+        let arguments = words(&line);
         refuses(
             root.path(),
             &[&arguments[..], &["--json", "new.json"]].concat(),
@@ -261,14 +256,8 @@ fn every_bad_recording_is_refused_by_predict() {
         assert!(String::from_utf8(error).unwrap().contains(name));
     }
     let predict = |recording: &'static str, said| {
-        let arguments = [
-            "predict",
-            "--model",
-            "model.json",
-            recording,
-            "--out",
-            "p.csv",
-        ];
+        let line = format!("predict --model model.json {recording} --out p.csv");
+        let arguments = words(&line);
         refuses(root.path(), &arguments, said);
     };
     predict("nowhere.csv", &["nowhere.csv", "does not exist"]);

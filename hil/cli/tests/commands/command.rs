@@ -10,6 +10,11 @@ use std::time::{Duration, Instant};
 /// No step takes nearly this long.
 const LONGEST: Duration = Duration::from_secs(120);
 
+/// The arguments in a line.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
 /// The output of the command with these arguments in `directory`; the command must succeed.
 #[track_caller]
 pub fn hil(directory: &Path, arguments: &[&str]) -> String {

@@ -1,6 +1,6 @@
 //! `hil demo`: one command runs everything up to the report, and the other commands can use its files.
 
-use crate::command::hil;
+use crate::command::{hil, words};
 
 #[test]
 fn the_effect_is_shown_and_the_files_are_used_by_the_other_commands() {
@@ -38,13 +38,8 @@ fn the_effect_is_shown_and_the_files_are_used_by_the_other_commands() {
     assert_eq!(first["effects"][0]["family"], again["effects"][0]["family"]);
     hil(
         root.path(),
-        &[
-            "predict",
-            "--model",
-            "demo-out/model.json",
-            "again/../demo-out/recording.csv.gz",
-            "--out",
-            "p.csv",
-        ],
+        &words(
+            "predict --model demo-out/model.json again/../demo-out/recording.csv.gz --out p.csv",
+        ),
     );
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::bad_input::MODEL;
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 
 /// A recording of another program: header, and rows with a semicolon between the cells.
@@ -248,16 +249,7 @@ fn a_prediction_for_a_file_of_another_program_is_written_in_our_own_format() {
         .map(|c| u8::try_from(u32::from(c)).unwrap())
         .collect();
     fs::write(root.path().join("a.csv"), bytes).unwrap();
-    let arguments = [
-        "predict",
-        "--model",
-        "model.json",
-        "a.csv",
-        "--out",
-        "p.csv",
-        "--on",
-        "f64",
-    ];
+    let arguments = words("predict --model model.json a.csv --out p.csv --on f64");
     let (code, _, err) = said(root.path(), &arguments);
     assert_eq!(code, Some(0), "{err}");
     assert!(

@@ -2,9 +2,11 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use mesh_damper_recording::Recording;
+
+use crate::command::{hil, words};
+use crate::refusal;
 
 /// k1 = 2 kN/mm and a preload of 0.5 kN: each line of the file shows this force.
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -19,25 +21,8 @@ fn displacement(time: f64) -> f64 {
 
 fn predict(directory: &Path, recording: &str, out: &str, on: &str) {
     fs::write(directory.join("model.json"), MODEL).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args([
-            "predict",
-            "--model",
-            "model.json",
-            recording,
-            "--out",
-            out,
-            "--on",
-            on,
-        ])
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let line = format!("predict --model model.json {recording} --out {out} --on {on}");
+    hil(directory, &words(&line));
 }
 
 /// A recording in a unit other than the fitted one is reported, and its error is not a percentage of twenty digits.
@@ -57,20 +42,8 @@ fn a_force_of_another_size_than_the_predicted_one_is_named() {
         let rows: String = (0..1000).map(row).collect();
         let text = format!("time_s,displacement_mm,force_kN\n{rows}");
         fs::write(root.path().join(name), text).unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-            .args([
-                "predict",
-                "--model",
-                "model.json",
-                name,
-                "--out",
-                "pred.csv",
-                "--on",
-                "f64",
-            ])
-            .current_dir(root.path())
-            .output()
-            .unwrap();
+        let line = format!("predict --model model.json {name} --out pred.csv --on f64");
+        let output = refusal::hil(root.path(), &words(&line));
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let (out, err) = (text(&output.stdout), text(&output.stderr));
         assert!(out.contains(error), "{out}");
@@ -166,11 +139,7 @@ fn beside(range: &str) -> (serde_json::Value, String, String) {
     }
     fs::write(root.path().join("rec.csv"), text).unwrap();
     let arguments = "predict --model model.json rec.csv --out pred.csv --json pred.json";
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments.split(' '))
-        .current_dir(root.path())
-        .output()
-        .unwrap();
+    let output = refusal::hil(root.path(), &words(arguments));
     let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
     assert!(output.status.success(), "{}", said[1]);
     let json = fs::read(root.path().join("pred.json")).unwrap();
@@ -241,26 +210,13 @@ fn a_unit_that_changes_on_the_way_is_mended_as_a_trace_mends_it() {
     }
     fs::write(root.path().join("rec.csv"), text).unwrap();
     fs::write(root.path().join("model.json"), MODEL).unwrap();
-    let hil = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_hil"));
-        let output = command.args(arguments).current_dir(root.path()).output();
-        let output = output.unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{said}");
-    };
+    let hil = |arguments: &[&str]| hil(root.path(), arguments);
     let json = |name: &str| -> serde_json::Value {
         serde_json::from_str(&fs::read_to_string(root.path().join(name)).unwrap()).unwrap()
     };
-    hil(&[
-        "predict",
-        "--model",
-        "model.json",
-        "rec.csv",
-        "--out",
-        "pred.csv",
-        "--json",
-        "p.json",
-    ]);
+    hil(&words(
+        "predict --model model.json rec.csv --out pred.csv --json p.json",
+    ));
     let error = json("p.json")["nrmse"].as_f64().unwrap();
     assert!(error < 1e-3, "{error}");
     hil(&["trace", "rec.csv", "--out", "traced"]);
@@ -280,19 +236,9 @@ fn the_motion_comes_along_where_it_is_asked_for() {
         text += &format!("{time:.3},{y:.9},{:.9}\n", 2.0 * y + 0.5);
     }
     fs::write(root.path().join("test.csv"), text).unwrap();
-    let arguments = [
-        "predict",
-        "--model",
-        "model.json",
-        "test.csv",
-        "--on",
-        "f64",
-        "--out",
-        "pred.csv",
-        "--motion",
-        "motion.json",
-    ];
-    crate::command::hil(root.path(), &arguments);
+    let arguments =
+        words("predict --model model.json test.csv --on f64 --out pred.csv --motion motion.json");
+    hil(root.path(), &arguments);
     let motion = fs::read(root.path().join("motion.json")).unwrap();
     let motion: serde_json::Value = serde_json::from_slice(&motion).unwrap();
     let column = |name: &str| -> Vec<f64> {
@@ -350,15 +296,8 @@ fn a_prediction_goes_where_its_name_ends() {
     assert_eq!(read[1], read[2]);
     let mcap = fs::read(root.path().join("again.mcap")).unwrap();
     assert!(mcap.starts_with(b"\x89MCAP0\r\n") && mcap.ends_with(b"\x89MCAP0\r\n"));
-    let none = [
-        "predict",
-        "--model",
-        "none.json",
-        "rec.csv",
-        "--out",
-        "pred.xlsx",
-    ];
-    crate::refusal::refuses(
+    let none = words("predict --model none.json rec.csv --out pred.xlsx");
+    refusal::refuses(
         root.path(),
         &none,
         &["pred.xlsx", "of no format", ".parquet"],
@@ -401,20 +340,8 @@ fn a_motion_without_a_force_is_enough() {
         text.lines().map(last).collect()
     };
     assert_eq!(forces("whole_out.csv"), forces("motion_out.csv"));
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args([
-            "predict",
-            "--model",
-            "model.json",
-            "motion.csv",
-            "--out",
-            "again.csv",
-            "--json",
-            "said.json",
-        ])
-        .current_dir(root.path())
-        .output()
-        .unwrap();
+    let line = "predict --model model.json motion.csv --out again.csv --json said.json";
+    let output = refusal::hil(root.path(), &words(line));
     let [out, error] =
         [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
     assert!(out.contains("no force was measured"), "{out}");

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 use mesh_damper_recording::Recording;
 use serde_json::Value;
@@ -92,19 +93,8 @@ fn a_force_moves_the_mass_and_the_file_is_a_recording() {
 fn json_has_what_a_run_did() {
     let root = tempfile::tempdir().unwrap();
     files(root.path());
-    let arguments = [
-        "respond",
-        "--model",
-        "model.json",
-        "--mass",
-        "50",
-        "--base",
-        "base.csv",
-        "--out",
-        "out.csv.gz",
-        "--json",
-        "-",
-    ];
+    let arguments =
+        words("respond --model model.json --mass 50 --base base.csv --out out.csv.gz --json -");
     let (out, _) = done(root.path(), &arguments);
     let json: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(json["format"], "mesh-damper respond");
@@ -125,28 +115,9 @@ fn json_has_what_a_run_did() {
 fn a_sweep_has_the_resonance_in_table_json_and_picture() {
     let root = tempfile::tempdir().unwrap();
     files(root.path());
-    let arguments = [
-        "respond",
-        "--model",
-        "model.json",
-        "--mass",
-        "50",
-        "--sweep",
-        "--amplitudes",
-        "0.01,0.02",
-        "--from",
-        "10",
-        "--to",
-        "90",
-        "--points",
-        "9",
-        "--out",
-        "sweep.csv",
-        "--picture",
-        "sweep.svg",
-        "--json",
-        "sweep.json",
-    ];
+    let arguments = words(
+        "respond --model model.json --mass 50 --sweep --amplitudes 0.01,0.02 --from 10 --to 90 --points 9 --out sweep.csv --picture sweep.svg --json sweep.json",
+    );
     let (out, error) = done(root.path(), &arguments);
     assert!(out.contains("below 1 from"), "{out}");
     let table = fs::read_to_string(root.path().join("sweep.csv")).unwrap();

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
 use crate::bad_input::MODEL;
-use crate::command::{record, shell, wait_for};
+use crate::command::{record, shell, wait_for, words};
 
 /// The signals with the codes that a shell gives for them.
 pub const SIGNALS: [(&str, i32); 2] = [("INT", 130), ("TERM", 143)];
@@ -126,17 +126,7 @@ fn a_command_that_is_ended_while_it_reads_leaves_nothing() {
         &[
             &["trace", "pipe", "--out", "new/out", "--json", "t.json"],
             &["predict", "--model", "model.json", "pipe", "--out", "p.csv"],
-            &[
-                "respond",
-                "--model",
-                "model.json",
-                "--base",
-                "pipe",
-                "--mass",
-                "1",
-                "--out",
-                "r.csv",
-            ],
+            &words("respond --model model.json --base pipe --mass 1 --out r.csv"),
             &["inspect", "pipe", "--json", "i.json"],
         ],
     );

@@ -6,7 +6,7 @@ use std::path::Path;
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
 use mesh_damper_recording::Recording;
 
-use crate::command::hil;
+use crate::command::{hil, words};
 
 /// Eq 13 and a constant force under blocks of sines (amplitude mm, frequency Hz), with noise that is the same on every
 /// run.
@@ -44,16 +44,7 @@ fn what_trace_leaves_predict_takes_up() {
     record(&root.path().join("held.csv.gz"), &[(0.15, 2.0)]);
     let printed = hil(
         root.path(),
-        &[
-            "trace",
-            "rec.csv",
-            "--held-out",
-            "held.csv.gz",
-            "--out",
-            "a/b",
-            "--json",
-            "-",
-        ],
+        &words("trace rec.csv --held-out held.csv.gz --out a/b --json -"),
     );
     let out = root.path().join("a/b");
     let file = fs::read_to_string(out.join("trace.json")).unwrap();
@@ -73,14 +64,7 @@ fn what_trace_leaves_predict_takes_up() {
         ("f64", result.augmented.nrmse_held_out),
         ("f32", result.on_target.nrmse_held_out),
     ] {
-        let arguments = [
-            "predict",
-            "--model",
-            "a/b/model.json",
-            "held.csv.gz",
-            "--out",
-            "p.csv",
-        ];
+        let arguments = words("predict --model a/b/model.json held.csv.gz --out p.csv");
         let printed = hil(
             root.path(),
             &[&arguments[..], &["--on", on, "--json", "-"]].concat(),
@@ -133,18 +117,9 @@ fn both_say_the_same_of_a_recording_with_faults() {
         assert!(expected < 0.01, "{name}: {expected}");
         let printed = hil(
             root.path(),
-            &[
-                "predict",
-                "--model",
-                "out/model.json",
-                name,
-                "--out",
-                "p.csv",
-                "--on",
-                "f64",
-                "--json",
-                "-",
-            ],
+            &words(&format!(
+                "predict --model out/model.json {name} --out p.csv --on f64 --json -"
+            )),
         );
         let summary: serde_json::Value = serde_json::from_str(&printed).unwrap();
         let nrmse = summary["nrmse"].as_f64().unwrap();

@@ -374,11 +374,7 @@ fn tried(trajectories: &[Trajectory]) -> Vec<TestBlock> {
         .chain(of_frequency)
         .chain(of_amplitude)
     {
-        let block = TestBlock {
-            amplitude: amplitude(a),
-            frequency: frequency(f),
-            cycles: SIMULATED_CYCLES,
-        };
+        let block = TestBlock::new(amplitude(a), frequency(f), SIMULATED_CYCLES);
         let is_new = |known: &TestBlock| {
             known.amplitude != block.amplitude || known.frequency != block.frequency
         };

@@ -38,11 +38,7 @@ pub struct Sample {
 pub type Hidden = Box<dyn FnMut(&Sample) -> f64>;
 
 pub fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
-    TestBlock {
-        amplitude,
-        frequency,
-        cycles,
-    }
+    TestBlock::new(amplitude, frequency, cycles)
 }
 
 pub fn fitted() -> Vec<TestBlock> {

@@ -29,14 +29,6 @@ impl Board {
         Self::Microbit,
     ];
 
-    /// Whether it runs the rig controller; the others only count instructions.
-    pub fn runs_rig(self) -> bool {
-        match self {
-            Self::Mps2An386 | Self::Mps2An500 | Self::NetduinoPlus2 => true,
-            Self::Microbit => false,
-        }
-    }
-
     /// Whether its memory can be shared with the harness.
     pub fn shares_memory(self) -> bool {
         match self {

@@ -378,14 +378,6 @@ impl<W: Wire> Image<W> {
         self.done(&Request::Stop).map(|_| ())
     }
 
-    /// [`mesh_damper::rig::Controller::clear`].
-    ///
-    /// # Errors
-    /// An error of the link; [`LinkError::Clear`].
-    pub fn clear_rig(&mut self) -> Result<(), LinkError> {
-        self.done(&Request::Clear).map(|_| ())
-    }
-
     /// One tick of the rig.
     ///
     /// # Errors

@@ -24,11 +24,7 @@ fn a_damaged_pack_is_refused_and_the_law_in_force_stays() {
     };
     let law = law(&every_effect()[..2]);
     image.send_pack(&pack(&law)).unwrap();
-    let motion = Motion {
-        displacement: 0.07,
-        velocity: 2.0,
-        ..Motion::default()
-    };
+    let motion = Motion::at(0.07, 2.0);
     let expected = RunningLaw::new(law.clone()).force(&motion);
     let mut other = law;
     other.set_law(Law::new(2.0, 0.0, 0.3, 0.5).unwrap());

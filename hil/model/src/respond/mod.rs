@@ -4,21 +4,7 @@
 //! has one, which moves with the same end. F is the model's force without that effect. The crate computes F in f64, as it was
 //! fitted.
 //!
-//! # How the model acts on the mass
-//!
-//! | effect | here |
-//! |---|---|
-//! | mixed damping law, `asymmetry`, `hardening`, `viscous`, `load_friction`, `directional`, `stick_slip`, `relaxation`, `yielding`, `backlash`, `degradation`, `stop` | as in a prediction |
-//! | `gap` | as in a prediction: within the play the mass feels nothing, or only what damps inside |
-//! | `compliance` | a spring without mass between the mass and the damper: x is the outer end |
-//! | `inertia` | a part of the moving mass, with the mass's own acceleration, solved for exactly |
-//! | `temperature` | from the excitation's `temperature_degC`, or room temperature |
-//! | `control_input` | from the excitation's columns, or a constant value |
-//! | `drift` | with the damper's cycles so far |
-//! | `offset` | left out unless requested: it is a preload that a static load balances, or a load cell's zero |
-//! | `delay`, `periodic` | left out: a late channel and a tone of the test rig belong to the measurement |
-//! | coefficients over amplitude | from the last completed half cycle, applied from the middle of the swing on; from the smallest amplitude before that |
-//! | residual table | as in a prediction |
+//! `docs/respond.md` says how each effect acts on the mass.
 //!
 //! The file `oscillator.rs` describes the time steps. [`respond`] halves the steps until the motion no longer changes.
 

@@ -32,11 +32,7 @@ pub fn embedded_force(model: &Model, sine: &Sine) -> Result<Vec<f64>, ModelError
         let samples = sine.displacement.iter().zip(&sine.velocity);
         samples
             .map(|(&y, &v)| {
-                let motion = Motion {
-                    displacement: y as f32,
-                    velocity: v as f32,
-                    ..Motion::default()
-                };
+                let motion = Motion::at(y as f32, v as f32);
                 f64::from(running.force(&motion))
             })
             .collect()

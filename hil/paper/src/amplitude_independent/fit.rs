@@ -332,10 +332,7 @@ fn steady_stretch(sine: &Sine, slip_limit: f64) -> Vec<f64> {
         let samples = sine.displacement.iter();
         samples
             .map(|&displacement| {
-                let motion = Motion {
-                    displacement,
-                    ..Motion::default()
-                };
+                let motion = Motion::at(displacement, 0.0);
                 law.force(&mut state, &motion)
             })
             .collect()

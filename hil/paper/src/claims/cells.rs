@@ -102,12 +102,7 @@ mod tests {
     #[test]
     fn the_curvature_is_the_forces() {
         let count = |law: &Coefficients| inflections(law, 0.2);
-        let ellipse = Coefficients {
-            k1: 1.0,
-            k3: 0.0,
-            c: 0.1,
-            alpha: 1.0,
-        };
+        let ellipse = Coefficients::new(1.0, 0.0, 0.1, 1.0);
         assert_eq!(count(&ellipse), 0);
         let law = cell(3, 1);
         let branch = |x: f64| {

@@ -60,12 +60,7 @@ fn equation_1() -> Claim {
 /// point, over 2·X, and gives half of that.
 fn two_loss_factors() -> Claim {
     let (amplitude, k, b) = (0.1, 2.0, 0.5);
-    let law = Coefficients {
-        k1: k,
-        k3: 0.0,
-        c: b / (TAU * FREQUENCY),
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(k, 0.0, b / (TAU * FREQUENCY), 1.0);
     let sine = Sine::new(amplitude, FREQUENCY, SAMPLES);
     let force = sine.force(&law);
     let dynamic = dynamics(&law, amplitude, FREQUENCY).loss_factor;

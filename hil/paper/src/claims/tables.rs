@@ -64,12 +64,7 @@ pub fn claims(cells: &[[Cell; 5]; 5], evidence: &Evidence<'_>) -> Vec<Claim> {
 
 /// The effect of the law's exponent on the energy: 4·c·X at α = 0, π·c·ω·X² at α = 1.
 fn limits() -> Claim {
-    let law = |alpha| Coefficients {
-        k1: 0.0,
-        k3: 0.0,
-        c: 0.1,
-        alpha,
-    };
+    let law = |alpha| Coefficients::new(0.0, 0.0, 0.1, alpha);
     let dissipated = |alpha| dynamics(&law(alpha), 0.1, 1.0).dissipated;
     let errors = [
         (dissipated(0.0) / (4.0 * 0.1 * 0.1) - 1.0).abs(),

@@ -98,13 +98,7 @@ fn the_crates_laws_are_the_fitted_ones() {
         let mut cycle = || -> Vec<f64> {
             let samples = sine.displacement.iter().zip(&sine.velocity);
             samples
-                .map(|(&y, &v)| {
-                    f64::from(running.force(&Motion {
-                        displacement: y as f32,
-                        velocity: v as f32,
-                        ..Motion::default()
-                    }))
-                })
+                .map(|(&y, &v)| f64::from(running.force(&Motion::at(y as f32, v as f32))))
                 .collect()
         };
         cycle();
@@ -200,11 +194,7 @@ proptest! {
         let mut work = 0.0;
         for n in 0..20_000 {
             let (y, v) = at(n);
-            let force = model.force(&mut state, &Motion {
-                displacement: y,
-                velocity: v,
-                ..Motion::default()
-            });
+            let force = model.force(&mut state, &Motion::at(y, v));
             work += (force - elastic(y)) * (y - before);
             before = y;
             // If the velocity reverses within a tick, its friction has the sign at the tick's end.
@@ -227,11 +217,7 @@ fn the_emulated_damper_follows_it_where_no_amplitude_is_declared() {
         let wave = |a: f64, f: f64| (a * (TAU * f * t).sin(), a * TAU * f * (TAU * f * t).cos());
         let ((y1, v1), (y2, v2)) = (wave(0.12, 1.0), wave(0.08, 1.3));
         let force = bench.tick(y1 + y2).force;
-        let motion = Motion {
-            displacement: (y1 + y2) as f32,
-            velocity: (v1 + v2) as f32,
-            ..Motion::default()
-        };
+        let motion = Motion::at((y1 + y2) as f32, (v1 + v2) as f32);
         let own = expected.force(&mut state, &motion);
         // The force is ramped in over the first half second.
         if tick > 5_000 {

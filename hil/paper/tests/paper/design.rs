@@ -19,12 +19,7 @@ fn close(value: f64, expected: f64, tolerance: f64) {
 /// F = k·y + c·v: K = √(k² + (cω)²), η = c·ω/K.
 #[test]
 fn a_linear_damper_has_its_closed_form() {
-    let law = Coefficients {
-        k1: 1.5,
-        k3: 0.0,
-        c: 0.03,
-        alpha: 1.0,
-    };
+    let law = Coefficients::new(1.5, 0.0, 0.03, 1.0);
     let found = Figures::of(&law, 0.1, 5.0);
     let c_omega = law.c * TAU * 5.0;
     close(found.stiffness, law.k1.hypot(c_omega), 1e-12);
@@ -34,12 +29,7 @@ fn a_linear_damper_has_its_closed_form() {
 /// F = k·y ± f: K = k + f/A, η = 4fA/(π·K·A²).
 #[test]
 fn a_friction_loop_has_its_closed_form() {
-    let law = Coefficients {
-        k1: 2.0,
-        k3: 0.0,
-        c: 0.04,
-        alpha: 0.0,
-    };
+    let law = Coefficients::new(2.0, 0.0, 0.04, 0.0);
     let found = Figures::of(&law, 0.1, 3.0);
     close(found.stiffness, 2.0 + 0.04 / 0.1, 1e-12);
     close(

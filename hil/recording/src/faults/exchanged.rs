@@ -13,9 +13,10 @@ use super::super::Recording;
 use super::super::cycles::{Cycles, median};
 use super::super::noise::noise_deviation;
 use super::kind::{ChannelFault, ChannelFaultKind};
+use super::median_filtered;
 use super::sign::{SignPolicy, work};
-use super::{correlation, median_filtered};
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::correlation;
 
 crate::numbers! {
     /// When displacement and force are exchanged.

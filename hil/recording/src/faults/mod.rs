@@ -147,24 +147,6 @@ fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
     runs
 }
 
-/// Correlation of two channels; 0 if one does not vary.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (a, b) in a.iter().zip(b) {
-        let (a, b) = (a - mean_a, b - mean_b);
-        ab += a * b;
-        aa += a * a;
-        bb += b * b;
-    }
-    if aa * bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
-    }
-}
-
 /// Median of the `2·half + 1` values around each; those nearer to an end than `half` stay.
 fn median_filtered(values: &[f64], half: usize) -> Vec<f64> {
     let mut filtered = values.to_vec();

@@ -5,9 +5,10 @@ use std::ops::Range;
 use super::super::Recording;
 use super::super::noise::noise_deviation;
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::correlation;
 
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::{correlation, spread};
+use super::spread;
 
 crate::numbers! {
     /// How a unit that is wrong by a factor of 1000 is recognized.

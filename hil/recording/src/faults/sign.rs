@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::super::Recording;
 use mesh_damper_tables::channel::Channel;
+use mesh_damper_tables::control::correlation;
 
 use super::kind::{ChannelFault, ChannelFaultKind};
-use super::{correlation, median_filtered};
+use super::median_filtered;
 
 crate::numbers! {
     /// When a force has the wrong sign.

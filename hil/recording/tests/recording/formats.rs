@@ -71,6 +71,13 @@ fn what_programs_write_is_read_as_it_was_meant() {
     let list: Vec<File> = serde_json::from_slice(&list).unwrap();
     assert!(list.len() > 50);
     let truth = Recording::read(folder.join("truth.csv")).unwrap();
+    let read = list.iter().filter(|file| file.refused.is_empty());
+    let exact = read.clone().filter(|file| file.error == 0.0).count();
+    let said = format!("{} files of nine formats: {exact} bit by bit", read.count());
+    assert!(
+        include_str!("../../../../docs/validation.md").contains(&said),
+        "{said}"
+    );
     let mut wrong = Vec::new();
     for file in list {
         let path = folder.join(&file.file);

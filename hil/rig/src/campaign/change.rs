@@ -232,6 +232,11 @@ impl Change {
         Self::those(|facts| facts.known.is_some())
     }
 
+    /// The name that the monitor has for it, if it knows it.
+    pub fn cause(self) -> Option<H> {
+        self.facts().known
+    }
+
     /// The changes that are defined without knowledge of the monitor.
     pub(super) fn attacks() -> Vec<Self> {
         Self::those(|facts| facts.known.is_none())

@@ -202,12 +202,7 @@ fn without_enable_it_stays() {
 /// The damping force of the stiffest cell of Tables 8 and 9 nearly jumps where the velocity changes sign.
 #[test]
 fn a_steep_damping_force_does_not_rattle() {
-    let specimen = Specimen::new(Coefficients {
-        k1: 9.3548,
-        k3: 18.5,
-        c: 0.6592,
-        alpha: 0.1581,
-    });
+    let specimen = Specimen::new(Coefficients::new(9.3548, 18.5, 0.6592, 0.1581));
     let mut servo = Servo::new(ServoConfig::default(), STEP, specimen).unwrap();
     let mut reversals = 0;
     let mut last = 0.0;

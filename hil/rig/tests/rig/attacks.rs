@@ -1,9 +1,9 @@
 //! Attacks on the rig, a part of the campaign's: hazards that it must prevent, and requirements on its monitor.
 
-use mesh_damper::health::Channel;
+use mesh_damper::health::{Channel, HealthCause};
 use mesh_damper_rig::campaign::{
-    Behind, Campaign, Change, Close, Headroom, Injected, Quantity, Set, Summary, Trial, adversary,
-    forgeries, missed, run_trial,
+    Behind, Campaign, Change, Close, Headroom, Injected, Quantity, Said, Set, Summary, Trial,
+    adversary, forgeries, missed, run_trial,
 };
 
 /// `cargo hil faults --check` is the whole.
@@ -18,6 +18,21 @@ fn a_part_of_the_attacks_meets_the_requirement() {
     assert!(summary.attacks.trials() > 100);
     let missed = missed(&summary);
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+    // The monitor finds every cause: here, or as a known change or in the healthy runs of `faults.rs`.
+    let reports = summary.attacks.outcomes.all().flat_map(|one| &one.named);
+    let named = reports.flat_map(|(_, said)| match said {
+        Said::Event(cause, or) => [Some(*cause), *or],
+        _ => [None; 2],
+    });
+    let known = Change::known().into_iter().filter_map(Change::cause);
+    let healthy = [HealthCause::RunIn, HealthCause::Temperature];
+    let found: Vec<HealthCause> = named.flatten().chain(known).chain(healthy).collect();
+    for cause in HealthCause::ALL {
+        assert!(
+            found.contains(&cause),
+            "no change of the campaign brings up {cause:?}"
+        );
+    }
 }
 
 #[test]

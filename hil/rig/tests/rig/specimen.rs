@@ -12,14 +12,10 @@ use mesh_damper_rig::specimen::{
     force_share,
 };
 use proptest::prelude::*;
+use serde_json::json;
 
 /// No force of eq 13.
-const NOTHING: Coefficients = Coefficients {
-    k1: 0.0,
-    k3: 0.0,
-    c: 0.0,
-    alpha: 0.0,
-};
+const NOTHING: Coefficients = Coefficients::new(0.0, 0.0, 0.0, 0.0);
 
 /// The last of `cycles` cycles of X·sin ωt at `count` samples each: displacement and the force of `effect` alone.
 fn last_cycle(
@@ -127,6 +123,34 @@ fn every_family_has_physics_of_its_own() {
             known,
             "hil/rig/src/specimen/hidden.rs has no effect `{family}`"
         );
+    }
+}
+
+/// The effect of a family, with sizes of 0.05; what else it has, its error says.
+fn of_family(family: &str) -> HiddenEffect {
+    let mut fields = json!({"family": family});
+    loop {
+        let error = match serde_json::from_value(fields.clone()) {
+            Ok(effect) => return effect,
+            Err(error) => error.to_string(),
+        };
+        let missing = error.strip_prefix("missing field `");
+        let missing = missing.and_then(|field| field.strip_suffix('`'));
+        let field = missing.unwrap_or_else(|| panic!("{family}: {error}"));
+        fields[field] = match field {
+            "shape" => json!("sharp"),
+            "loose" => json!(true),
+            "schedule" => json!({"most": 1.0, "hold": 0.1, "seed": 1}),
+            _ => json!(0.05),
+        };
+    }
+}
+
+#[test]
+fn every_hidden_effect_changes_the_force() {
+    let law = tables::interpolate(3.0, 0.1);
+    for family in HiddenEffect::FAMILIES {
+        assert!(force_share(law, of_family(family)) > 1e-9, "{family}");
     }
 }
 

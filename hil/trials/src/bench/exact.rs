@@ -120,22 +120,12 @@ mod tests {
     #[test]
     fn a_cycle_has_its_closed_form() {
         let mut exact = Exact {
-            law: Coefficients {
-                k1: 2.0,
-                k3: 0.0,
-                c: 0.0,
-                alpha: 1.0,
-            },
+            law: Coefficients::new(2.0, 0.0, 0.0, 1.0),
             amplitude: 0.1,
         };
         assert!(exact.cycle(3).energy.abs() < 1e-8);
         assert!((exact.cycle(3).stiffness / 2.0 - 1.0).abs() < 1e-5);
-        exact.law = Coefficients {
-            k1: 0.0,
-            k3: 0.0,
-            c: 0.01,
-            alpha: 1.0,
-        };
+        exact.law = Coefficients::new(0.0, 0.0, 0.01, 1.0);
         let omega = TAU * FREQUENCY;
         let area = std::f64::consts::PI * 0.01 * omega * 0.01;
         // Trapezoids, 1031 to the cycle.

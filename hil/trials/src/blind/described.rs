@@ -74,15 +74,28 @@ impl DescribedEffect {
     }
 }
 
-/// The number of effects that are drawn in turn: seed n hides number n modulo this.
+/// The number of effects that are drawn in turn, round after round: seed n hides number n modulo this.
 pub fn described() -> u64 {
     DESCRIPTIONS.len() as u64
 }
 
+/// Numbers of the effects that were drawn first, in their order then.
+#[rustfmt::skip]
+const FIRST: [u8; 24] = [0, 1, 2, 3, 4, 15, 20, 6, 5, 7, 8, 9, 11, 16, 18, 19, 21, 22, 23, 12, 14, 17, 10, 13];
+
+/// What is drawn for an effect in a round, whatever other effects there are, so that a figure stays when one is added.
+fn dice(number: u8, round: u64) -> ChaCha8Rng {
+    let place = FIRST.iter().position(|first| *first == number);
+    ChaCha8Rng::seed_from_u64(match place {
+        Some(place) => FIRST.len() as u64 * round + place as u64,
+        None => (u64::from(number) << 32) + round,
+    })
+}
+
 /// The trial of `seed` over the descriptions: the same for the same seed. `None` where no test shows the effect.
 pub(super) fn draw_described(seed: u64) -> Option<Trial> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let description = &DESCRIPTIONS[(seed % described()) as usize];
+    let mut rng = dice(description.number, seed / described());
     (0..DRAWS).find_map(|lost| drawn(seed, description, VARIED * WIDER.powi(lost), &mut rng))
 }
 
@@ -241,6 +254,20 @@ mod tests {
         }
     }
 
+    /// The published figures are those of these draws: seed n of the first effects, and another of each later one.
+    #[test]
+    fn an_effect_is_drawn_the_same_whatever_is_added() {
+        let drawn = |number, round| dice(number, round).random::<u64>();
+        let first: Vec<u64> = (0..4)
+            .flat_map(|round| FIRST.map(|number| drawn(number, round)))
+            .collect();
+        let seeds = (0..96).map(|seed| ChaCha8Rng::seed_from_u64(seed).random());
+        assert_eq!(first, seeds.collect::<Vec<u64>>());
+        let later = [drawn(24, 0), drawn(24, 1), drawn(25, 0)];
+        assert!(later.iter().all(|each| !first.contains(each)));
+        assert!(later[0] != later[1] && later[1] != later[2] && later[0] != later[2]);
+    }
+
     #[test]
     #[ignore = "half a minute: in the full tier"]
     fn a_trial_is_the_same_again() {
@@ -260,11 +287,7 @@ mod tests {
             parameters: vec![90.0],
             number: description.number,
         };
-        let block = |amplitude| TestBlock {
-            amplitude,
-            frequency: 2.0,
-            cycles: 2,
-        };
+        let block = |amplitude| TestBlock::new(amplitude, 2.0, 2);
         let blocks = [block(0.1), block(0.2)];
         let motion = answer(3.0, &[], &blocks, TICK_RATE, TICK_RATE);
         let force = force_of(3.0, &effect, &blocks, &motion).unwrap();

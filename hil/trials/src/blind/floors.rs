@@ -15,7 +15,7 @@ pub enum Floors {
     Part,
     /// Unlisted seeds 0…429 of version 1. No other effects are hidden there.
     Unlisted,
-    /// The crate's own effects, described seeds 0…95. No other effects are hidden there.
+    /// The crate's own effects, four times each. No other effects are hidden there.
     Described,
     /// Over any motion, 140 seeds from 112 on of version 2: no rule of the trace was tuned on them.
     Motions,

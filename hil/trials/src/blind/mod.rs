@@ -59,6 +59,14 @@ impl Draw {
         }
     }
 
+    /// Seeds of a run that gives no number: four of each effect that the crate describes, for which its requirements are.
+    pub fn seeds(self) -> u64 {
+        match self {
+            Self::Described => 4 * described(),
+            _ => 50,
+        }
+    }
+
     /// The trial of `seed`, the same for the same `version`; `None` if no test shows its effect. The version does not matter for
     /// the effects that the crate describes.
     pub fn trial(self, version: Version, seed: u64) -> Option<Trial> {

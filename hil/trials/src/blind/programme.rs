@@ -136,11 +136,7 @@ fn frequencies(rng: &mut impl Rng) -> (Vec<TestBlock>, Vec<TestBlock>) {
 }
 
 fn block(amplitude: f64, frequency: f64, cycles: u32) -> TestBlock {
-    TestBlock {
-        amplitude,
-        frequency,
-        cycles,
-    }
+    TestBlock::new(amplitude, frequency, cycles)
 }
 
 fn grid(value: f64, step: f64) -> f64 {

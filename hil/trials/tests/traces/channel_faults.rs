@@ -241,11 +241,7 @@ fn faults_do_not_become_physics() {
         (0.05, 5.0, 8),
         (0.2, 1.0, 4),
     ]
-    .map(|(amplitude, frequency, cycles)| TestBlock {
-        amplitude,
-        frequency,
-        cycles,
-    })
+    .map(|(amplitude, frequency, cycles)| TestBlock::new(amplitude, frequency, cycles))
     .to_vec();
     let mut wrong = Vec::new();
     let mut tried = 0;

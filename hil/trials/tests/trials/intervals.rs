@@ -157,11 +157,7 @@ fn recorded(case: &Case, rng: &mut impl Rng) -> Recording {
     };
     let blocks: Vec<TestBlock> = blocks
         .iter()
-        .map(|&(amplitude, frequency, cycles)| TestBlock {
-            amplitude,
-            frequency,
-            cycles,
-        })
+        .map(|&(amplitude, frequency, cycles)| TestBlock::new(amplitude, frequency, cycles))
         .collect();
     let density = rng.random_range(2.2..3.6);
     // Between its own ticks, the delay of the specimen is interpolated linearly.

@@ -77,9 +77,7 @@ impl AmplitudeFreeCommand {
                 outputs.add(out.join(picture_name(frequency)), picture);
             }
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &study)?;
-        }
+        outputs.add_document_if(&self.json, &study)?;
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             print(&study);

@@ -81,9 +81,7 @@ impl BenchCommand {
         let results = bench::run(&|what| progress.step(what))?;
         drop(progress);
 
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &results)?;
-        }
+        outputs.add_document_if(&self.json, &results)?;
         if self.bless {
             outputs.add_document(path, &Baseline::of(&results))?;
         }

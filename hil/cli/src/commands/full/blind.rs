@@ -26,9 +26,9 @@ use crate::commands::{Failure, is_free_for_text, say};
     after_help = "Examples:\n  hil blind --seeds 3\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 3"
 )]
 pub struct BlindCommand {
-    /// Number of seeds, 1 to 1000000
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    seeds: u64,
+    /// Number of seeds, 1 to 1000000; by default 50, with --described four of each effect
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    seeds: Option<u64>,
     /// First seed, 0 to 1000000000
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     first: u64,
@@ -81,10 +81,11 @@ impl BlindCommand {
     }
 
     fn trials(&self, mut junit: Junit, outputs: &mut Outputs) -> Result<(), Failure> {
-        let progress = Progress::of(self.seeds);
+        let count = self.seeds.unwrap_or_else(|| self.draw().seeds());
+        let progress = Progress::of(count);
         progress.step("tracing");
         let finished = AtomicU64::new(0);
-        let seeds = self.first..self.first + self.seeds;
+        let seeds = self.first..self.first + count;
         let summary = blind::run(seeds, self.draw(), self.version(), &|| {
             progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
         });
@@ -93,7 +94,7 @@ impl BlindCommand {
         junit.property("specimens", format!("{:?}", self.draw()));
         junit.property("draw version", self.draw_version);
         junit.property("first seed", self.first);
-        junit.property("seeds", self.seeds);
+        junit.property("seeds", count);
         junit.checks("floor", checks.iter().cloned());
         for outcome in &summary.outcomes {
             let name = format!("seed {}: {}", outcome.secret.seed, outcome.truth());

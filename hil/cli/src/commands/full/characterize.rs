@@ -103,9 +103,7 @@ impl CharacterizeCommand {
             recording: recording.name,
             found,
         };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs.write()?;
         let (Found::Static(StaticTest { notes, .. }) | Found::Dynamic(DynamicTest { notes, .. })) =
             &summary.found;

@@ -65,9 +65,7 @@ impl CompareCommand {
                 ),
             );
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &comparison)?;
-        }
+        outputs.add_document_if(&self.json, &comparison)?;
         outputs.write()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
             print(&comparison);

@@ -128,9 +128,7 @@ impl DesignCommand {
             .map_err(refused)?;
         drop(progress);
         let summary = Summary { design, on_rig };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             print(&summary);

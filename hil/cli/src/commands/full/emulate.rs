@@ -104,9 +104,7 @@ impl EmulateCommand {
             force_range_kn: setup.force_sensor.full_scale,
             command_range_mm: setup.command_range,
         };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &emulated)?;
-        }
+        outputs.add_document_if(&self.json, &emulated)?;
         outputs.write()?;
         let port = emulated.port.display();
         let range = emulated.force_range_kn;

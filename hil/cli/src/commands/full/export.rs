@@ -92,9 +92,7 @@ impl ExportCommand {
             said,
             warnings,
         } = request.export(&file)?;
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         for (path, bytes) in files {
             outputs.add(path, bytes);
         }

@@ -166,9 +166,7 @@ impl FaultsCommand {
         if let Some(followed) = followed.filter(|_| !summary.slow.is_empty()) {
             outputs.add(followed, campaign::followed(&summary.slow));
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         let checks = requirements(&summary);
         junit.property("on", self.on.name());
         junit.property("trials", summary.counts.trials);

@@ -66,9 +66,7 @@ impl OrthogonalCommand {
                 against_print: [LOSS_FACTOR, STIFFNESS].iter().map(against_print).collect(),
             },
         };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             for (index, analysis) in summary.results.iter().enumerate() {

@@ -37,9 +37,7 @@ impl PaperCommand {
         let paper = claims::recompute(&|step| progress.step(step));
         progress.step("drawing");
         outputs.add(&page, report::paper::render(&paper));
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &paper)?;
-        }
+        outputs.add_document_if(&self.json, &paper)?;
         drop(progress);
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -287,9 +287,7 @@ impl RecordCommand {
             &self.out,
             bytes.map_err(|error| with_journal(error, &journal))?,
         );
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs
             .write()
             .map_err(|error| with_journal(error, &journal))?;

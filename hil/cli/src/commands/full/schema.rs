@@ -253,9 +253,7 @@ impl SchemaCommand {
         let list = Schemas {
             schemas: listed.collect(),
         };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &list)?;
-        }
+        outputs.add_document_if(&self.json, &list)?;
         outputs.write()?;
         if self.json.as_deref() == Some(Path::new("-")) {
             return Ok(());

@@ -100,9 +100,7 @@ impl NumbersCommand {
         if self.seeds > 0 {
             self.measure(&tuned, &mut costs)?;
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &costs)?;
-        }
+        outputs.add_document_if(&self.json, &costs)?;
         if let Some(path) = &self.table {
             outputs.add(path, table(&costs));
         }

@@ -61,9 +61,7 @@ impl BoucWenCommand {
             }
             outputs.add_document(out.join(FILES[3]), &found.model_file())?;
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &result)?;
-        }
+        outputs.add_document_if(&self.json, &result)?;
         outputs.write()?;
         if self.json.as_deref() != Some(Path::new("-")) {
             print(&result);

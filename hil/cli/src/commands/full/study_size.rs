@@ -78,9 +78,7 @@ impl SizeCommand {
             .writes(&self.picture)
             .begin()?;
         let all = self.measure()?;
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &Sizes(&all))?;
-        }
+        outputs.add_document_if(&self.json, &Sizes(&all))?;
         if let Some(path) = &self.picture {
             outputs.add(path, picture(&all));
         }

@@ -128,9 +128,7 @@ impl UploadCommand {
             late_ticks: after.late_ticks.wrapping_sub(before.late_ticks),
             to: self.to,
         };
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &uploaded)?;
-        }
+        outputs.add_document_if(&self.json, &uploaded)?;
         outputs.write()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
             say(&uploaded.in_words(&name));

@@ -3,6 +3,7 @@
 use std::fs;
 
 use crate::bad_input::{MODEL, recording};
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 
 #[test]
@@ -47,14 +48,7 @@ fn a_bad_model_is_refused() {
         fs::write(root.path().join("model.json"), MODEL.replacen(from, to, 1)).unwrap();
         refuses(
             root.path(),
-            &[
-                "predict",
-                "--model",
-                "model.json",
-                "rec.csv",
-                "--out",
-                "pred.csv",
-            ],
+            &words("predict --model model.json rec.csv --out pred.csv"),
             &["model.json: ", said],
         );
     }

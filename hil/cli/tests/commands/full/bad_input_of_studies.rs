@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::bad_input::bad_recordings;
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 
 /// Three factors on an L9 and two repeats of one result, header first. `change` may damage the lines.
@@ -145,58 +146,23 @@ fn what_cannot_be_designed_is_refused() {
             "--loss-factor: NaN is outside",
         ),
         (
-            &[
-                "--stiffness",
-                "1",
-                "--loss-factor",
-                "0.3",
-                "--amplitude",
-                "0.3",
-            ],
+            &words("--stiffness 1 --loss-factor 0.3 --amplitude 0.3"),
             "--amplitude: 0.3 is outside 0.05…0.25",
         ),
         (
-            &[
-                "--stiffness",
-                "1",
-                "--loss-factor",
-                "0.3",
-                "--amplitude-range",
-                "0.2..0.1",
-            ],
+            &words("--stiffness 1 --loss-factor 0.3 --amplitude-range 0.2..0.1"),
             "--amplitude-range: 0.2 mm is above 0.1 mm",
         ),
         (
-            &[
-                "--stiffness",
-                "1",
-                "--loss-factor",
-                "0.3",
-                "--amplitude-range",
-                "0.2",
-            ],
+            &words("--stiffness 1 --loss-factor 0.3 --amplitude-range 0.2"),
             "--amplitude-range: \"0.2\" is not a range",
         ),
         (
-            &[
-                "--stiffness",
-                "1",
-                "--loss-factor",
-                "0.3",
-                "--frequency",
-                "0",
-            ],
+            &words("--stiffness 1 --loss-factor 0.3 --frequency 0"),
             "--frequency: 0 is outside",
         ),
         (
-            &[
-                "--stiffness",
-                "1",
-                "--loss-factor",
-                "0.3",
-                "--tolerance",
-                "2",
-            ],
+            &words("--stiffness 1 --loss-factor 0.3 --tolerance 2"),
             "--tolerance: 2 is outside",
         ),
         (
@@ -212,15 +178,7 @@ fn what_cannot_be_designed_is_refused() {
 #[test]
 fn what_no_density_gives_ends_with_1_and_what_is_nearest() {
     let root = tempfile::tempdir().unwrap();
-    let asked = [
-        "design",
-        "--stiffness",
-        "8",
-        "--loss-factor",
-        "0.6",
-        "--json",
-        "d.json",
-    ];
+    let asked = words("design --stiffness 8 --loss-factor 0.6 --json d.json");
     let output = hil(root.path(), &asked);
     assert_eq!(output.status.code(), Some(1));
     let error = String::from_utf8(output.stderr).unwrap();
@@ -236,17 +194,7 @@ fn what_no_density_gives_ends_with_1_and_what_is_nearest() {
 #[test]
 fn a_design_says_what_the_rig_measured() {
     let root = tempfile::tempdir().unwrap();
-    let asked = [
-        "design",
-        "--stiffness",
-        "1.7",
-        "--loss-factor",
-        "0.6",
-        "--frequency",
-        "5",
-        "--json",
-        "-",
-    ];
+    let asked = words("design --stiffness 1.7 --loss-factor 0.6 --frequency 5 --json -");
     let output = hil(root.path(), &asked);
     assert_eq!(
         output.status.code(),
@@ -271,17 +219,7 @@ fn a_design_says_what_the_rig_measured() {
 #[test]
 fn a_design_that_the_rig_cannot_run_is_told_and_ends_with_1() {
     let root = tempfile::tempdir().unwrap();
-    let asked = [
-        "design",
-        "--stiffness",
-        "4.1",
-        "--loss-factor",
-        "0.7",
-        "--frequency",
-        "50",
-        "--json",
-        "d.json",
-    ];
+    let asked = words("design --stiffness 4.1 --loss-factor 0.7 --frequency 50 --json d.json");
     let output = hil(root.path(), &asked);
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{error}");
@@ -377,15 +315,9 @@ fn every_bad_recording_is_refused_by_characterize() {
             }
             refuses(
                 root.path(),
-                &[
-                    "characterize",
-                    name,
-                    kind,
-                    "--out",
-                    "new",
-                    "--json",
-                    "new.json",
-                ],
+                &words(&format!(
+                    "characterize {name} {kind} --out new --json new.json"
+                )),
                 said,
             );
         }

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::command::{hil, record, wait_for};
+use crate::refusal;
 
 pub fn record_all(root: &Path, count: usize) {
     fs::create_dir(root.join("tests")).unwrap();
@@ -140,11 +141,7 @@ fn what_is_no_list_and_no_model_is_refused_in_one_line() {
             "--times: has 1 for 2 models",
         ),
     ] {
-        let done = Command::new(env!("CARGO_BIN_EXE_hil"))
-            .args(arguments)
-            .current_dir(root.path())
-            .output()
-            .unwrap();
+        let done = refusal::hil(root.path(), arguments);
         let error = String::from_utf8(done.stderr).unwrap();
         assert_eq!(done.status.code(), Some(2), "{error}");
         assert!(

@@ -7,9 +7,10 @@ use std::process::{Child, Command, Stdio};
 use mesh_damper_link::image::{Board, OWN_TIMER};
 use serde_json::Value;
 
-use crate::command::hil;
+use crate::command::{hil, words};
 use crate::full::emulated;
 use crate::full::schema_command::is_as_its_schema_says;
+use crate::refusal;
 
 /// `hil emulate`, which runs until this is dropped.
 struct Emulate(Child);
@@ -52,11 +53,7 @@ fn json(path: &Path) -> Value {
 /// Asserts that a command is refused and leaves `there` files, and returns its one line.
 #[track_caller]
 fn refused(directory: &Path, arguments: &[&str], there: usize) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap();
+    let output = refusal::hil(directory, arguments);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert_eq!(said.lines().count(), 1, "{said}");
@@ -76,14 +73,7 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
 
     // The test of a rig in this process, without the data that a board's telemetry lacks.
     hil(root, &["run", "--blocks", "0.1:20:6", "--out", "here"]);
-    let whole = [
-        "there.csv",
-        "--record-every",
-        "10",
-        "--json",
-        "there.json",
-        "--live",
-    ];
+    let whole = words("there.csv --record-every 10 --json there.json --live");
     hil(
         root,
         &[&record[..], &whole, &blocks, &["0.1:20:6"]].concat(),
@@ -110,42 +100,22 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
         env!("CARGO_MANIFEST_DIR"),
         "/../../examples/own-timer/src/mount.json"
     );
-    let export = [
-        "export",
-        "--model",
-        model,
-        "--format",
-        "pack",
-        "--tick-rate",
-        "10000",
-    ];
+    let line = format!("export --model {model} --format pack --tick-rate 10000");
+    let export = words(&line);
     hil(root, &[&export[..], &["--out", "mount.mdcp"]].concat());
     let keep = ["before.csv", "--duration", "0.3", "--keep-running"];
     hil(
         root,
         &[&record[..], &keep, &blocks, &["0.1:20:4000"]].concat(),
     );
-    let upload = [
-        "upload",
-        "--to",
-        &port,
-        "mount.mdcp",
-        "--json",
-        "upload.json",
-    ];
+    let line = format!("upload --to {port} mount.mdcp --json upload.json");
+    let upload = words(&line);
     hil(root, &upload);
     let uploaded = json(&root.join("upload.json"));
     is_as_its_schema_says("upload", &uploaded);
     assert_eq!(uploaded["in_force"], true);
     assert_eq!(uploaded["late_ticks"], 0);
-    let join = [
-        "after.csv",
-        "--duration",
-        "0.3",
-        "--join",
-        "--json",
-        "after.json",
-    ];
+    let join = words("after.csv --duration 0.3 --join --json after.json");
     hil(root, &[&record[..], &join].concat());
     let after = json(&root.join("after.json"));
     let stiffness = |run: &Value| {
@@ -156,15 +126,8 @@ fn a_test_is_recorded_and_a_law_is_put_onto_the_rig_that_runs() {
     assert!((stiffness(&after) - stiffness(&there)).abs() > 0.05 * stiffness(&there));
 
     // A pack of another tick rate is refused, and the running law stays.
-    let other = [
-        "export",
-        "--model",
-        model,
-        "--format",
-        "pack",
-        "--tick-rate",
-        "5000",
-    ];
+    let line = format!("export --model {model} --format pack --tick-rate 5000");
+    let other = words(&line);
     hil(root, &[&other[..], &["--out", "other.mdcp"]].concat());
     let files = std::fs::read_dir(root).unwrap().count();
     let said = refused(root, &["upload", "--to", &port, "other.mdcp"], files);
@@ -208,13 +171,10 @@ fn a_rig_that_stops_on_a_limit_leaves_its_recording_and_says_why() {
     let Some((_board, port, range)) = Emulate::new(root) else {
         return;
     };
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args(["record", "--from", &port, "--out", "limit.csv"])
-        .args(["--force-range", &range, "--force-limit", "0.05"])
-        .args(["--blocks", "0.1:20:6"])
-        .current_dir(root)
-        .output()
-        .unwrap();
+    let line = format!(
+        "record --from {port} --out limit.csv --force-range {range} --force-limit 0.05 --blocks 0.1:20:6"
+    );
+    let output = refusal::hil(root, &words(&line));
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("the force exceeded its limit"), "{said}");
@@ -226,15 +186,8 @@ fn a_board_that_is_not_there_is_said_in_one_line() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
     let nowhere = "serial:/dev/nowhere";
-    let record = [
-        "record",
-        "--from",
-        nowhere,
-        "--out",
-        "rec.csv",
-        "--force-range",
-        "1",
-    ];
+    let line = format!("record --from {nowhere} --out rec.csv --force-range 1");
+    let record = words(&line);
     let said = refused(root, &record, 0);
     assert!(
         said.contains("/dev/nowhere") && said.contains("cannot be opened"),

@@ -7,6 +7,7 @@ use std::path::Path;
 use mesh_damper_recording::Recording;
 use serde_json::Value;
 
+use crate::command::words;
 use crate::refusal::{hil, refuses};
 
 /// A dashpot of 0.01 kN·s/mm at an ampere, without a branch.
@@ -169,15 +170,7 @@ fn a_response_takes_the_column_of_its_excitation() {
     );
     recording(&root.path().join("none.csv"), "", "");
     let respond = |base: &'static str, more: &[&'static str]| {
-        let model = [
-            "respond",
-            "--model",
-            "model.json",
-            "--mass",
-            "50",
-            "--out",
-            "r.csv",
-        ];
+        let model = words("respond --model model.json --mass 50 --out r.csv");
         [&model[..], &["--base", base], more].concat()
     };
     let response = |arguments: &[&str]| {
@@ -217,15 +210,7 @@ fn a_rig_refuses_a_model_whose_input_it_does_not_have() {
     let effect =
         "control_input:stiffness=0.8,force=0.03,rate=0.6,c=0.004,lag=0.05,most=1,hold=0.5,seed=3";
     let run = |more: &[&'static str]| {
-        let run = [
-            "run",
-            "--model",
-            "model.json",
-            "--blocks",
-            "0.1:2:6",
-            "--out",
-            "run-out",
-        ];
+        let run = words("run --model model.json --blocks 0.1:2:6 --out run-out");
         [&run[..], more].concat()
     };
     refuses(root.path(), &run(&[]), &["model.json", "pressure_bar"]);
@@ -284,14 +269,7 @@ fn a_model_whose_controls_are_wrong_is_refused() {
         ",current_A,pressure_bar",
         ",0.5,2",
     );
-    let arguments = [
-        "predict",
-        "--model",
-        "model.json",
-        "rec.csv",
-        "--out",
-        "no.csv",
-    ];
+    let arguments = words("predict --model model.json rec.csv --out no.csv");
     for (right, wrong, told) in [
         ("\"input\": 1", "\"input\": 2", "effects[0]"),
         ("[0.0, 1.0]", "[1.0, 0.0]", "controls[1].range"),

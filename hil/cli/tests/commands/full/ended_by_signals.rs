@@ -12,7 +12,7 @@ use mesh_damper_recording::Recording;
 use serde_json::Value;
 
 use crate::bad_input::MODEL;
-use crate::command::wait_for;
+use crate::command::{wait_for, words};
 use crate::full::batch_command::record_all;
 use crate::full::broker::Mosquitto;
 use crate::full::emulated;
@@ -33,14 +33,7 @@ fn line(output: &mut Option<impl Read>, begin: &str) -> String {
 fn a_command_that_is_ended_while_it_reads_leaves_nothing() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("model.json"), MODEL).unwrap();
-    let export = [
-        "export",
-        "--model",
-        "pipe",
-        "--tick-rate",
-        "10000",
-        "--format",
-    ];
+    let export = words("export --model pipe --tick-rate 10000 --format");
     leaves_nothing(
         root.path(),
         &[
@@ -181,16 +174,7 @@ fn a_live_page_ends_with_the_command_and_results_stay() {
         assert_eq!(code, ended);
         assert_eq!(tree(root.path()), <[&str; 0]>::default());
         // While it shows the page after the test.
-        let holds = [
-            "run",
-            "--live",
-            "--live-hold",
-            "80000",
-            "--speed",
-            "max",
-            "--blocks",
-            "0.1:20:6",
-        ];
+        let holds = words("run --live --live-hold 80000 --speed max --blocks 0.1:20:6");
         let mut running = Running::start(root.path(), &holds);
         line(&mut running.0.stderr, "The live page stays");
         let (code, _) = running.ended_by(name);
@@ -217,15 +201,8 @@ fn a_recording_of_a_board_leaves_whole_rows_and_a_board_no_emulator() {
         let about: Value = serde_json::from_slice(&about).unwrap();
         let port = format!("serial:{}", about["port"].as_str().unwrap());
         let range = about["force_range_kn"].to_string();
-        let record = [
-            "record",
-            "--from",
-            &port,
-            "--force-range",
-            &range,
-            "--out",
-            "rec.csv",
-        ];
+        let line = format!("record --from {port} --force-range {range} --out rec.csv");
+        let record = words(&line);
         let running = Running::start(root.path(), &[&record[..], &blocks].concat());
         let partial = root.path().join("rec.csv.partial.csv");
         wait_for_bytes(&partial, 10_000);
@@ -255,15 +232,7 @@ fn a_build_is_ended_with_its_compilers() {
     // Alone, without the library of an FMU beside it.
     let alone = path("hil-alone");
     fs::copy(env!("CARGO_BIN_EXE_hil"), &alone).unwrap();
-    let export = [
-        "export",
-        "--model",
-        "model.json",
-        "--format",
-        "fmu",
-        "--tick-rate",
-        "1e4",
-    ];
+    let export = words("export --model model.json --format fmu --tick-rate 1e4");
     let mut commands = vec![[&export[..], &["--out", "a.fmu"]].concat()];
     if Board::Mps2An386.check().is_ok() {
         commands.push(vec!["run", "--on", "image"]);

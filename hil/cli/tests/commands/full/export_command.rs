@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::command;
+use crate::command::words;
 use crate::refusal::{self, refuses};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::pack::{Expectation, PackError, PackInfo, decode};
@@ -118,16 +119,7 @@ fn an_active_law_is_refused_unless_it_is_allowed() {
         model("").replace(r#""effects": ["#, &format!(r#""effects": {dashpot}"#)),
     )
     .unwrap();
-    let arguments = [
-        "--format",
-        "pack",
-        "--tick-rate",
-        "10000",
-        "--out",
-        "mount.mdcp",
-        "--amplitude",
-        "0.2",
-    ];
+    let arguments = words("--format pack --tick-rate 10000 --out mount.mdcp --amplitude 0.2");
     let refused = refusal::hil(root.path(), &[&MODEL[..], &arguments].concat());
     assert_eq!(refused.status.code(), Some(2));
     let said = String::from_utf8(refused.stderr).unwrap();
@@ -191,14 +183,7 @@ fn a_module_is_written_whose_name_is_one() {
     let root = directory();
     let said = export(
         root.path(),
-        &[
-            "--format",
-            "rust",
-            "--tick-rate",
-            "10000",
-            "--out",
-            "4th-mount.rs",
-        ],
+        &words("--format rust --tick-rate 10000 --out 4th-mount.rs"),
     );
     let module = fs::read_to_string(root.path().join("4th-mount.rs")).unwrap();
     assert!(module.contains("pub const NAME: &str = \"4th-mount\";"));

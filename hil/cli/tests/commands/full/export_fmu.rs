@@ -10,6 +10,7 @@ use mesh_damper_fmu::{IDENTIFIER, MARK};
 use zip::ZipArchive;
 
 use crate::command;
+use crate::command::words;
 use crate::refusal::refuses;
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -60,14 +61,7 @@ fn unpacked(path: &Path) -> BTreeMap<String, Vec<u8>> {
 #[test]
 fn an_fmu_holds_the_model_the_description_and_the_library() {
     let root = directory();
-    let arguments = [
-        "--library",
-        "mac.dylib",
-        "--revision",
-        "7",
-        "--json",
-        "export.json",
-    ];
+    let arguments = words("--library mac.dylib --revision 7 --json export.json");
     let said = command::hil(
         root.path(),
         &[&EXPORT[..], &["--out", "mount.fmu"], &arguments].concat(),

@@ -2,22 +2,18 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
+use crate::command::words;
 use crate::full::broker::{Mosquitto, free_port};
+use crate::refusal::hil;
 
 const BLOCKS: [&str; 2] = ["--blocks", "0.1:20:6"];
 
 fn run(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hil"))
-        .arg("run")
-        .args(BLOCKS)
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
+    hil(directory, &[&["run"], &BLOCKS[..], arguments].concat())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -100,19 +96,10 @@ fn a_broker_gets_the_events_of_the_summary() {
     let mut heard = broker.subscribe(None);
     let root = tempfile::tempdir().unwrap();
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
-    let softening = [
-        "--effect",
-        "drift:stiffness=-0.5,cycles=500",
-        "--blocks",
-        "0.1:10:400",
-    ];
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .arg("run")
-        .args(softening)
-        .args(["--mqtt", &url, "--json", "-"])
-        .current_dir(root.path())
-        .output()
-        .unwrap();
+    let line = format!(
+        "run --effect drift:stiffness=-0.5,cycles=500 --blocks 0.1:10:400 --mqtt {url} --json -"
+    );
+    let output = hil(root.path(), &words(&line));
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
     let messages = heard.until("finished");
     let published: Vec<&Value> = messages

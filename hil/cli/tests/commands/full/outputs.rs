@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use crate::command::shell;
+use crate::command::{shell, words};
 use crate::refusal::{hil, refuses};
 
 const MODEL: &str = r#"{ "format": "mesh-damper-model", "version": 1,
@@ -141,28 +141,14 @@ fn no_command_replaces_what_it_reads() {
         &["run", "--model", "in", "--json", "in"],
         &["run", "--programme", "in", "--json", "in"],
         &["run", "--programme", "d/cycles.csv", "--out", "d"],
-        &[
-            "run",
-            "--on",
-            "image",
-            "--model",
-            "d/cycles.csv",
-            "--out",
-            "d",
-        ],
+        &words("run --on image --model d/cycles.csv --out d"),
         &["predict", "--model", "in", "other", "--out", "in"],
         &["predict", "--model", "other", "in", "--out", "in"],
         &[
             "predict", "--model", "other", "in", "--out", "x", "--json", "in",
         ],
         &["characterize", "in", "--dynamic", "--json", "in"],
-        &[
-            "characterize",
-            "d/characterize.svg",
-            "--static",
-            "--out",
-            "d",
-        ],
+        &words("characterize d/characterize.svg --static --out d"),
         &["orthogonal", "in", "--json", "in"],
         &["bench", "--baseline", "in", "--json", "in"],
         &["compare", "d", "other", "--out", "d/model.json"],

@@ -1,13 +1,13 @@
 //! `hil paper`: every claim's row with its numbers, the report, and the JSON.
 
 use std::collections::BTreeSet;
-use std::process::Command;
 use std::sync::OnceLock;
 
 use serde_json::Value;
 
 mod recomputed;
 
+use crate::command::{hil, words};
 use recomputed::{Row, rows};
 
 const DOCS: &str = include_str!("../../../../../docs/paper.md");
@@ -17,18 +17,9 @@ fn run() -> &'static (Value, String) {
     static RUN: OnceLock<(Value, String)> = OnceLock::new();
     RUN.get_or_init(|| {
         let root = tempfile::tempdir().unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-            .args(["paper", "--out", "new/out", "--json", "-"])
-            .current_dir(root.path())
-            .output()
-            .unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        let output = hil(root.path(), &words("paper --out new/out --json -"));
         let page = std::fs::read_to_string(root.path().join("new/out/report.html")).unwrap();
-        let paper = serde_json::from_slice(&output.stdout).unwrap();
+        let paper = serde_json::from_str(&output).unwrap();
         crate::full::schema_command::is_as_its_schema_says("paper", &paper);
         (paper, page)
     })

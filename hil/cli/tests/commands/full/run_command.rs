@@ -2,17 +2,15 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use mesh_damper_recording::Recording;
 
+use crate::command::words;
+use crate::refusal::hil;
+
 fn run(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hil"))
-        .arg("run")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
+    hil(directory, &[&["run"], arguments].concat())
 }
 
 /// A specimen that softens for longer than a run-in lasts. Within the run-in it softens by no more than the permitted 15 % of k1 at
@@ -92,14 +90,7 @@ fn a_law_that_follows_errs_less_and_says_by_how_much_it_went() {
 #[test]
 fn leaves_a_recording_and_its_cycles() {
     let root = tempfile::tempdir().unwrap();
-    let arguments = [
-        "--blocks",
-        "0.1:5:4,0.05:10:6",
-        "--seed",
-        "3",
-        "--json",
-        "-",
-    ];
+    let arguments = words("--blocks 0.1:5:4,0.05:10:6 --seed 3 --json -");
     let output = run(root.path(), &arguments);
     assert!(
         output.status.success(),

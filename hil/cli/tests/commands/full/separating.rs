@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::command::hil;
+use crate::command::{hil, words};
 use serde_json::Value;
 
 /// One amplitude at one frequency.
@@ -116,18 +116,11 @@ fn the_test_is_a_file_that_one_command_runs() {
     let command = text
         .lines()
         .find_map(|line| line.strip_prefix("# run: cargo hil "));
-    let mut words: Vec<&str> = command.unwrap().split(' ').collect();
-    words.extend(["--effect", effect]);
-    hil(root.path(), &words);
-    hil(
-        root.path(),
-        &[
-            "trace",
-            "separating-out/recording.csv.gz",
-            "--out",
-            "trace-out",
-        ],
-    );
+    let mut command = words(command.unwrap());
+    command.extend(["--effect", effect]);
+    hil(root.path(), &command);
+    let trace = words("trace separating-out/recording.csv.gz --out trace-out");
+    hil(root.path(), &trace);
     let after = result(root.path());
     assert_eq!(after["verdict"], "found", "{:?}", families(&after));
     // The rival is gone. The sensors' lag of 0.15 ms may appear in the remaining residual: it rounds the force where the friction

@@ -1,37 +1,19 @@
 //! The law of the surfaces in a rig that `hil run` runs.
 
-use std::process::Command;
-
 use mesh_damper_paper::amplitude_independent::Sine;
 use mesh_damper_paper::surfaces::{DEGREE, fit};
 use mesh_damper_reference::dynamic_test::characterize;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables::interpolate;
 
+use crate::command::{hil, words};
+
 /// K of a steady cycle of the law that `hil run` computes next to the specimen, at 2.75 g/cm³, 0.1 mm, 1 Hz.
 fn stiffness_in_the_rig(law: &str) -> f64 {
     let root = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_hil"))
-        .args([
-            "run",
-            "--density",
-            "2.75",
-            "--blocks",
-            "0.1:1:3",
-            "--json",
-            "-",
-            "--law",
-            law,
-        ])
-        .current_dir(root.path())
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let line = format!("run --density 2.75 --blocks 0.1:1:3 --json - --law {law}");
+    let output = hil(root.path(), &words(&line));
+    let summary: serde_json::Value = serde_json::from_str(&output).unwrap();
     let cycles = summary["cycles"].as_array().unwrap();
     let steady = cycles.iter().rfind(|cycle| cycle["ramp"] == false);
     steady.unwrap()["model_stiffness_kn_per_mm"]

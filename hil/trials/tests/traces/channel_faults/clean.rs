@@ -101,11 +101,7 @@ pub fn trapezoids(rate: f64) -> Vec<Sample> {
 
 /// One amplitude, 1 Hz.
 pub fn one_sine(rate: f64) -> Vec<Sample> {
-    let block = TestBlock {
-        amplitude: 0.1,
-        frequency: 1.0,
-        cycles: 15,
-    };
+    let block = TestBlock::new(0.1, 1.0, 15);
     samples_of(&[block], rate)
 }
 

@@ -162,9 +162,7 @@ impl RunCommand {
         if let Some(table) = table {
             outputs.add(self.out.join(table), csv_of(&summary.cycles)?);
         }
-        if let Some(json) = &self.json {
-            outputs.add_document(json, &summary)?;
-        }
+        outputs.add_document_if(&self.json, &summary)?;
         outputs
             .write()
             .map_err(|error| with_journal(error, &journal))?;
