@@ -2,8 +2,8 @@
 //! rig driven by an active law does not stay where it should.
 //!
 //! A law is accepted if it is the sum of parts that cannot supply energy, whatever the motion; the exceptions are named below. No
-//! motion is tried, so that the answer holds for every displacement and speed, also outside the operating range. A closed cycle is a motion after which
-//! displacement and memory are as before. Temperature, cycles and control inputs are constant in it.
+//! motion is tried, so that the answer holds for every displacement and speed, whatever operating range the law is said to have. A
+//! closed cycle is a motion after which displacement and memory are as before. Temperature, cycles and control inputs are constant in it.
 //!
 //! - **Elastic forces** depend on the displacement alone, and a mass on the acceleration: ∮F dy = 0.
 //! - **The law's damping** has the sign of the velocity, because c ≥ 0 and the part of it that remains is not below 0: 1 plus the
@@ -21,7 +21,7 @@
 //!
 //! Not judged are effects of [`Energy::Active`], which supply energy by their nature, in measurement or drive: a tone, a delay and a
 //! low-pass of the force channel. A spring in series returns the energy that it absorbs if the mass behind it is not below 0, and the
-//! law behind it not softer than −K within the operating range. But its step takes the forces of other effects from the tick before,
+//! law behind it nowhere softer than −K: k1 > −K and k3 ≥ 0. But its step takes the forces of other effects from the tick before,
 //! which may supply energy where these are stiffer than the spring ([`Compliance`](crate::effects::Compliance)); this is not judged.
 //!
 //! All of it is shown for the equations. Their steps are of second order, so that a coarse tick changes the energy of a cycle a little.
@@ -34,7 +34,7 @@
 //! // A dashpot below 0 parallel to friction: it drives a motion that is fast enough.
 //! let law = AugmentedLaw::<f32, 1>::new(Law::new(1.6, 0.0, 0.1, 0.3)?);
 //! let law = law.with(Effect::Viscous(Viscous::new(-0.5)?))?;
-//! let active = passivity::check(&law, None).unwrap_err();
+//! let active = passivity::check(&law).unwrap_err();
 //! assert_eq!((active.effect, active.field, active.value), ("viscous", "c1", -0.5));
 //! # Ok::<(), mesh_damper::error::ConfigError>(())
 //! ```
@@ -47,7 +47,6 @@ use core::fmt;
 
 use crate::effects::AugmentedLaw;
 use crate::effects::residual_table::{GROUPS, RUNS};
-use crate::operating_range::OperatingRange;
 use crate::real::Real;
 
 /// The part of a law with which it can give out more energy than it absorbs.
@@ -83,16 +82,13 @@ impl core::error::Error for Active {}
 /// cells.
 const PARTS: usize = 1 + GROUPS * RUNS;
 
-/// Checks that `law` is passive. `range` is its operating range; only a law that softens behind a spring in series depends on it.
+/// Checks that `law` is passive.
 ///
 /// # Errors
 /// The first part found with which it can be active.
-pub fn check<R: Real, const N: usize>(
-    law: &AugmentedLaw<R, N>,
-    range: Option<&OperatingRange<R>>,
-) -> Result<(), Active> {
+pub fn check<R: Real, const N: usize>(law: &AugmentedLaw<R, N>) -> Result<(), Active> {
     let mut bounds = [R::ZERO; 2];
-    (0..PARTS).try_for_each(|part| check_part(law, range, part, &mut bounds).map(|_| ()))
+    (0..PARTS).try_for_each(|part| check_part(law, part, &mut bounds).map(|_| ()))
 }
 
 /// The least force in kN that the law's own damping has at this speed in mm/s, by which a residual table may drive the motion there.
@@ -112,13 +108,12 @@ pub fn damping_beside_table<R: Real, const N: usize>(law: &AugmentedLaw<R, N>, s
 #[inline(never)]
 pub(crate) fn check_part<R: Real, const N: usize>(
     law: &AugmentedLaw<R, N>,
-    range: Option<&OperatingRange<R>>,
     part: usize,
     bounds: &mut [R; 2],
 ) -> Result<bool, Active> {
     let table = law.residual_table();
     let Some(run) = part.checked_sub(1) else {
-        if let Some(active) = law.supplies(range) {
+        if let Some(active) = law.supplies() {
             return Err(active);
         }
         let (left, by) = law.least_damping();

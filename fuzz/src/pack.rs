@@ -167,7 +167,7 @@ fn is_a_law(bytes: &[u8]) -> bool {
     let mut unused = FastLaw::<EFFECTS>::EMPTY;
     // Without the expectation, the verdict is that of a check of the law alone.
     let passive = pack::decode(bytes, &mut unused, &Expectation::default());
-    let checked = passivity::check(slot.augmented(), info.operating_range.as_ref());
+    let checked = passivity::check(slot.augmented());
     assert_eq!(passive, checked.map(|()| said).map_err(PackError::from));
     in_slices(sliced, &passive, &slot);
     // A pack of version 6 contains none of the required information.

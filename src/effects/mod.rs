@@ -31,7 +31,6 @@ pub use stop::MAX_CONTACTS;
 use crate::error::ConfigError;
 use crate::frame::Writer;
 use crate::law::Law;
-use crate::operating_range::OperatingRange;
 use crate::passivity::Active;
 use crate::real::{Real, compare};
 use description::{Cost, Description, EffectKind, Energy};
@@ -386,7 +385,7 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     }
 
     /// The first effect that can give out more energy than it absorbs with its parameters, for the check of [`crate::passivity`].
-    pub(crate) fn supplies(&self, range: Option<&OperatingRange<R>>) -> Option<Active> {
+    pub(crate) fn supplies(&self) -> Option<Active> {
         let is_there = |bit: Bit| self.effects.has(bit.mask());
         if is_there(Bit::Inertia) {
             let mass = self.effects.inertia.mass();
@@ -402,15 +401,10 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
                 });
             }
         }
-        // A law that is softer than the spring jumps from one displacement to another.
+        // A law that is softer than the spring jumps from one displacement to another. With k3 below 0 it is, from some displacement on.
         if is_there(Bit::Compliance) {
             let stiffness = self.effects.compliance.stiffness();
-            let ends = range.map_or([R::ZERO; 2], |range| range.displacement());
-            let softest = |y: R| self.law.k1() + R::from_f64(3.0) * self.law.k3() * y * y;
-            if [R::ZERO, ends[0], ends[1]]
-                .into_iter()
-                .any(|y| softest(y) + stiffness <= R::ZERO)
-            {
+            if self.law.k3() < R::ZERO || self.law.k1() + stiffness <= R::ZERO {
                 return Some(Active {
                     effect: Compliance::<R>::DESCRIPTION.name,
                     field: "stiffness",

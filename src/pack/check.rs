@@ -7,7 +7,6 @@ use crate::effects::{self, Effect, MOST_WORDS};
 use crate::fast_law::FastLaw;
 use crate::frame::{CHECKSUM, Reader, checksum_with};
 use crate::law::Law;
-use crate::operating_range::OperatingRange;
 use crate::passivity;
 
 /// Size of a slice: bytes of the checksum, words of an effect and cells of the table.
@@ -54,7 +53,6 @@ pub(super) struct Check {
     expected: u32,
     version: u16,
     stamp: Option<Stamp>,
-    range: Option<OperatingRange<f32>>,
     /// Number of effects still to come, and the known part of the next one.
     left: u8,
     effect: u8,
@@ -73,7 +71,6 @@ impl Check {
         expected: 0,
         version: 0,
         stamp: None,
-        range: None,
         left: 0,
         effect: 0,
         count: 0,
@@ -110,7 +107,7 @@ impl Check {
                     found.check()?;
                     self.stamp = Some(found);
                     expected.check(self.stamp.as_ref())?;
-                    self.range = info::numbers(&mut Reader(description))?.0;
+                    info::numbers(&mut Reader(description))?;
                 } else {
                     expected.check(None)?;
                 }
@@ -205,8 +202,7 @@ impl Check {
                 Stage::Passivity(0)
             }
             Stage::Passivity(part) => {
-                let range = self.range.as_ref();
-                if passivity::check_part(&slot.augmented, range, part, &mut self.bounds)? {
+                if passivity::check_part(&slot.augmented, part, &mut self.bounds)? {
                     return Ok(Some(self.end(slot)));
                 }
                 Stage::Passivity(part + 1)

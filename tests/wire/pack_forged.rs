@@ -3,7 +3,7 @@
 
 use mesh_damper::effects::description::{Dependence, Energy, Growth};
 use mesh_damper::effects::residual_table::{CELLS, Memory, ResidualTableParts};
-use mesh_damper::effects::{AugmentedLaw, DESCRIPTIONS, Effect, ResidualTable};
+use mesh_damper::effects::{AugmentedLaw, Compliance, DESCRIPTIONS, Effect, ResidualTable};
 use mesh_damper::fast_law::FastLaw;
 use mesh_damper::law::Law;
 use mesh_damper::operating_range::OperatingRange;
@@ -439,6 +439,27 @@ fn refused(body: &[u8]) -> String {
     };
     assert_eq!(pack::decode(&with_header(body), &mut law, &any), Err(error));
     error.to_string()
+}
+
+/// A law that softens behind a spring in series jumps from some displacement on. That its range is said to be tiny does not help.
+#[test]
+fn a_softening_law_behind_a_spring_is_refused_in_any_range() {
+    let law = AugmentedLaw::<f32, EFFECTS>::new(Law::new(1.6, -100.0, 0.3, 0.2).unwrap());
+    let spring = Compliance::new(20.0, 1e-4).unwrap();
+    let law = FastLaw::new(law.with(Effect::Compliance(spring)).unwrap());
+    for reach in [1e-3, 10.0] {
+        let info = PackInfo {
+            operating_range: Some(OperatingRange::new([-reach, reach], [-1.0, 1.0]).unwrap()),
+            ..PackInfo::at(1e4)
+        };
+        let mut slot = FastLaw::<EFFECTS>::EMPTY;
+        let bytes = encoded(&law, &info);
+        let decoded = pack::decode(&bytes, &mut slot, &Expectation::default());
+        let Err(PackError::Active(active)) = decoded else {
+            panic!("{decoded:?}");
+        };
+        assert_eq!((active.effect, active.field), ("compliance", "stiffness"));
+    }
 }
 
 /// The seed follows from c and α: each of its numbers alone, an eighth of an octave with the other sign, octaves that are too strong,

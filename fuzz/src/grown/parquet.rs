@@ -353,7 +353,8 @@ fn dictionaries(draw: &mut Draw) -> Vec<u8> {
 
 /// Sizes and counts that are not true.
 fn statements(draw: &mut Draw) -> Vec<u8> {
-    let large = draw.one_of(&[i64::from(i32::MAX), 1 << 40, -1, 1 << 24]);
+    let large = draw.one_of(&[i64::from(i32::MAX), 1 << 40, -1]);
+    let large = draw.one_of(&[large, 1 << 24, 1 << 26, 1 << 27, 1 << 28]);
     let bytes = match draw.chance() {
         true => gzipped(&vec![0; draw.size.unpacked]),
         false => gzipped(&[0; 24]),
@@ -366,10 +367,11 @@ fn statements(draw: &mut Draw) -> Vec<u8> {
         bytes: &bytes,
     };
     let mut rows = 3;
-    match draw.below(3) {
+    match draw.below(4) {
         0 => page.unpacked = large,
         1 => page.values = large,
-        _ => rows = large,
+        2 => rows = large,
+        _ => (page.values, rows) = (large, large),
     }
     let pages = page.written();
     let chunk = Chunk {

@@ -21,11 +21,12 @@ const RAW: u32 = 1 << 3;
 const INTERLEAVED: u32 = 1 << 5;
 const DAQMX: u32 = 1 << 7;
 const NONE: u32 = 0xffff_ffff;
-/// The types of values: a float of eight bytes, a byte, a text, and an integer of four bytes.
+/// The types of values: a float of eight bytes, a byte, a text, an integer of four bytes, and a date.
 const DOUBLE: u32 = 10;
 const BYTE: u32 = 5;
 const TEXT: u32 = 0x20;
 const INTEGER: u32 = 3;
+const DATE: u32 = 0x44;
 
 fn text(bytes: &mut Bytes, text: &str) {
     bytes.u32(text.len() as u32).put(text.as_bytes());
@@ -195,28 +196,37 @@ fn scalers(draw: &mut Draw) -> Vec<u8> {
     file
 }
 
+/// Clocks of many channels, or of one whose step and start change with its segments.
 fn clocks(draw: &mut Draw) -> Vec<u8> {
-    let count = draw.fit(90);
+    let (count, again) = draw.pair(130, draw.size.file * 7 / 8);
     let is_same = draw.chance();
-    let mut list = Bytes::default();
-    list.u32(count as u32);
-    for index in 0..count {
-        let step = if is_same {
-            1.0
-        } else {
-            1.0 + index as f64 * 1e-6
-        };
-        let properties = [number("wf_increment", step)];
-        let group = if draw.chance() { index } else { 0 };
-        object(
-            &mut list,
-            &format!("/'g{group}'/'c{index}'"),
-            BYTE,
-            1,
-            &properties,
-        );
+    let groups = draw.one_of(&[1, count]);
+    let mut file = Vec::new();
+    for change in 0..again {
+        let mut list = Bytes::default();
+        list.u32(count as u32);
+        for index in 0..count {
+            let step = 1.0 + (change + if is_same { 0 } else { index }) as f64 * 1e-6;
+            let properties = [start(change), number("wf_increment", step)];
+            let path = format!("/'g{}'/'c{index}'", index % groups);
+            object(&mut list, &path, BYTE, 1, &properties);
+        }
+        file.extend(segment(
+            &list.0,
+            &vec![1; 2 * count],
+            METADATA | NEW_LIST | RAW,
+        ));
     }
-    segment(&list.0, &vec![1; 2 * count], METADATA | NEW_LIST | RAW)
+    file.truncate(draw.size.file);
+    file
+}
+
+/// The start of a clock, this many seconds after 1904.
+fn start(seconds: usize) -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    text(&mut bytes, "wf_start_time");
+    bytes.u32(DATE).u64(0).u64(seconds as u64);
+    bytes.0
 }
 
 /// Scales that refer to one another.

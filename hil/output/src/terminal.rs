@@ -150,6 +150,7 @@ mod tests {
                 r"\u{200b}\u{200d}\u{feff}\u{2060}\u{ad}",
             ),
             ("\u{2028}\u{2029}\u{e0041}", r"\u{2028}\u{2029}\u{e0041}"),
+            ("\u{206a}\u{206f}\u{fe0f}", r"\u{206a}\u{206f}\u{fe0f}"),
         ] {
             assert_eq!(visible(text), shown);
         }

@@ -17,6 +17,11 @@ pub fn quantile(values: &mut [f64], part: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let place = ((values.len() - 1) as f64 * part).round() as usize;
+    let place = place_of(part, values.len());
     *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// How many of `count` values come before the one below which `part` (0…1) of them lie.
+pub(crate) fn place_of(part: f64, count: usize) -> usize {
+    (count.saturating_sub(1) as f64 * part).round() as usize
 }

@@ -261,6 +261,14 @@ impl Recording {
         self.lines.line(index).unwrap_or(index as u64 + 1)
     }
 
+    /// The recording without what follows its first `samples`.
+    #[must_use]
+    pub fn first(mut self, samples: usize) -> Self {
+        let is_kept: Vec<bool> = (0..self.len()).map(|index| index < samples).collect();
+        self.keep(&is_kept);
+        self
+    }
+
     /// Keeps the samples that `is_kept`, with their rows of the file.
     fn keep(&mut self, is_kept: &[bool]) {
         let controls = self.controls.iter_mut().map(|control| &mut control.values);

@@ -405,23 +405,21 @@ impl Samples {
         else {
             return;
         };
-        let rows_of = |index: usize| -> Vec<usize> {
-            let values = self.channels[index].iter().enumerate();
-            let known = values.filter(|(_, value)| !value.is_nan());
-            known.map(|(row, _)| row).collect()
-        };
-        let (of_displacement, of_force) = (rows_of(displacement), rows_of(force));
-        let both = of_force
-            .iter()
-            .filter(|&&row| !self.channels[displacement][row].is_nan());
-        let fewer = of_displacement.len().min(of_force.len());
+        let is_known = |index: usize, row: usize| !self.channels[index][row].is_nan();
+        let rows = || 0..self.channels[force].len();
+        let count = |index| rows().filter(|&row| is_known(index, row)).count();
+        let (of_displacement, of_force) = (count(displacement), count(force));
+        let both = rows().filter(|&row| is_known(displacement, row) && is_known(force, row));
+        let fewer = of_displacement.min(of_force);
         if 2 * both.count() >= fewer || fewer < FEWEST_SAMPLES {
             return;
         }
-        let (faster, known, slower) = match of_displacement.len() >= of_force.len() {
-            true => (displacement, of_displacement, of_force),
-            false => (force, of_force, of_displacement),
+        let (faster, slower) = match of_displacement >= of_force {
+            true => (displacement, force),
+            false => (force, displacement),
         };
+        let rows_of = |index| rows().filter(move |&row| is_known(index, row));
+        let known: Vec<usize> = rows_of(faster).collect();
         let time = place(Channel::Time).map(|time| &self.channels[time]);
         let at = |row: usize| time.map_or(row as f64, |time| time[row]);
         let nodes: Vec<f64> = known.iter().map(|&row| at(row)).collect();
@@ -429,7 +427,7 @@ impl Samples {
             return;
         }
         let inside = |row: &usize| (nodes[0]..=nodes[nodes.len() - 1]).contains(&at(*row));
-        let slower: Vec<usize> = slower.into_iter().filter(inside).collect();
+        let slower: Vec<usize> = rows_of(slower).filter(inside).collect();
         let values: Vec<f64> = known
             .iter()
             .map(|&row| self.channels[faster][row])

@@ -147,13 +147,28 @@ impl Budget {
     /// # Errors
     /// The part with which the allowance is used up.
     pub fn push<T>(&self, list: &mut Vec<T>, entry: T, part: &str) -> Result<(), InputError> {
-        if list.len() == list.capacity() {
-            // Twice the room at each time could be twice what is needed.
-            let more = (list.capacity() / 2).max(4);
-            self.hold((more as u64).saturating_mul(size_of::<T>() as u64), part)?;
-            list.reserve_exact(more);
-        }
+        self.reserve(list, 1, part)?;
         list.push(entry);
+        Ok(())
+    }
+
+    /// Room for `count` more entries of a list: if it lacks, a quarter more than there is. Doubling, as a vector does by itself, would use
+    /// the whole limit of a text of short rows.
+    ///
+    /// # Errors
+    /// As [`Budget::push`].
+    pub fn reserve<T>(
+        &self,
+        list: &mut Vec<T>,
+        count: usize,
+        part: &str,
+    ) -> Result<(), InputError> {
+        let free = list.capacity() - list.len();
+        if count > free {
+            let more = (count - free).max(list.capacity() / 4).max(4);
+            self.hold((more as u64).saturating_mul(size_of::<T>() as u64), part)?;
+            list.reserve_exact(free + more);
+        }
         Ok(())
     }
 

@@ -41,7 +41,7 @@ fn read(bytes: &[u8]) {
     }
 }
 
-/// Twelve bytes for each byte of the limit, as with text, and the libraries' own memory.
+/// The budget's six bytes for each byte of the limit, and the libraries' own memory.
 #[test]
 fn is_in_proportion_to_the_limit() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");
@@ -65,7 +65,7 @@ fn is_in_proportion_to_the_limit() {
             read(&bytes);
             let taken = most_memory() - at_first;
             assert!(
-                taken < 12 * LIMIT + (48 << 20),
+                taken < 6 * LIMIT + (10 << 20),
                 "{taken} bytes of a copy of {}",
                 path.display()
             );

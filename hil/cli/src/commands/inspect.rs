@@ -136,6 +136,9 @@ pub struct InspectedRecording {
 const FIRST: usize = 5;
 /// Largest number of columns whose values are all read to count them, if no recording is read.
 const MOST_READ: usize = 64;
+/// Largest number of samples that are examined as a trace would. Convention: it bounds memory and time for any file, and is more than a
+/// quarter of an hour at 1 kHz.
+const MOST_EXAMINED: usize = 1 << 20;
 
 impl InspectCommand {
     pub fn run(self) -> Result<(), Failure> {
@@ -232,8 +235,15 @@ fn inspect(
         match Recording::read_channels(path, &stated) {
             Ok(recording) => {
                 file.notes = recording.guesses().to_vec();
-                file.recording = Some(like(&recording));
-                problem = recording.check_traceable().err();
+                if recording.len() > MOST_EXAMINED {
+                    file.notes.push(format!(
+                        "its rate, its cycles and its faults are those of its first {MOST_EXAMINED} samples; whether a trace would \
+                        refuse it is not examined"
+                    ));
+                }
+                let (like, untraceable) = like(recording);
+                file.recording = Some(like);
+                problem = untraceable;
             }
             Err(error) => problem = Some(error),
         }
@@ -376,8 +386,18 @@ fn range(values: &[f64]) -> Option<[f64; 2]> {
     (least <= most).then_some([least, most])
 }
 
-fn like(recording: &Recording) -> InspectedRecording {
+/// What a recording is like, and why a trace would refuse it.
+fn like(mut recording: Recording) -> (InspectedRecording, Option<InputError>) {
     let ends = |values: &[f64]| range(values).unwrap_or_default();
+    let (samples, time_s) = (recording.len(), ends(&recording.time));
+    let [displacement_mm, force_kn] = [&recording.displacement, &recording.force].map(|v| ends(v));
+    let controls = std::mem::take(&mut recording.controls);
+    // The first samples may be at rest, and a trace take the whole.
+    let checked = match samples > MOST_EXAMINED {
+        true => recording.check_force(),
+        false => recording.check_traceable(),
+    };
+    let recording = recording.first(MOST_EXAMINED);
     let repaired = recording.repaired();
     let uniform = repaired.uniform().ok();
     let of_times = uniform.as_ref().map_or_else(Vec::new, Uniform::faults);
@@ -385,26 +405,23 @@ fn like(recording: &Recording) -> InspectedRecording {
         ChannelFaultKind::Jitter { rms, .. } => Some(rms),
         _ => None,
     });
-    InspectedRecording {
-        samples: recording.len(),
-        time_s: ends(&recording.time),
+    let like = InspectedRecording {
+        samples,
+        time_s,
         rate_hz: uniform.as_ref().map(|uniform| 1.0 / uniform.period),
         jitter_steps: jitter,
         samples_per_cycle: uniform.as_ref().and_then(samples_per_cycle),
-        displacement_mm: ends(&recording.displacement),
-        force_kn: ends(&recording.force),
-        controls: recording
-            .controls
-            .iter()
-            .map(|control| control.name.clone())
-            .collect(),
+        displacement_mm,
+        force_kn,
+        controls: controls.into_iter().map(|control| control.name).collect(),
         faults: repaired
             .faults()
             .iter()
             .chain(&of_times)
             .map(ToString::to_string)
             .collect(),
-    }
+    };
+    (like, checked.err())
 }
 
 /// Of 20 cycles one may be shorter: noise can cross the mid level too.

@@ -123,7 +123,7 @@ impl Export {
                 .named(&settings.name)
                 .map_err(ExportError::Setting)?
         };
-        let passivity = passivity::check(law.augmented(), info.operating_range.as_ref());
+        let passivity = passivity::check(law.augmented());
         if let (Err(active), false) = (passivity, settings.allow_active) {
             return Err(ExportError::Active(active));
         }

@@ -67,6 +67,15 @@ impl ModelFile {
                 format!("{} is no fraction of a force", elsewhere.most),
             );
         }
+        if self.controls.len() > CONTROLS {
+            return refused(
+                "controls".into(),
+                format!(
+                    "{} control inputs are given, at most {CONTROLS} are possible",
+                    self.controls.len()
+                ),
+            );
+        }
         for (index, control) in self.controls.iter().enumerate() {
             let others = &self.controls[..index];
             if control.name.is_empty() {
@@ -88,15 +97,6 @@ impl ModelFile {
                     format!("{low} to {high} is not a finite range"),
                 );
             }
-        }
-        if self.controls.len() > CONTROLS {
-            return refused(
-                "controls".into(),
-                format!(
-                    "{} control inputs are given, at most {CONTROLS} are possible",
-                    self.controls.len()
-                ),
-            );
         }
         let unnamed = |effect: &AddedEffect| {
             let place = effect.parameters.get("input").copied();

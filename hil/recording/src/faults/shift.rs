@@ -197,12 +197,17 @@ impl ShiftRows {
     /// A damper may differ at every amplitude, as in the published tables.
     fn of_each_amplitude(trajectory: &Trajectory, reach: usize) -> Vec<Self> {
         let inner = reach..trajectory.len() - reach;
+        let kinks = &trajectory.motion.kinks;
         let every = inner.len().div_ceil(MOST_ROWS).max(1);
         let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
         for sample in inner.step_by(every) {
             // Friction jumps there with the velocity, between two samples, which says nothing about parts of a tick.
-            let near = |kink: &usize| kink.abs_diff(sample) <= ShiftPolicy::in_use().about_kinks;
-            if trajectory.motion.kinks.iter().any(near) {
+            let about = ShiftPolicy::in_use().about_kinks;
+            let before = kinks.partition_point(|kink| kink + about < sample);
+            if kinks
+                .get(before)
+                .is_some_and(|kink| *kink <= sample + about)
+            {
                 continue;
             }
             let amplitude = trajectory.amplitude[sample];

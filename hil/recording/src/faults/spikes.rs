@@ -1,5 +1,6 @@
 //! Samples that are outliers from both of their neighbours, and from the channel's usual behaviour in the same state.
 
+use std::cell::LazyCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -8,7 +9,7 @@ use super::super::resample::Uniform;
 use super::{
     Channel, ChannelFault, ChannelFaultKind, bridge, mark, median_filtered, runs, sampled, spread,
 };
-use crate::extremes::{least_and_largest, quantile};
+use crate::extremes::{least_and_largest, place_of, quantile};
 use crate::faults::FaultsPolicy;
 
 crate::numbers! {
@@ -250,7 +251,8 @@ impl Spikes {
     fn look(&mut self, values: &[f64], states: &[State], usable: &[bool], floor: f64, large: f64) {
         let median = median_filtered(values, SpikesPolicy::in_use().half);
         let apart: Vec<f64> = values.iter().zip(&median).map(|(x, m)| x - m).collect();
-        let usual = Usual::of(&apart, states);
+        // Of a channel without a sample that could be one it is not needed.
+        let usual = LazyCell::new(|| Usual::of(&apart, states));
         let mut candidates = vec![false; values.len()];
         for index in
             SpikesPolicy::in_use().half..values.len().saturating_sub(SpikesPolicy::in_use().half)
@@ -262,7 +264,7 @@ impl Spikes {
                 && self.is_beyond_levels(values[index], floor)
                 && size > floor
                 && size > SpikesPolicy::in_use().times_around[tier] * around(&apart, index)
-                && size > SpikesPolicy::in_use().times_usual[tier] * usual.at(index, states[index]);
+                && usual.is_exceeded(index, SpikesPolicy::in_use().times_usual[tier]);
         }
         for run in runs(&candidates) {
             let largest = apart[run.clone()]
@@ -375,39 +377,64 @@ fn around(apart: &[f64], index: usize) -> f64 {
 /// Usual distance of samples from the running median, state by state.
 struct Usual<'a> {
     apart: &'a [f64],
-    samples: HashMap<State, Vec<usize>>,
+    states: &'a [State],
+    /// The distances in each state, the smallest first: a search for each sample that may be a spike is then short.
+    sorted: HashMap<State, Vec<f64>>,
 }
 
 impl<'a> Usual<'a> {
-    fn of(apart: &'a [f64], states: &[State]) -> Self {
-        let mut samples: HashMap<State, Vec<usize>> = HashMap::new();
-        for (index, &state) in states.iter().enumerate() {
-            samples.entry(state).or_default().push(index);
+    fn of(apart: &'a [f64], states: &'a [State]) -> Self {
+        let mut sorted: HashMap<State, Vec<f64>> = HashMap::new();
+        for (apart, &state) in apart.iter().zip(states) {
+            sorted.entry(state).or_default().push(apart.abs());
         }
-        Self { apart, samples }
+        for apart in sorted.values_mut() {
+            apart.sort_unstable_by(f64::total_cmp);
+        }
+        Self {
+            apart,
+            states,
+            sorted,
+        }
     }
 
-    /// The distance within which nine tenths of the samples in the state of `index` lie, without its neighbours; for a rare state,
-    /// including the states around it.
-    fn at(&self, index: usize, state: State) -> f64 {
-        let mut around: Vec<f64> = Vec::new();
-        for reach in 0..=SpikesPolicy::in_use().reach {
-            around.clear();
-            for level in -reach..=reach {
-                for octave in -reach..=reach {
-                    let near = self.samples.get(&(state.0 + level, state.1 + octave));
-                    let others = near
-                        .into_iter()
-                        .flatten()
-                        .filter(|other| other.abs_diff(index) > SpikesPolicy::in_use().half);
-                    around.extend(others.map(|&other| self.apart[other].abs()));
+    /// Whether the distance of sample `index` is more than `times` that within which nine tenths of the samples in its state lie, without
+    /// its neighbours; for a rare state, including the states around it.
+    fn is_exceeded(&self, index: usize, times: f64) -> bool {
+        let SpikesPolicy {
+            half,
+            enough,
+            reach,
+            ..
+        } = *SpikesPolicy::in_use();
+        let (size, state) = (self.apart[index].abs(), self.states[index]);
+        let is_less = |apart: &f64| times * apart < size;
+        let end = (index + half + 1).min(self.apart.len());
+        let neighbours = index.saturating_sub(half)..end;
+        let [mut count, mut less] = [0; 2];
+        for reach in 0..=reach {
+            [count, less] = [0; 2];
+            let each = (-reach..=reach).flat_map(|level| {
+                (-reach..=reach)
+                    .map(move |octave| (state.0.wrapping_add(level), state.1.wrapping_add(octave)))
+            });
+            for sorted in each.filter_map(|near| self.sorted.get(&near)) {
+                count += sorted.len();
+                less += sorted.partition_point(is_less);
+            }
+            for other in neighbours.clone() {
+                let (level, octave) = self.states[other];
+                if level.abs_diff(state.0).max(octave.abs_diff(state.1)) <= reach as u32 {
+                    count -= 1;
+                    less -= usize::from(is_less(&self.apart[other].abs()));
                 }
             }
-            if around.len() >= SpikesPolicy::in_use().enough {
+            if count >= enough {
                 break;
             }
         }
-        quantile(&mut around, FaultsPolicy::in_use().usually)
+        // The one at that place, and thus all before it.
+        count == 0 || less > place_of(FaultsPolicy::in_use().usually, count)
     }
 }
 

@@ -19,6 +19,7 @@ use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
 use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
 use super::noise_floor::NoiseFloor;
+use super::resample::Uniform;
 use super::smoother::Band;
 use crate::extremes::least_and_largest;
 use crate::rig::RigFacts;
@@ -141,13 +142,51 @@ impl Recording {
         ))
     }
 
-    /// Refuses what a trace would refuse before it fits.
+    /// Refuses what a trace would refuse before it fits, in time proportional to the samples. A displacement that would be mostly noise
+    /// only after smoothing is not refused here.
     ///
     /// # Errors
     /// As [`Recording::check_force`] and [`Trajectory::of`].
     pub fn check_traceable(&self) -> Result<(), InputError> {
         self.check_force()?;
-        Trajectory::of(self).map(drop)
+        let (uniform, _) = self.usable()?;
+        let noise = noise_deviation(&uniform.displacement);
+        self.check_noise(&uniform.displacement, noise)
+    }
+
+    /// The samples on a uniform time base without those of channel faults, and all faults found.
+    fn usable(&self) -> Result<(Uniform, Vec<ChannelFault>), InputError> {
+        self.require_samples(TrajectoryPolicy::in_use().fewest_samples)?;
+        let recording = self.repaired();
+        let mut uniform = recording.uniform()?;
+        let mut found = recording.faults().to_vec();
+        found.extend(uniform.faults());
+        found.extend(faults::examine(&mut uniform));
+        let measured = uniform.measured.iter().filter(|&&measured| measured);
+        if measured.count() < TrajectoryPolicy::in_use().fewest_samples {
+            return Err(InputError::new(
+                &self.name,
+                format!("almost none of its samples can be used: {}", listed(&found)),
+                "correct the channels, or leave the recording out",
+            ));
+        }
+        Ok((uniform, found))
+    }
+
+    /// Refuses a `displacement` with too much noise.
+    fn check_noise(&self, displacement: &[f64], noise: f64) -> Result<(), InputError> {
+        let (low, high) = least_and_largest(displacement);
+        if noise > TrajectoryPolicy::in_use().largest_noise * (high - low) {
+            return Err(InputError::new(
+                &self.name,
+                format!(
+                    "its displacement moves by {:.2e} mm only, with noise of {noise:.2e} mm",
+                    high - low
+                ),
+                "check the displacement's channel and unit",
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -235,25 +274,7 @@ impl Trajectory {
         recording: &Recording,
         known_zero: Option<Zero>,
     ) -> Result<(Self, Option<MovingAverage>), InputError> {
-        recording.require_samples(TrajectoryPolicy::in_use().fewest_samples)?;
-        let recording = &recording.repaired();
-        let mut uniform = recording.uniform()?;
-        let mut found = recording.faults().to_vec();
-        found.extend(uniform.faults());
-        found.extend(faults::examine(&mut uniform));
-        if uniform
-            .measured
-            .iter()
-            .filter(|&&measured| measured)
-            .count()
-            < TrajectoryPolicy::in_use().fewest_samples
-        {
-            return Err(InputError::new(
-                &recording.name,
-                format!("almost none of its samples can be used: {}", listed(&found)),
-                "correct the channels, or leave the recording out",
-            ));
-        }
+        let (mut uniform, found) = recording.usable()?;
         let average = MovingAverage::find(&uniform.displacement, &uniform.force);
         // It is unknown whether a measured velocity was averaged too.
         if average.is_some() {
@@ -278,18 +299,8 @@ impl Trajectory {
         }
         trajectory.controls = Arc::new(uniform.controls);
         trajectory.faults = found;
-        let (low, high) = least_and_largest(&trajectory.motion.displacement);
-        if trajectory.motion.noise > TrajectoryPolicy::in_use().largest_noise * (high - low) {
-            return Err(InputError::new(
-                &recording.name,
-                format!(
-                    "its displacement moves by {:.2e} mm only, with noise of {:.2e} mm",
-                    high - low,
-                    trajectory.motion.noise
-                ),
-                "check the displacement's channel and unit",
-            ));
-        }
+        let motion = &trajectory.motion;
+        recording.check_noise(&motion.displacement, motion.noise)?;
         // The gaps between the harmonics of a motion with corners look like the notches of an average over half a period or more.
         let fastest = trajectory.blocks.iter().map(|block| block.frequency);
         let shortest = 1.0 / fastest.fold(0.0, f64::max);

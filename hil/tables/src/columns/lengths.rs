@@ -17,13 +17,14 @@ use crate::units::Unit;
 impl Choice<'_> {
     /// The columns with a unit of length that are in no use, each with its name as a control input: `slider_mm` for `Slider [mm]`.
     pub(super) fn lengths(&self, is_used: &HashSet<usize>) -> Vec<ChosenControl> {
-        let mut lengths: Vec<ChosenControl> = Vec::new();
+        let (mut lengths, mut names) = (Vec::new(), HashSet::new());
         for (column, each) in self.table.columns.iter().enumerate() {
             if is_used.contains(&column) || !each.is_numeric || each.is_stamp {
                 continue;
             }
-            let is_new = |name: &String| lengths.iter().all(|known| known.name != *name);
-            if let Some((name, unit)) = name_of(each).filter(|(name, _)| is_new(name)) {
+            if let Some((name, unit)) = name_of(each)
+                && names.insert(name.clone())
+            {
                 lengths.push(ChosenControl {
                     column,
                     name,

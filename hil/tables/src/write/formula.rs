@@ -12,6 +12,8 @@ const BEGINS: [char; 10] = [
 ];
 /// The signs at which a cell may end: which one does, is a setting of the spreadsheet.
 const ENDS: [char; 5] = [',', ';', '\t', '\n', '\r'];
+/// The sign in which a cell may stand, which begins behind it.
+const QUOTE: char = '"';
 const GUARD: char = '\'';
 
 /// `text` for a cell or a comment of a CSV: with an apostrophe before each part that a spreadsheet would take for a formula. A number is
@@ -65,18 +67,31 @@ fn formulas(text: &str) -> impl Iterator<Item = (usize, usize)> {
     begins.filter_map(|begin| {
         let cell = &text[begin..];
         let bare = cell.trim_start_matches(GUARD);
-        let is_number = || {
-            // All of it: what follows a number may be a part of its formula.
-            let number = bare.replacen(',', ".", 1);
-            number.parse().is_ok_and(f64::is_finite)
-        };
-        (bare.starts_with(BEGINS) && !is_number()).then(|| (begin, cell.len() - bare.len()))
+        let inner = bare.trim_start_matches(QUOTE);
+        (inner.starts_with(BEGINS) && !is_number(inner)).then(|| (begin, cell.len() - bare.len()))
     })
+}
+
+/// Whether all of a text is a number: what follows one may be a part of its formula.
+fn is_number(text: &str) -> bool {
+    let number = text.replacen(',', ".", 1);
+    number.parse().is_ok_and(f64::is_finite)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Whether a sheet whose cells end at `sign` has a formula in a line. A sign alone is none.
+    fn computes(line: &str, sign: u8) -> bool {
+        let mut rows = csv::ReaderBuilder::new();
+        rows.has_headers(false).flexible(true).delimiter(sign);
+        let is_formula = |cell: &str| {
+            cell.starts_with(BEGINS) && cell.chars().count() > 1 && !is_number(cell.trim())
+        };
+        let mut rows = rows.from_reader(line.as_bytes());
+        (rows.records()).any(|row| row.unwrap().iter().any(is_formula))
+    }
 
     #[test]
     fn a_formula_is_guarded_wherever_a_cell_may_begin() {
@@ -102,6 +117,8 @@ mod tests {
             ("'quoted'", "'quoted'"),
             ("a.csv;=b.csv", "a.csv;'=b.csv"),
             ("a,b,+c;''@d", "a,b,'+c;'''@d"),
+            ("a,\"=x\"", "a,'\"=x\""),
+            ("a;'\"\"=x", "a;''\"\"=x"),
         ] {
             assert_eq!(guarded(text), written);
             assert_eq!(unguarded(written), text);
@@ -111,12 +128,15 @@ mod tests {
     #[test]
     fn a_comment_is_one_line_without_a_formula() {
         assert_eq!(comment_line("ring 3, =x,=y\n-z"), "# ring 3, =x,'=y -z\n");
+        let comment = "note,\"=HYPERLINK(\"\"http://a\"\")\"";
+        assert!(computes(comment, b','));
+        assert_eq!(comment_line(comment), format!("# {}\n", guarded(comment)));
     }
 
-    /// All texts of up to five of these signs.
+    /// All texts of up to five of these signs, alone and as comments.
     #[test]
     fn what_is_guarded_is_no_formula_and_is_read_back() {
-        const SIGNS: [char; 8] = ['-', '\'', '=', '1', ',', ';', '\t', 'a'];
+        const SIGNS: [char; 9] = ['-', '\'', '"', '=', '1', ',', ';', '\t', 'a'];
         let mut texts = vec![String::new()];
         for _ in 0..5 {
             let longer = texts
@@ -128,6 +148,12 @@ mod tests {
                 let mut formulas = formulas(&written);
                 assert!(formulas.all(|(_, guards)| guards > 0), "{written:?}");
                 assert_eq!(unguarded(&written), *text);
+                for line in [&*written, &comment_line(text)] {
+                    assert!(
+                        ![b',', b';', b'\t'].iter().any(|&sign| computes(line, sign)),
+                        "{line:?}"
+                    );
+                }
             }
         }
     }

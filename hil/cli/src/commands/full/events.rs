@@ -19,9 +19,9 @@ pub(super) struct EventRow {
     fault: bool,
     /// The statistic that changed, by the crate's name.
     statistic: String,
-    /// The value of the statistic: as a fraction, in mm or in kN, depending on the statistic. For a sample it is the sample itself.
-    #[schemars(with = "Option<f32>")]
-    value: f32,
+    /// The value of the statistic: as a fraction, in mm or in kN, depending on the statistic. For a sample it is the sample itself;
+    /// null if that is no number.
+    value: Option<f32>,
     /// The limit of the value, in the same unit.
     limit: f32,
     #[serde(skip)]
@@ -37,7 +37,7 @@ impl EventRow {
             or: event.or.map(|or| format!("{or:?}")),
             fault: event.cause.is_fault(),
             statistic: format!("{:?}", event.statistic),
-            value: event.value,
+            value: Some(event.value).filter(|value| value.is_finite()),
             limit: event.limit,
             event,
         }
@@ -56,8 +56,10 @@ impl EventRow {
 
     /// The cause with its evidence.
     fn what(&self) -> String {
-        let Event { cause, or, .. } = self.event;
-        let (value, limit) = (self.value, self.limit);
+        let Event {
+            cause, or, value, ..
+        } = self.event;
+        let limit = self.limit;
         let percent = |what: &str| {
             format!(
                 "{what} moved by {:+.1} %, limit {:.1} %",
@@ -107,6 +109,36 @@ impl EventRow {
             or: self.or.clone(),
             fault: self.fault,
             text: self.what(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper_output::finite::check_document;
+
+    use super::*;
+
+    #[test]
+    fn a_sample_that_is_no_number_is_null() {
+        let mut event = Event {
+            cause: HealthCause::TemperatureImplausible,
+            or: None,
+            statistic: Statistic::Sample,
+            value: f32::NAN,
+            limit: 20.0,
+            cycle: 3,
+        };
+        for (value, written) in [
+            (f32::NAN, None),
+            (f32::INFINITY, None),
+            (999.0, Some(999.0)),
+        ] {
+            event.value = value;
+            let row = EventRow::new(&(1.0, event));
+            assert_eq!(row.value, written);
+            check_document("run.json", &row).unwrap();
+            assert!(row.in_words().contains("it measured"));
         }
     }
 }

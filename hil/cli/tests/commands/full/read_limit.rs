@@ -125,6 +125,14 @@ fn an_endless_json_file_is_refused() {
 }
 
 #[test]
+fn an_endless_pack_is_refused() {
+    let root = folder();
+    let arguments = ["upload", "/dev/zero", "--to", "serial:/dev/none"];
+    let said = ["/dev/zero: is not a coefficient pack"];
+    refuses(&hil_within(ALONE, root.path(), &arguments), &said);
+}
+
+#[test]
 fn many_short_lines_are_refused_at_the_limit() {
     let root = folder();
     let rows = "1,1,1\n2,2,2\n";
@@ -193,10 +201,12 @@ fn least(times: usize, work: impl Fn()) -> f64 {
 fn time_grows_as_the_number_of_columns() {
     let root = tempfile::tempdir().unwrap();
     let names = |columns: usize, kind: &str| -> String {
-        (0..columns).map(|n| format!(",{kind}{n}")).collect()
+        (0..columns)
+            .map(|n| format!(",{}", kind.replace('#', &n.to_string())))
+            .collect()
     };
-    let recording = |columns| {
-        let text = HEADER.trim().to_owned() + &names(columns, "c") + "\n";
+    let recording = |columns, kind| {
+        let text = HEADER.trim().to_owned() + &names(columns, kind) + "\n";
         move || {
             let read = Recording::from_bytes("a.csv".as_ref(), text.clone().into());
             assert!(read.unwrap_err().to_string().contains("holds no samples"));
@@ -209,14 +219,18 @@ fn time_grows_as_the_number_of_columns() {
         ];
         let results = ",1".repeat(columns);
         let rows: String = runs.iter().map(|run| format!("{run}{results}\n")).collect();
-        let header = format!("factor_a,factor_b{}\n", names(columns, "result_r"));
+        let header = format!("factor_a,factor_b{}\n", names(columns, "result_r#"));
         fs::write(&path, header + &rows).unwrap();
         move || assert!(Experiment::read(&path).is_ok())
     };
     // The same number of columns in one file and in 64 files: a search through all names for each column would take 64 times as long
     // in one file.
-    let of_recordings = least(1, recording(1 << 16)) / least(64, recording(1 << 10));
-    assert!(of_recordings < 16.0, "{of_recordings}");
+    // One of lengths is read as a control input.
+    for kind in ["c#", "x#_mm"] {
+        let whole = least(1, recording(1 << 16, kind));
+        let of_recordings = whole / least(64, recording(1 << 10, kind));
+        assert!(of_recordings < 16.0, "{kind}: {of_recordings}");
+    }
     let of_tests = least(1, test(1 << 15)) / least(64, test(1 << 9));
     assert!(of_tests < 16.0, "{of_tests}");
 }

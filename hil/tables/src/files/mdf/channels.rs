@@ -77,15 +77,16 @@ impl Channels {
         let mut channels = Self::default();
         let conversions = Conversions::new();
         let mut link = first;
-        let mut chain = LinkChain::new();
+        // A block belongs to one other, so that none is reached twice.
+        let mut visited = LinkChain::new();
         while link != 0 {
             let size = size_of::<Data>() + 2 * size_of::<(u64, usize)>();
             blocks.budget.hold(2 * size as u64, PART)?;
-            chain.visit(link, "dg_next")?;
+            visited.visit(link, "dg_next")?;
             let block: DgBlock = blocks.block(link)?;
             let from = channels.groups.len();
             channels.at.entry(link).or_insert(from);
-            channels.of_data(blocks, &conversions, link, block.cg_first)?;
+            channels.of_data(blocks, &conversions, &mut visited, link, block.cg_first)?;
             let groups = &mut channels.groups[from..];
             let layouts: Vec<Layout> = groups.iter().map(|group| group.layout).collect();
             let mut data = Data {
@@ -105,16 +106,16 @@ impl Channels {
         &mut self,
         blocks: &Blocks,
         conversions: &Conversions,
+        visited: &mut LinkChain,
         data: u64,
         first: u64,
     ) -> Result<(), Refused> {
         let from = self.groups.len();
         let mut link = first;
-        let mut chain = LinkChain::new();
         while link != 0 {
             let size = size_of::<Group>() + 2 * size_of::<(u64, usize)>();
             blocks.budget.hold(2 * size as u64, PART)?;
-            chain.visit(link, "cg_next")?;
+            visited.visit(link, "cg_next")?;
             let block: CgBlock = blocks.block(link)?;
             let layout = Layout {
                 values: block.data_bytes as usize,
@@ -123,6 +124,7 @@ impl Channels {
             let mut members = Members {
                 blocks,
                 conversions,
+                visited,
                 around: [data, link],
                 record: layout.values + layout.invalid,
                 channels: Vec::new(),
@@ -183,6 +185,7 @@ fn count(
 struct Members<'b> {
     blocks: &'b Blocks,
     conversions: &'b Conversions,
+    visited: &'b mut LinkChain,
     /// Links to the group of data and to the group.
     around: [u64; 2],
     /// Bytes of a record.
@@ -202,11 +205,10 @@ impl Members<'_> {
             .into());
         };
         let mut link = first;
-        let mut chain = LinkChain::new();
         while link != 0 {
             let size = size_of::<Channel>() + 2 * size_of::<u64>();
             self.blocks.budget.hold(2 * size as u64, PART)?;
-            chain.visit(link, "cn_next")?;
+            self.visited.visit(link, "cn_next")?;
             let block: CnBlock = self.blocks.block(link)?;
             let name = self.name(parent, self.blocks.text(block.tx_name)?)?;
             let mut channel = self.channel(&block, name.clone())?;

@@ -152,7 +152,7 @@ fn opened<'a>(
     let comments = leaf::comments(said, &mut table.skipped, budget)?;
     let shared = Rc::clone(budget);
     let read = move |_: usize, column: usize| {
-        let mut gathered = Gathered::of(rows, &packed)?;
+        let mut gathered = Gathered::of(&packed);
         for batch in &batches {
             if gathered.append(batch, &leaves[column])?.is_none() {
                 return Ok(None);

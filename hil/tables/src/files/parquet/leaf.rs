@@ -255,34 +255,29 @@ enum Places {
 }
 
 impl<'p> Gathered<'p> {
-    /// Memory for the values of this number of rows.
+    pub fn of(packed: &'p Packed) -> Self {
+        Self {
+            values: Vec::new(),
+            first: None,
+            packed,
+        }
+    }
+
+    /// Appends the values of a batch; `None` if they are not numbers. What a file states of their number is not believed: they are
+    /// charged when they are there.
     ///
     /// # Errors
     /// The budget has no room for them.
-    pub fn of(rows: u64, packed: &'p Packed) -> Result<Self, InputError> {
-        let size = size_of::<f64>() as u64;
-        (packed.budget()).unpacked(OF_VALUE.saturating_mul(rows))?;
-        packed
-            .budget()
-            .hold(size.saturating_mul(rows), "its values")?;
-        packed.budget().work(2 * rows, "its values")?;
-        Ok(Self {
-            values: Vec::with_capacity(usize::try_from(rows).unwrap_or(0)),
-            first: None,
-            packed,
-        })
-    }
-
-    /// Appends the values of a batch; `None` if they are not numbers.
-    ///
-    /// # Errors
-    /// The budget has no room for the places of its values.
     pub fn append(&mut self, batch: &RecordBatch, leaf: &Leaf) -> Result<Option<()>, InputError> {
         let mut room = Room::of(self.packed.budget());
         let Some((array, is_null)) = reached(batch, leaf) else {
             return Ok(None);
         };
         let rows = array.len();
+        let budget = self.packed.budget();
+        budget.unpacked(OF_VALUE * rows as u64)?;
+        budget.work(2 * rows as u64, "its values")?;
+        budget.reserve(&mut self.values, rows, "its values")?;
         let (array, step) = match array.as_fixed_size_list_opt() {
             Some(lists) => (lists.values().clone(), leaf.width),
             None => (array, 1),

@@ -149,7 +149,7 @@ impl Reader<'_> {
         // The batches contain only this column.
         let mut leaf = self.leaf.clone();
         leaf.fields.fill(0);
-        let mut gathered = Gathered::of(self.rows, self.packed)?;
+        let mut gathered = Gathered::of(self.packed);
         if leaf.width > 1 {
             if lists
                 .as_ref()

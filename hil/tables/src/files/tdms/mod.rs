@@ -22,6 +22,7 @@ use super::refused::Refused;
 use super::{Column, Format, Reading, Source, Table, Tables};
 use crate::budget::{Budget, of_list, of_text};
 use crate::files::table::Clock;
+use crate::room::Room;
 use cursor::Property;
 use layout::{Read, raw, seconds};
 use scale::{Raw, Scales};
@@ -170,7 +171,7 @@ struct Scaled {
 
 impl Located for Scaled {
     fn key(&self) -> [usize; 4] {
-        [self.object, 0, 0, 0]
+        [self.object, self.are_times.into(), 0, 0]
     }
 }
 
@@ -279,11 +280,14 @@ impl Channels {
             let in_group = array.group;
             array.add_to(&mut channels.arrays, budget)?;
             // Channels of a group with the same steps share their times.
-            if let Some(times) = times
-                && changing.insert((in_group, object.rows, bits_of(&object.steps)))
-            {
-                changed.add(label);
-                times.add_to(&mut channels.arrays, budget)?;
+            if let Some(times) = times {
+                let mut room = Room::of(budget);
+                room.more(of_list::<(usize, u64)>(object.steps.len()), PART)?;
+                if changing.insert((in_group, object.rows, bits_of(&object.steps))) {
+                    room.keep();
+                    changed.add(label);
+                    times.add_to(&mut channels.arrays, budget)?;
+                }
             }
         }
         channels.guesses.extend(dates.said(

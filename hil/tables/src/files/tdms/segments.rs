@@ -40,6 +40,8 @@ pub(super) struct Object {
     pub is_restarted: bool,
     /// The steps of its clock, `wf_increment` in s, each with the sample from which on it is stated.
     pub steps: Vec<(usize, f64)>,
+    /// The time of the sample from which on the last of them is stated, after the first, s.
+    changed: f64,
     /// The layout of its values in a chunk, as stated last.
     layout: Option<Layout>,
     /// The layout of DAQmx that its `reads` are known to agree with.
@@ -355,18 +357,17 @@ impl Object {
             _ => {
                 budget.hold(2 * size_of::<(usize, f64)>() as u64, PART)?;
                 let from = if self.steps.is_empty() { 0 } else { samples };
+                self.changed = self.after(from);
                 self.steps.push((from, step));
             }
         }
         Ok(())
     }
 
-    /// Time of a sample after the first, s.
+    /// Time of a sample after the first, s. It is one from the last change of the step on.
     fn after(&self, sample: usize) -> f64 {
-        let ends = self.steps.iter().skip(1).map(|(from, _)| *from);
-        let each = self.steps.iter().zip(ends.chain([usize::MAX]));
-        each.map(|((from, step), end)| sample.min(end).saturating_sub(*from) as f64 * step)
-            .sum()
+        let since = |&(from, step): &(usize, f64)| sample.saturating_sub(from) as f64 * step;
+        self.changed + self.steps.last().map_or(0.0, since)
     }
 
     /// Times of all samples after the first, s.

@@ -10,7 +10,7 @@ use super::decimals;
 use super::layout::{Kind, Layout};
 use super::lines::Lines;
 use super::numbers::{Cell, Sign, sign_of};
-use super::own::{grow, keep};
+use super::own::keep;
 use super::rows::{RowKind, kind_of};
 use super::stamps::{Since, Stamp};
 use crate::budget::Budget;
@@ -315,8 +315,7 @@ impl<'r> Reader<'r> {
                     let Some(values) = &mut taken.columns[index] else {
                         continue;
                     };
-                    grow(values, self.budget)?;
-                    values.push(value);
+                    self.budget.push(values, value, "its values")?;
                 }
                 Err(_) if !wanted.must_be_numeric => {
                     taken.columns[index] = None;

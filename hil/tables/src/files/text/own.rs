@@ -334,8 +334,7 @@ impl Tables for OwnTable<'_> {
             for (value, column) in values.iter().zip(&mut columns) {
                 match (value, &mut *column) {
                     (Some(value), Some(values)) => {
-                        grow(values, &budget)?;
-                        values.push(*value);
+                        budget.push(values, *value, "its values")?;
                     }
                     _ => *column = None,
                 }
@@ -366,20 +365,6 @@ impl Tables for OwnTable<'_> {
             cells: cells.map(|cells| (header.iter().map(name_in).collect(), cells)),
         })
     }
-}
-
-/// Reserves memory for one more value: a quarter more than present. Doubling, as a vector does by itself, would use the whole limit
-/// of a file of short rows.
-///
-/// # Errors
-/// The budget has no room for it.
-pub(super) fn grow(values: &mut Vec<f64>, budget: &Budget) -> Result<(), InputError> {
-    if values.len() == values.capacity() {
-        let more = (values.len() / 4).max(1024);
-        budget.hold((more * size_of::<f64>()) as u64, "its values")?;
-        values.reserve_exact(more);
-    }
-    Ok(())
 }
 
 /// Keeps the cells of a row as written.
