@@ -16,7 +16,7 @@ fn along<R: Real>(effect: Effect<R>, path: &[f64]) -> Vec<f64> {
     let law = alone(effect);
     let mut state = law.at_rest();
     let force = |displacement: &f64| {
-        let motion = Motion::at(R::from_f64(*displacement), 0.0);
+        let motion = Motion::at(R::from_f64(*displacement), R::ZERO);
         law.force(&mut state, &motion).to_f64()
     };
     path.iter().map(force).collect()

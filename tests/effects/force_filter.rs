@@ -23,7 +23,7 @@ fn shown<R: Real>(law: &AugmentedLaw<R, 1>, forces: impl IntoIterator<Item = f64
     let mut state = law.at_rest();
     let force = |force| {
         let displacement = R::from_f64(force);
-        let motion = Motion::at(displacement, 0.0);
+        let motion = Motion::at(displacement, R::ZERO);
         law.force(&mut state, &motion).to_f64()
     };
     forces.into_iter().map(force).collect()

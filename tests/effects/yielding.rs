@@ -21,7 +21,7 @@ fn along<R: Real>(effect: Effect<R>, path: impl IntoIterator<Item = f64>) -> Vec
     let law = alone(effect);
     let mut state = law.at_rest();
     let force = |displacement: f64| {
-        let motion = Motion::at(R::from_f64(displacement), 0.0);
+        let motion = Motion::at(R::from_f64(displacement), R::ZERO);
         law.force(&mut state, &motion).to_f64()
     };
     path.into_iter().map(force).collect()
