@@ -62,8 +62,8 @@ crate::numbers! {
         forgotten: f64 = 1.0, Derived("both ends of the motion were reached: a slider slips there, and a Preisach model is wiped out");
         /// The same after a pause of the channels of at least this many cycles.
         lost: f64 = 0.25, Convention("a shorter one has at most one turn, and the displacement is continued through it");
-        /// Such cycles are left out only if they are less than this fraction of a recording.
-        spared: f64 = 0.25, Convention("of what is short, the rest would say too little");
+        /// Such a cycle is left out only if it is at most this fraction of its block, or of a recording without blocks.
+        spared: f64 = 0.2, Convention("of a block of four cycles two are kept apart, and one says too little");
         /// The temperature of a recording without a temperature channel, °C.
         room: f64 = 20.0, Convention("that of a laboratory");
     }
@@ -572,25 +572,27 @@ impl Trajectory {
             spared,
             ..
         } = *TrajectoryPolicy::in_use();
-        let until = |from: usize| {
-            let known = self.cycles[from] + forgotten;
-            from + self.cycles[from..].partition_point(|&cycle| cycle < known)
-        };
         let mut all = Vec::new();
+        let mut leave_out = |from: usize| {
+            let known = self.cycles[from] + forgotten;
+            let until = from + self.cycles[from..].partition_point(|&cycle| cycle < known);
+            let mut blocks = self.blocks.iter().filter(|block| block.cycles.len() > 1);
+            let block = blocks.find(|block| block.samples.contains(&from));
+            let whole = block.map_or(self.len(), |block| block.samples.len());
+            if (until - from) as f64 <= spared * whole as f64 {
+                all.push(from..until);
+            }
+        };
         if !self.motion.is_at_rest(0) {
-            all.push(0..until(0));
+            leave_out(0);
         }
         let mut start = 0;
         for run in self.measured.chunk_by(|a, b| a == b) {
             let end = start + run.len();
             if !run[0] && end < self.len() && self.cycles[end] - self.cycles[start] >= lost {
-                all.push(end..until(end));
+                leave_out(end);
             }
             start = end;
-        }
-        let left_out: usize = all.iter().map(ExactSizeIterator::len).sum();
-        if left_out as f64 > spared * self.len() as f64 {
-            all.clear();
         }
         all
     }
