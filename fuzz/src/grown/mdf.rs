@@ -405,7 +405,7 @@ fn packed_groups(draw: &mut Draw) -> Vec<u8> {
     file.ended(draw, table)
 }
 
-/// Links that lead back.
+/// Links that lead back, or none.
 fn cycles(draw: &mut Draw) -> Vec<u8> {
     let mut file = File::new();
     let name = file.text(&draw.names().of(3));
@@ -421,7 +421,9 @@ fn cycles(draw: &mut Draw) -> Vec<u8> {
         all.push(next);
     }
     let back = draw.below(2);
-    file.0.set_u64(link(all[0], back), draw.one_of(&all));
+    if draw.chance() {
+        file.0.set_u64(link(all[0], back), draw.one_of(&all));
+    }
     let data = file.block("##DT", &[], &[0; 64]);
     let group = file.group(0, next, 8, 8, data);
     if draw.chance() {

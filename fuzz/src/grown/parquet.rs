@@ -21,7 +21,7 @@ const BINARY: u8 = 8;
 const LIST: u8 = 9;
 const STRUCTURE: u8 = 12;
 const DOUBLE: i64 = 5;
-const BYTES: i64 = 7;
+const BYTES: i64 = 6;
 
 /// A value of Thrift's compact protocol.
 enum Value {
@@ -421,7 +421,7 @@ fn metadata(draw: &mut Draw) -> Vec<u8> {
     file(draw, &pages, fields, 3, vec![group(chunks, 3)], texts)
 }
 
-/// A schema of Arrow in the footer, whose parts are shared; and columns of texts.
+/// A schema of Arrow in the footer, whose parts are shared, or none; and columns of texts.
 fn schemas(draw: &mut Draw) -> Vec<u8> {
     let pages = plain(&[0.0, 1.0, 2.0]);
     let (message, _) = arrow::shared_schema(draw, draw.size.file / 2);
@@ -441,7 +441,12 @@ fn schemas(draw: &mut Draw) -> Vec<u8> {
         .map(|name| chunk.written(name))
         .chain(words)
         .collect();
-    file(draw, &pages, fields, 3, vec![group(chunks, 3)], vec![entry])
+    let texts = if draw.chance() {
+        vec![entry]
+    } else {
+        Vec::new()
+    };
+    file(draw, &pages, fields, 3, vec![group(chunks, 3)], texts)
 }
 
 fn base_64(bytes: &[u8]) -> Vec<u8> {

@@ -201,9 +201,10 @@ fn segments(draw: &mut Draw) -> Vec<u8> {
     text.push('\n');
     let row = "0".to_owned() + &"\t1".repeat(channels) + "\n";
     let again = format!("***End_of_Header***\t\n{field}\n");
+    let is_one = draw.chance();
     while text.len() + row.len() < draw.size.file {
         text.push_str(&row);
-        if draw.chance() {
+        if !is_one && draw.chance() {
             text.push_str(&again);
         }
     }

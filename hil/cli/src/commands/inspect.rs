@@ -136,9 +136,9 @@ pub struct InspectedRecording {
 const FIRST: usize = 5;
 /// Largest number of columns whose values are all read to count them, if no recording is read.
 const MOST_READ: usize = 64;
-/// Largest number of samples that are examined as a trace would. Convention: it bounds memory and time for any file, and is more than a
-/// quarter of an hour at 1 kHz.
-const MOST_EXAMINED: usize = 1 << 20;
+/// Largest number of samples that are examined as a trace would. Convention: it bounds memory and time for any file, and is more than
+/// eight minutes at 1 kHz.
+const MOST_EXAMINED: usize = 1 << 19;
 
 impl InspectCommand {
     pub fn run(self) -> Result<(), Failure> {
