@@ -128,7 +128,7 @@ fn an_endless_json_file_is_refused() {
 fn an_endless_pack_is_refused() {
     let root = folder();
     let arguments = ["upload", "/dev/zero", "--to", "serial:/dev/none"];
-    let said = ["/dev/zero: is not a coefficient pack"];
+    let said = ["/dev/zero: these bytes are not a coefficient pack"];
     refuses(&hil_within(ALONE, root.path(), &arguments), &said);
 }
 
