@@ -141,14 +141,13 @@ impl<'a> CsvText<'a> {
         self.records.keep_comments();
     }
 
-    /// Its rows, also those of different lengths; comment lines are left out.
+    /// Its rows for [`next_row`], also those of different lengths; comment lines are left out.
     pub fn rows(mut self) -> csv::Reader<Self> {
         self.records.hold_rows();
         csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .has_headers(false)
             .flexible(true)
-            .trim(csv::Trim::All)
             .buffer_capacity(CHUNK)
             .from_reader(self)
     }
@@ -370,6 +369,22 @@ pub fn is_cut(rows: &csv::Reader<CsvText>) -> bool {
     // A record without a line end counts only once the text is complete.
     text.is_read() && !has_end && rows.position().byte() == text.handed
 }
+
+/// Reads a row, and whether there is one. Its cells are trimmed here, because a reader that trims copies each row.
+///
+/// # Errors
+/// As [`csv::Reader::read_record`].
+pub fn next_row(
+    rows: &mut csv::Reader<CsvText<'_>>,
+    row: &mut csv::StringRecord,
+) -> csv::Result<bool> {
+    let is_there = rows.read_record(row)?;
+    if row.as_slice().contains(char::is_whitespace) {
+        row.trim();
+    }
+    Ok(is_there)
+}
+
 /// The first name that a header contains twice, with both of its columns, counted from 0.
 pub fn doubled(header: &csv::StringRecord) -> Option<(&str, usize, usize)> {
     let mut known = HashMap::with_capacity(header.len());

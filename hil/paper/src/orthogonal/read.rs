@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use mesh_damper_output::error::{InputError, Place, quoted};
-use mesh_damper_tables::csv_text::{CsvText, broken_csv, doubled, is_cut, number};
+use mesh_damper_tables::csv_text::{CsvText, broken_csv, doubled, is_cut, next_row, number};
 use mesh_damper_tables::read_limit::ReadLimit;
 
 use super::array::{LEVELS, RUNS};
@@ -65,7 +65,7 @@ impl Table {
         let mut reader = text.rows();
         let broken = |error: csv::Error| broken_csv(name, &error);
         let mut header = csv::StringRecord::new();
-        if !reader.read_record(&mut header).map_err(broken)? {
+        if !next_row(&mut reader, &mut header).map_err(broken)? {
             return Err(InputError::new(
                 name,
                 "is empty",
@@ -75,7 +75,7 @@ impl Table {
         let mut rows = Vec::new();
         let mut runs = 0;
         let mut row = csv::StringRecord::new();
-        while reader.read_record(&mut row).map_err(broken)? {
+        while next_row(&mut reader, &mut row).map_err(broken)? {
             if is_cut(&reader) {
                 return Err(InputError::new(
                     name,

@@ -16,7 +16,7 @@ use super::numbers;
 use super::stamps::Stamp;
 use crate::budget::Budget;
 use crate::columns::{self, spelling};
-use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, number};
+use crate::csv_text::{CsvText, broken_csv, doubled, is_blank, is_cut, next_row, number};
 use crate::files::{Column, Kept, Reading, Table, Tables, Values, Wanted};
 use crate::room::Room;
 use crate::rows::{RowLines, TextRows};
@@ -213,7 +213,7 @@ impl<'a> OwnTable<'a> {
         let (name, budget) = (text.name(), Rc::clone(text.budget()));
         let mut rows = text.rows();
         let mut header = csv::StringRecord::new();
-        match rows.read_record(&mut header) {
+        match next_row(&mut rows, &mut header) {
             Ok(true) => {}
             Err(error) => return Err(broken_csv(&name, &error)),
             Ok(false) => {
@@ -302,7 +302,7 @@ impl Tables for OwnTable<'_> {
         let mut values = Vec::with_capacity(wanted.len());
         let mut footer: Option<Footer> = None;
         let mut again = Again::default();
-        while (rows.read_record(&mut row)).map_err(|error| broken_csv(&name, &error))? {
+        while next_row(&mut rows, &mut row).map_err(|error| broken_csv(&name, &error))? {
             if is_cut(&rows) {
                 // The reader returns an empty row for a comment there.
                 cut = row.iter().any(|cell| !cell.is_empty());
