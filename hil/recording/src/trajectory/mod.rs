@@ -64,6 +64,8 @@ crate::numbers! {
         lost: f64 = 0.25, Convention("a shorter one has at most one turn, and the displacement is continued through it");
         /// Such a cycle is left out only if it is at most this fraction of its block, or of a recording without blocks.
         spared: f64 = 0.2, Convention("of a block of four cycles two are kept apart, and one says too little");
+        /// A recording begins at rest too if its first velocity and acceleration are at most this fraction of the largest in the first cycle.
+        from_rest: f64 = 0.1, Convention("a sine has 0.7 of one of them or more; one that grows from nothing has neither");
         /// The temperature of a recording without a temperature channel, °C.
         room: f64 = 20.0, Convention("that of a laboratory");
     }
@@ -564,6 +566,18 @@ impl Trajectory {
         self.measured[index] && unsettled.is_none_or(|run| index < run.start)
     }
 
+    fn begins_at_rest(&self) -> bool {
+        let first = self.cycles.partition_point(|&cycle| cycle < 1.0);
+        let starts = |channel: &[f64]| {
+            let largest = channel[..first]
+                .iter()
+                .fold(0.0, |a: f64, v| a.max(v.abs()));
+            channel[0].abs() <= TrajectoryPolicy::in_use().from_rest * largest
+        };
+        let motion = &self.motion;
+        motion.is_at_rest(0) || starts(&motion.velocity) && starts(&motion.acceleration)
+    }
+
     /// The first cycle of a recording that does not begin at rest, and that after each pause of its channels.
     fn unsettled(&self) -> Vec<Range<usize>> {
         let TrajectoryPolicy {
@@ -583,7 +597,7 @@ impl Trajectory {
                 all.push(from..until);
             }
         };
-        if !self.motion.is_at_rest(0) {
+        if !self.begins_at_rest() {
             leave_out(0);
         }
         let mut start = 0;
