@@ -208,7 +208,7 @@ impl Members<'_> {
         while link != 0 {
             let size = size_of::<Channel>() + 2 * size_of::<u64>();
             self.blocks.budget.hold(2 * size as u64, PART)?;
-            self.visited.visit(link, "cn_next")?;
+            self.visited.visit(link, "cn_next or cn_composition")?;
             let block: CnBlock = self.blocks.block(link)?;
             let name = self.name(parent, self.blocks.text(block.tx_name)?)?;
             let mut channel = self.channel(&block, name.clone())?;
