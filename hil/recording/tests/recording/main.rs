@@ -10,6 +10,7 @@ mod formats;
 #[cfg(feature = "formats")]
 mod formats_excel;
 mod input;
+mod long;
 mod motion;
 #[cfg(feature = "formats")]
 mod several_tables;
