@@ -60,6 +60,25 @@ fn a_file_that_is_understood_is_shown_with_the_command_to_run() {
 }
 
 #[cfg(feature = "full")]
+/// It is at rest in the part that is examined.
+#[test]
+fn a_long_recording_is_examined_in_part_and_that_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    let row = |i: u32| format!("{},{}\n", i / 600_000 * (i % 9), i % 7);
+    let rows: String = (0..610_000).map(row).collect();
+    let text = format!("displacement_mm,force_kN\n{rows}");
+    fs::write(root.path().join("long.csv"), text).unwrap();
+    let (code, out, err) = said(root.path(), &["inspect", "long.csv", "--rate", "1000"]);
+    assert_eq!(code, Some(0), "{err}");
+    for part in [
+        "610000 samples from 0 to 609.999 s, 1000 Hz",
+        "displacement 0 to 8 mm; force 0 to 6 kN",
+        "its faults are those of its first 524288 samples",
+    ] {
+        assert!(out.contains(part), "{part:?} not in {out}");
+    }
+}
+
 #[test]
 fn the_texts_of_a_file_are_shown() {
     let root = tempfile::tempdir().unwrap();
