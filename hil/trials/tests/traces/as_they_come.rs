@@ -16,8 +16,8 @@ const CLEAN: u64 = 10_000;
 /// `docs/channel-faults.md` says what goes wrong.
 #[rustfmt::skip]
 const FLOORS: [[usize; 2]; LABELS.len()] = [
-    [24, 23], [24, 22], [24, 18], [24, 22], [24, 23], [24, 23], [24, 24], [24, 21], [24, 21], [24, 19],
-    [24, 24], [24, 22], [24, 23], [23, 19], [24, 23], [4, 3], [10, 10], [19, 15], [21, 19], [24, 22],
+    [24, 24], [24, 22], [24, 19], [24, 22], [24, 23], [24, 24], [24, 24], [24, 21], [24, 22], [24, 21],
+    [24, 24], [24, 22], [24, 24], [24, 21], [24, 23], [7, 7], [18, 18], [19, 15], [21, 20], [24, 22],
 ];
 
 /// Counts of one row of the table.
@@ -130,15 +130,15 @@ fn drawn_recordings_are_named_and_their_parameters_are_right() {
         assert!(counts.named >= named, "{}", counts.row(label));
         assert!(counts.all >= right, "{}", counts.row(label));
     }
-    assert!(all.named >= 450 && all.all >= 410, "{}", all.row("all"));
-    // A recording that begins in motion has an unknown force in its first cycle.
+    assert!(all.named >= 465 && all.all >= 432, "{}", all.row("all"));
+    // In a short block the first cycle, whose force is unknown, is not left out.
     assert!(
         at_rest.found <= 2 && at_rest.all + 6 >= at_rest.drawn,
         "{}",
         at_rest.row("at rest")
     );
     assert!(
-        in_motion.found <= 38 && in_motion.all + 36 >= in_motion.drawn,
+        in_motion.found <= 24 && in_motion.all + 25 >= in_motion.drawn,
         "{}",
         in_motion.row("in motion")
     );
@@ -146,7 +146,7 @@ fn drawn_recordings_are_named_and_their_parameters_are_right() {
     assert!(
         [all, at_rest, in_motion]
             .iter()
-            .all(|counts| counts.covered() > 0.7)
+            .all(|counts| counts.covered() > 0.8)
     );
 }
 
