@@ -145,6 +145,7 @@ impl Drawn {
         let mut run = Run::default();
         let [mut energy, mut moved] = [0.0; 2];
         let mut before = (0.0, 0.0);
+        let mut rise = 0.0;
         for tick in 0..=3 * ticks {
             let mut motion = self.at(tick as f64 / ticks as f64);
             motion.velocity *= slowed;
@@ -154,8 +155,11 @@ impl Drawn {
                 f64::from(running.force(&motion)),
             );
             let work = 0.5 * (force + before.1) * (y - before.0);
-            energy += work;
+            // Where the force has a corner within a tick, as at a contact, the trapezoid is off by at most that.
+            let bend = force - before.1 - rise;
+            energy += work + 0.125 * (bend * (y - before.0)).abs();
             moved += work.abs();
+            rise = force - before.1;
             before = (y, force);
             let sizes = [motion.displacement, motion.velocity, motion.acceleration];
             for (most, size) in run.most.iter_mut().zip(sizes) {
@@ -171,7 +175,7 @@ impl Drawn {
 /// What a law gave along a motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Run {
-    /// ∫F dy as a part of ∫|F dy|. A law that cannot supply energy has stored none at rest, so that this is not below 0.
+    /// ∫F dy as a part of ∫|F dy|, the error of its trapezoids added. A law that cannot supply energy has stored none at rest, so that this is not below 0.
     pub energy: f64,
     /// The largest force, kN.
     pub force: f64,
