@@ -79,6 +79,7 @@ fn a_long_recording_is_examined_in_part_and_that_is_said() {
     }
 }
 
+#[cfg(feature = "full")]
 #[test]
 fn the_texts_of_a_file_are_shown() {
     let root = tempfile::tempdir().unwrap();
