@@ -28,6 +28,7 @@ use crate::resample::ResamplePolicy;
 use crate::rest::RestPolicy;
 use crate::smoother::SmootherPolicy;
 use crate::trajectory::TrajectoryPolicy;
+use crate::trajectory::settled::SettledPolicy;
 use crate::zero::ZeroPolicy;
 use crate::zeros::ZerosPolicy;
 
@@ -74,6 +75,8 @@ crate::policy! {
     rest: RestPolicy,
     /// Units off by a thousand.
     scale: ScalePolicy,
+    /// When a recording shows what its specimen remembers.
+    settled: SettledPolicy,
     /// A force that is late or early.
     shift: ShiftPolicy,
     /// A force with the wrong sign.
