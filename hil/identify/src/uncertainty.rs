@@ -167,15 +167,24 @@ impl Uncertainty {
     pub fn of(rows: &Rows, extent: &Extent, solution: &Solution) -> Self {
         let basis = Basis::new(rows, extent, &solution.terms()).around(solution);
         let columns = basis.columns(&solution.search, None);
-        let linearized = || {
-            let force = basis.force(&columns, &solution.linear());
-            let as_run = exact::force(&basis, solution);
-            let of_steps =
-                as_run.and_then(|as_run| exact::error_of_steps(&basis, solution, &as_run));
-            let of_steps = of_steps.unwrap_or_else(|| vec![0.0; rows.len()]);
-            (Tangent::of(&basis, &columns, solution), force, of_steps)
+        let as_run = exact::force(&basis, solution);
+        let as_run = as_run.and_then(|force| {
+            let of_steps = exact::error_of_steps(&basis, solution, &force)?;
+            Some((force, of_steps))
+        });
+        // Behind a spring in series, whose deflection they change, the derivatives are those of the force as it is run.
+        let in_series = |term: &Term| term.form.gives_way;
+        let is_exact = as_run.is_some() && basis.terms.iter().any(in_series);
+        let exact = is_exact.then(|| exact::tangent(&basis, solution)).flatten();
+        let is_exact = exact.is_some();
+        let tangent = exact.unwrap_or_else(|| Tangent::of(&basis, &columns, solution));
+        let (force, of_steps) = match as_run {
+            Some(as_run) if is_exact => as_run,
+            as_run => {
+                let of_steps = as_run.map_or_else(|| vec![0.0; rows.len()], |(_, steps)| steps);
+                (basis.force(&columns, &solution.linear()), of_steps)
+            }
         };
-        let (tangent, force, of_steps) = exactly(&basis, solution).unwrap_or_else(linearized);
         let nodes = solution.law.len();
         let width = 4 * nodes + tangent.shared.len();
         let fill = |index: usize, row: &mut [(usize, f64)]| {
@@ -247,17 +256,6 @@ impl Uncertainty {
             .collect();
         Self { law, terms }
     }
-}
-
-/// The derivatives and the force behind a spring in series, whose deflection they change, and the error from the length of the
-/// steps; `None` without such a spring.
-fn exactly(basis: &Basis, solution: &Solution) -> Option<(Tangent, Vec<f64>, Vec<f64>)> {
-    let in_series = |term: &Term| term.form.gives_way;
-    let exact = basis.terms.iter().any(in_series);
-    let tangent = exact.then(|| exact::tangent(basis, solution)).flatten()?;
-    let force = exact::force(basis, solution)?;
-    let of_steps = exact::error_of_steps(basis, solution, &force)?;
-    Some((tangent, force, of_steps))
 }
 
 /// Adds `factor`·jjᵀ for a row j given as its (place, value) pairs.
