@@ -43,6 +43,11 @@ fn segment(metadata: &[u8], raw: &[u8], bits: u32) -> Vec<u8> {
     bytes.0
 }
 
+/// A segment of a new list of objects and raw values.
+fn listed(metadata: &[u8], raw: &[u8]) -> Vec<u8> {
+    segment(metadata, raw, METADATA | NEW_LIST | RAW)
+}
+
 /// An object with values of this type, and properties that are written already.
 fn object(bytes: &mut Bytes, path: &str, kind: u32, rows: u64, properties: &[Vec<u8>]) {
     text(bytes, path);
@@ -84,7 +89,7 @@ fn table() -> Vec<u8> {
         object(&mut list, &format!("/'g'/'{name}'"), DOUBLE, 3, &[]);
         (0..3).for_each(|row| _ = raw.f64((index * row) as f64));
     }
-    segment(&list.0, &raw.0, METADATA | NEW_LIST | RAW)
+    listed(&list.0, &raw.0)
 }
 
 fn path(names: super::draw::Names, index: usize) -> String {
@@ -116,7 +121,7 @@ fn segments(draw: &mut Draw) -> Vec<u8> {
     let names = super::draw::Names::Short;
     (0..objects).for_each(|index| object(&mut list, &path(names, index), BYTE, 1, &[]));
     let raw = vec![1; objects];
-    let mut file = segment(&list.0, &raw, METADATA | NEW_LIST | RAW);
+    let mut file = listed(&list.0, &raw);
     // An object that is written again with the values that it had.
     let mut same = Bytes::default();
     let again = draw.one_of(&[0, 1, 2]).min(objects);
@@ -164,11 +169,7 @@ fn properties(draw: &mut Draw) -> Vec<u8> {
         object(&mut list, &place, BYTE, 1, &properties);
     }
     let mut file = table();
-    file.extend(segment(
-        &list.0,
-        &vec![1; objects],
-        METADATA | NEW_LIST | RAW,
-    ));
+    file.extend(listed(&list.0, &vec![1; objects]));
     file.truncate(draw.size.file);
     file
 }
@@ -211,11 +212,7 @@ fn clocks(draw: &mut Draw) -> Vec<u8> {
             let path = format!("/'g{}'/'c{index}'", index % groups);
             object(&mut list, &path, BYTE, 1, &properties);
         }
-        file.extend(segment(
-            &list.0,
-            &vec![1; 2 * count],
-            METADATA | NEW_LIST | RAW,
-        ));
+        file.extend(listed(&list.0, &vec![1; 2 * count]));
     }
     file.truncate(draw.size.file);
     file
@@ -255,11 +252,7 @@ fn scales(draw: &mut Draw) -> Vec<u8> {
         }
     }
     let mut file = table();
-    file.extend(segment(
-        &list.0,
-        &vec![1; 3 * channels],
-        METADATA | NEW_LIST | RAW,
-    ));
+    file.extend(listed(&list.0, &vec![1; 3 * channels]));
     file.truncate(draw.size.file);
     file
 }
@@ -279,7 +272,7 @@ fn lists(draw: &mut Draw) -> Vec<u8> {
     let mut first = Bytes::default();
     first.u32(1);
     object(&mut first, &name, BYTE, 1, &[]);
-    let mut file = segment(&first.0, &[1], METADATA | NEW_LIST | RAW);
+    let mut file = listed(&first.0, &[1]);
     file.extend(segment(&list.0, &[1; 64], METADATA | RAW));
     file.truncate(draw.size.file);
     file
@@ -294,7 +287,7 @@ fn empty_counts(draw: &mut Draw) -> Vec<u8> {
     one.u32(count as u32 + 1);
     object(&mut one, &path(names, count), BYTE, 1, &[]);
     (0..count).for_each(|index| object(&mut one, &path(names, index), BYTE, 1, &[]));
-    let mut file = segment(&one.0, &vec![1; count + 1], METADATA | NEW_LIST | RAW);
+    let mut file = listed(&one.0, &vec![1; count + 1]);
     let mut empty = Bytes::default();
     empty.u32(count as u32);
     (0..count).for_each(|index| object(&mut empty, &path(names, index), BYTE, 0, &[]));

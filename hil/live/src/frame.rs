@@ -22,7 +22,8 @@ pub const VERSION: u8 = 1;
 /// Bytes before the columns.
 pub const HEADER: usize = 24;
 
-/// The message with `samples`: time in s, displacement in mm, force in kN, the law's force in kN; for a viewer that has missed `missed` samples.
+/// The message with `samples`: time in s, displacement in mm, force in kN, the law's force in kN; for a viewer that has missed `missed`
+/// samples.
 pub fn of_samples(samples: &[Sample], missed: u64) -> Vec<u8> {
     let start = samples.first().map_or(0.0, |sample| sample.time);
     message(1, samples, missed, start, |sample| {
@@ -82,22 +83,15 @@ fn message<T, const C: usize>(
 mod tests {
     use super::*;
 
-    /// Columns of cycles.
-    const CYCLE_COLUMNS: [&str; 13] = [
-        "time_s",
-        "block",
-        "cycle",
-        "ramp",
-        "amplitude_mm",
-        "frequency_Hz",
-        "stiffness_kN_per_mm",
-        "loss_factor",
-        "energy_J",
-        "law_stiffness_kN_per_mm",
-        "law_loss_factor",
-        "law_error",
-        "temperature_degC",
-    ];
+    /// Columns of cycles, as the page has them.
+    fn columns_of_cycles() -> Vec<&'static str> {
+        let (_, cycles) = include_str!("../page/js/frames.js")
+            .split_once("name: \"cycles\"")
+            .unwrap();
+        let (_, list) = cycles.split_once('[').unwrap();
+        let (list, _) = list.split_once(']').unwrap();
+        list.split('"').skip(1).step_by(2).collect()
+    }
 
     fn float(bytes: &[u8], at: usize) -> f32 {
         f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
@@ -135,10 +129,11 @@ mod tests {
             ..CycleResult::default()
         };
         let bytes = of_cycles(&[cycle], 0);
-        assert_eq!(bytes.len(), HEADER + 4 * CYCLE_COLUMNS.len());
-        assert_eq!(bytes[8], CYCLE_COLUMNS.len() as u8);
+        let columns = columns_of_cycles();
+        assert_eq!(bytes.len(), HEADER + 4 * columns.len());
+        assert_eq!(bytes[8], columns.len() as u8);
         let column = |name: &str| {
-            let place = CYCLE_COLUMNS.iter().position(|column| *column == name);
+            let place = columns.iter().position(|column| *column == name);
             float(&bytes, HEADER + 4 * place.unwrap())
         };
         assert_eq!(column("cycle"), 3.0);
