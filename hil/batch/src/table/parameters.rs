@@ -38,7 +38,7 @@ pub fn parameters(rows: &[Row]) -> Table {
         parameter: "The parameter's name.", text(|one| Some(one.name.to_owned()));
         value: "Its value, in `unit`.", real(|one| Some(one.estimate.value));
         low: "Lower end of its 90 % interval; empty if the data set no bound.", real(|one| Some(one.estimate.low));
-        high: "Upper end, likewise.", real(|one| Some(one.estimate.high));
+        high: "Upper end of its 90 % interval; empty if the data set no bound.", real(|one| Some(one.estimate.high));
         unit: "The unit of the value and of both ends.", text(|one| Some(one.estimate.unit.clone()));
         nrmse_without: "Of an effect: the held-out error without it.", real(|one| one.errors[0]);
         nrmse_with: "Of an effect: the held-out error with it.", real(|one| one.errors[1]);
