@@ -26,6 +26,8 @@ const STEPS_PER_BYTE: u64 = 8;
 const TEXT: u64 = 48;
 /// What a list takes beside its entries, the same way.
 const LIST: u64 = 48;
+/// Bytes to which a list is short. Derived: an allocator gives what is larger back to the system.
+const SHORT_LIST: usize = 128 << 10;
 /// What the place of a packed part takes in a map.
 const OF_PART: u64 = 32;
 
@@ -152,8 +154,8 @@ impl Budget {
         Ok(())
     }
 
-    /// Room for `count` more entries of a list: if it lacks, a quarter more than there is. Doubling, as a vector does by itself, would use
-    /// the whole limit of a text of short rows.
+    /// Room for `count` more entries of a list: if it lacks, a quarter more than there is, or twice as much of a short list, of which
+    /// less is then left behind. Doubling, as a vector does by itself, would use the whole limit of a text of short rows.
     ///
     /// # Errors
     /// As [`Budget::push`].
@@ -165,7 +167,9 @@ impl Budget {
     ) -> Result<(), InputError> {
         let free = list.capacity() - list.len();
         if count > free {
-            let more = (count - free).max(list.capacity() / 4).max(4);
+            let is_short = list.capacity() * size_of::<T>() <= SHORT_LIST;
+            let more = if is_short { 1 } else { 4 };
+            let more = (count - free).max(list.capacity() / more).max(4);
             self.hold((more as u64).saturating_mul(size_of::<T>() as u64), part)?;
             list.reserve_exact(free + more);
         }

@@ -69,22 +69,22 @@ fn at_limit(values: &[f64], present: &[bool]) -> Option<(f64, Vec<bool>)> {
         .filter(|(marked, present)| **marked && **present);
     let samples = samples.count();
     let stays = runs(&marked).iter().filter(|run| run.len() >= 2).count();
+    if samples < ClippingPolicy::in_use().samples || stays < ClippingPolicy::in_use().stays {
+        return None;
+    }
     let below = ClippingPolicy::in_use().steps * rounding(values, same) + same;
     let just_below = values
         .iter()
         .filter(|value| (same..=below).contains(&(limit - **value)))
         .count();
     let piled = samples as f64 > ClippingPolicy::in_use().pile * just_below as f64;
-    (samples >= ClippingPolicy::in_use().samples
-        && stays >= ClippingPolicy::in_use().stays
-        && piled)
-        .then_some((limit, marked))
+    piled.then_some((limit, marked))
 }
 
 /// The smallest difference between two values that differ by more than `same`: the step to which they were rounded, or almost 0.
 pub(super) fn rounding(values: &[f64], same: f64) -> f64 {
     let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_unstable_by(f64::total_cmp);
     sorted
         .windows(2)
         .map(|pair| pair[1] - pair[0])

@@ -2,6 +2,8 @@
 //!
 //! Rows without a new value are no measurements. They look like a force without noise, and like one that is late.
 
+use std::cell::LazyCell;
+
 use mesh_damper_tables::channel::Channel;
 
 use super::super::Recording;
@@ -61,32 +63,32 @@ pub(super) fn repair(recording: &mut Recording) -> bool {
 
 /// The rows in which a slower channel has a new value, and what stands between them.
 fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
-    let digit = rounding(values, FaultsPolicy::in_use().same_value * spread(values));
+    // Most channels are at their full rate, and need no digit.
+    let digit =
+        LazyCell::new(|| rounding(values, FaultsPolicy::in_use().same_value * spread(values)));
     // What stands in the first row may be older.
     let held = (1..values.len()).filter(|&row| values[row] != values[row - 1]);
     let held: Vec<usize> = held.collect();
-    // A slow motion crosses the digits of a coarse converter in equal times too.
-    let by_digit = held.iter();
-    let by_digit = by_digit.filter(|&&row| (values[row] - values[row - 1]).abs() < 1.5 * digit);
-    if by_digit.count() as f64 > SlowerPolicy::in_use().digits * held.len() as f64 {
-        return None;
-    }
     let bends: Vec<f64> = values
         .windows(3)
         .map(|three| (three[2] - 2.0 * three[1] + three[0]).abs())
         .collect();
-    regular(held, values.len())
-        .map(|rows| (rows, Between::Held))
-        .or_else(|| {
-            Some((
-                regular(knots(&bends, digit)?, values.len())?,
-                Between::Interpolated,
-            ))
-        })
+    let found = match regular(&held, values.len()) {
+        Some(rows) => (rows, Between::Held),
+        None => (
+            regular(&knots(&bends, &digit)?, values.len())?,
+            Between::Interpolated,
+        ),
+    };
+    // A slow motion crosses the digits of a coarse converter in equal times too.
+    let by_digit = held.iter();
+    let by_digit = by_digit.filter(|&&row| (values[row] - values[row - 1]).abs() < 1.5 * *digit);
+    let is_coarse = by_digit.count() as f64 > SlowerPolicy::in_use().digits * held.len() as f64;
+    (!is_coarse).then_some(found)
 }
 
 /// The rows at which lines between values meet. Between two rows both bend, the nearer one more.
-fn knots(bends: &[f64], digit: f64) -> Option<Vec<usize>> {
+fn knots(bends: &[f64], digit: &LazyCell<f64, impl FnOnce() -> f64>) -> Option<Vec<usize>> {
     let SlowerPolicy {
         on_line,
         off_line,
@@ -95,8 +97,11 @@ fn knots(bends: &[f64], digit: f64) -> Option<Vec<usize>> {
     } = *SlowerPolicy::in_use();
     // Of a line with few knots, more than half of the values are on it.
     let usual = quantile(&mut bends.to_vec(), 0.4);
-    let on = (on_line * usual).max(2.5 * digit);
     let large = quantile(&mut bends.to_vec(), 1.0 - 1.0 / most_rows);
+    if large < off_line * on_line * usual {
+        return None;
+    }
+    let on = (on_line * usual).max(2.5 * **digit);
     if large < off_line * on {
         return None;
     }
@@ -114,7 +119,7 @@ fn knots(bends: &[f64], digit: f64) -> Option<Vec<usize>> {
 }
 
 /// These rows if new values come in equal steps of two rows and more, some of them missing by chance.
-fn regular(rows: Vec<usize>, count: usize) -> Option<Vec<usize>> {
+fn regular(rows: &[usize], count: usize) -> Option<Vec<usize>> {
     let SlowerPolicy {
         adjacent,
         usual,
