@@ -11,8 +11,7 @@
 //!   [`rig`](crate::rig::RigSettings::temperature_range) accepts by default.
 //! - **Every other effect** stores energy or dissipates it, as the page of its type shows, if the parameters that
 //!   [`Energy::Below0`] names are at least 0. A force of another effect is not set against one that is below 0.
-//! - **A play** ([`Gap`](crate::effects::Gap)) before such an effect absorbs energy too. Before a mass it may not, unless the damping
-//!   acts within the play.
+//! - **A play** ([`Gap`](crate::effects::Gap)) before such an effect absorbs energy too.
 //! - **A residual table** drives no motion: where the displacement rises its force is at least as high as where it falls, at every
 //!   pair of values of its variable between which a cycle may lead; of a stretch, slip or lag, where it falls at the smaller one. A
 //!   table over speed may lack of that what the law's own damping
@@ -20,8 +19,8 @@
 //!   do only once, a table whose force changes with them can give out energy: at most its change of force times the displacement.
 //!
 //! Not judged are effects of [`Energy::Active`], which supply energy by their nature, in measurement or drive: a tone, a delay and a
-//! low-pass of the force channel. A spring in series returns the energy that it absorbs if the mass behind it is not below 0, and the
-//! law behind it nowhere softer than −K: k1 > −K and k3 ≥ 0. But its step takes the forces of other effects from the tick before,
+//! low-pass of the force channel. A spring in series returns the energy that it absorbs if the law behind it is nowhere softer than −K:
+//! k1 > −K and k3 ≥ 0. But its step takes the forces of other effects from the tick before,
 //! which may supply energy where these are stiffer than the spring ([`Compliance`](crate::effects::Compliance)); this is not judged.
 //!
 //! All of it is shown for the equations. Their steps are of second order, so that a coarse tick changes the energy of a cycle a little.

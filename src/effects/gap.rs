@@ -6,12 +6,13 @@ use crate::error::ConfigError;
 use crate::limits;
 use crate::real::{Real, in_range};
 
-/// The specimen moves by sgn y·max(|y| − w, 0) instead of y. Beyond ±w its velocity and acceleration are those of y. Within ±w they
-/// are 0, or also those of y where the damping parts lie parallel to the play.
+/// The specimen moves by sgn y·max(|y| − w, 0) instead of y. Beyond ±w its velocity is that of y. Within ±w it is
+/// 0, or also that of y where the damping parts lie parallel to the play. A mass is on the sensors' side of the play: the acceleration
+/// is that of y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap<R> {
     half_width: R,
-    /// The part of velocity and acceleration that acts within ±w: 0 or 1.
+    /// The part of the velocity that acts within ±w: 0 or 1.
     inside: R,
 }
 
@@ -24,7 +25,7 @@ numbers! {
 
 impl<R: Real> Gap<R> {
     /// * `half_width`: w, mm, 0…1e4
-    /// * `damps_inside`: whether velocity and acceleration are those of y within ±w too
+    /// * `damps_inside`: whether the velocity is that of y within ±w too
     ///
     /// # Errors
     /// `half_width` not finite or out of range.
@@ -35,11 +36,6 @@ impl<R: Real> Gap<R> {
         };
         new.check()?;
         Ok(new)
-    }
-
-    /// Whether velocity and acceleration are 0 within the play.
-    pub(super) fn is_idle_inside(&self) -> bool {
-        self.inside != R::ONE
     }
 
     /// The motion of the specimen for the mounting's `motion`. Cycles and temperature stay.
@@ -54,7 +50,6 @@ impl<R: Real> Gap<R> {
         } else {
             felt.displacement = R::ZERO;
             felt.velocity = self.inside * motion.velocity;
-            felt.acceleration = self.inside * motion.acceleration;
         }
         felt
     }

@@ -9,7 +9,7 @@ use crate::real::{Real, in_range};
 /// kN per kg·mm/s².
 const KILONEWTON: f64 = 1e-6;
 
-/// F = m·a.
+/// F = m·a. The mass moves with the sensors, whatever yields behind it: a spring in series, or a play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia<R> {
     /// kN·s²/mm
@@ -34,11 +34,6 @@ impl<R: Real> Inertia<R> {
         };
         new.check()?;
         Ok(new)
-    }
-
-    /// kg
-    pub(super) fn mass(&self) -> R {
-        self.mass * R::from_f64(1.0 / KILONEWTON)
     }
 
     /// Force in kN at an acceleration in mm/s².
@@ -78,6 +73,11 @@ impl<R: Real> Equations<R> for Inertia<R> {
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
+        self.force_at(motion.acceleration())
+    }
+
+    #[inline(always)]
+    fn outside(&self, motion: &ClampedMotion<R>) -> R {
         self.force_at(motion.acceleration())
     }
 }

@@ -316,9 +316,13 @@ macro_rules! effects {
                 };
                 let force = self.add_force(state, &motion, law);
                 let force = self.add_rare_force(state, &motion, law, force);
+                let mut added = force - law.total;
+                $(if self.has(Bit::$name.mask()) {
+                    added -= self.$module.outside(&motion);
+                })+
                 let mut shown = force;
                 $(if STAGES & Bit::$name.mask() != 0 && self.has(Bit::$name.mask()) {
-                    self.$module.added(&mut state.$module, force - law.total, viscous);
+                    self.$module.added(&mut state.$module, added, viscous);
                     shown = self.$module.shown(&mut state.$module, shown);
                 })+
                 shown

@@ -96,6 +96,12 @@ pub trait Equations<R: Real>: Copy {
         R::ZERO
     }
 
+    /// The part of its force, kN, that acts on the sensors' side of every stage.
+    #[inline(always)]
+    fn outside(&self, _: &ClampedMotion<R>) -> R {
+        R::ZERO
+    }
+
     /// Coefficient in kN·s/mm of a dashpot parallel to the law, which a stage that solves for the velocity includes.
     #[inline(always)]
     fn viscous(&self) -> R {
@@ -387,20 +393,6 @@ impl<R: Real, const N: usize> AugmentedLaw<R, N> {
     /// The first effect that can give out more energy than it absorbs with its parameters, for the check of [`crate::passivity`].
     pub(crate) fn supplies(&self) -> Option<Active> {
         let is_there = |bit: Bit| self.effects.has(bit.mask());
-        if is_there(Bit::Inertia) {
-            let mass = self.effects.inertia.mass();
-            // A mass that a motion accelerates within the play, where it has no force, gives that energy out beyond it.
-            let is_let_go =
-                is_there(Bit::Gap) && self.effects.gap.is_idle_inside() && mass != R::ZERO;
-            // One below 0 pulls the spring so that the specimen's damping acts with the motion.
-            if is_let_go || is_there(Bit::Compliance) && mass < R::ZERO {
-                return Some(Active {
-                    effect: Inertia::<R>::DESCRIPTION.name,
-                    field: "mass",
-                    value: mass.to_f64(),
-                });
-            }
-        }
         // A law that is softer than the spring jumps from one displacement to another. With k3 below 0 it is, from some displacement on.
         if is_there(Bit::Compliance) {
             let stiffness = self.effects.compliance.stiffness();

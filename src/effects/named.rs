@@ -139,9 +139,12 @@ macro_rules! sets {
                         None => LawForce::of(law, &motion, damping),
                     };
                     let force = EffectSet::force(self, state, &motion, law);
+                    #[allow(unused_mut, reason = "of no effects")]
+                    let mut added = force - law.total;
+                    $(added -= self.$index.outside(&motion);)*
                     let mut shown = force;
                     $(
-                        self.$index.added(&mut state.$index, force - law.total, viscous);
+                        self.$index.added(&mut state.$index, added, viscous);
                         shown = self.$index.shown(&mut state.$index, shown);
                     )*
                     shown

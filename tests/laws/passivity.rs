@@ -196,7 +196,7 @@ proptest! {
             }
             // Each is passive alone.
             Some((by, _)) => prop_assert!(
-                ["inertia", "directional", "temperature", "drift", "compliance"].contains(&by),
+                ["directional", "temperature", "drift", "compliance"].contains(&by),
                 "{}", by
             ),
         }
@@ -324,27 +324,25 @@ fn a_drift_that_takes_all_damping_is_passive() {
     }
 }
 
-/// A mass that moves fast within the play, where nothing holds it, and slowly beyond it gives out the difference.
+/// A mass moves with the sensors. Behind a play it would be fast where nothing holds it, and slow beyond; behind a spring in series,
+/// above the frequency at which the two resonate, the specimen's damping would act with the motion.
 #[test]
-fn a_mass_behind_a_play_is_refused() {
-    let gap = |damps_inside| Effect::Gap(Gap::new(0.05, damps_inside).unwrap());
-    let inertia = |mass| Effect::Inertia(Inertia::new(mass).unwrap());
-    for (gap, mass, by) in [
-        (gap(false), 5.0, Some(("inertia", "mass"))),
-        (gap(false), -5.0, Some(("inertia", "mass"))),
-        (gap(false), 0.0, None),
-        (gap(true), 5.0, None),
-    ] {
-        assert_eq!(refused(mesh(), &[gap, inertia(mass)]), by);
+fn a_mass_gives_no_energy_before_a_play_or_a_spring() {
+    let gap = Effect::Gap(Gap::new(0.05, false).unwrap());
+    let range = OperatingRange::new([-0.2, 0.2], [-60.0, 60.0]).unwrap();
+    let tick = 1.0 / rate(&range);
+    let spring = Effect::Compliance(Compliance::new(0.7, tick as f32).unwrap());
+    for stage in [gap, spring] {
+        for mass in [-5e3, -2.0, 2.0, 5e3] {
+            let effects = [Effect::Inertia(Inertia::new(mass).unwrap()), stage];
+            for law in [nothing(), mesh()] {
+                assert_eq!(refused(law, &effects), None);
+                let each = (0..20).map(|seed| given(with(law, &effects), &range, seed));
+                let given = each.fold(0.0, f64::min);
+                assert!(given > NONE, "{effects:?}: {given}");
+            }
+        }
     }
-    let range = OperatingRange::new([-0.2, 0.2], [-6.0, 6.0]).unwrap();
-    let energy = |gap| {
-        let law = with(nothing(), &[gap, inertia(5e3)]);
-        let seeds = (0..20).map(|seed| given(law.clone(), &range, seed));
-        seeds.fold(0.0, f64::min)
-    };
-    assert!(energy(gap(true)) > NONE);
-    assert!(energy(gap(false)) < NONE);
 }
 
 /// The kinds of variables of a residual table.
@@ -496,15 +494,10 @@ fn a_residual_table_may_lack_what_the_damping_takes_at_its_speeds() {
     assert!(passivity::check(&tabled(law.law().to_owned(), &reversed, None)).is_err());
 }
 
-/// A mass below 0 pulls the spring so that the damping acts with the motion, and a law softer than the spring has no single state.
+/// A law softer than the spring has no single state.
 #[test]
 fn a_spring_in_series_is_refused_before_what_it_cannot_hold() {
     let spring = Effect::Compliance(Compliance::new(2.0, 1e-3).unwrap());
-    let inertia = |mass| Effect::Inertia(Inertia::new(mass).unwrap());
-    for (mass, by) in [(-5.0, Some(("inertia", "mass"))), (5.0, None)] {
-        assert_eq!(refused(mesh(), &[spring, inertia(mass)]), by);
-    }
-    assert_eq!(refused(mesh(), &[inertia(-5.0)]), None);
     let soft = Some(("compliance", "stiffness"));
     for (k1, k3, by) in [
         (-1.9, 0.0, None),

@@ -14,7 +14,7 @@ crate::numbers! {
         /// The same after a pause of the channels of at least this many cycles.
         lost: f64 = 0.25, Convention("a shorter one has at most one turn, and the displacement is continued through it");
         /// Such a cycle is left out only if it is at most this fraction of its block, or of a recording without blocks.
-        spared: f64 = 0.2, Convention("of a block of four cycles two are kept apart, and one says too little");
+        spared: f64 = 0.26, Convention("of a block of four cycles one; of three, two would be left");
         /// A recording begins at rest too if its first velocity and acceleration are at most this fraction of the largest in the first cycle.
         from_rest: f64 = 0.1, Convention("a sine has 0.7 of one of them or more; one that grows from nothing has neither");
     }

@@ -16,8 +16,8 @@ const CLEAN: u64 = 10_000;
 /// `docs/channel-faults.md` says what goes wrong.
 #[rustfmt::skip]
 const FLOORS: [[usize; 2]; LABELS.len()] = [
-    [24, 24], [24, 22], [24, 19], [24, 22], [24, 23], [24, 24], [24, 24], [24, 21], [24, 22], [24, 21],
-    [24, 24], [24, 22], [24, 24], [24, 21], [24, 23], [7, 7], [18, 18], [19, 15], [21, 20], [24, 22],
+    [24, 24], [24, 22], [24, 21], [24, 22], [24, 22], [24, 23], [24, 24], [24, 23], [24, 22], [24, 21],
+    [24, 24], [24, 23], [24, 24], [24, 22], [24, 24], [8, 8], [21, 21], [20, 15], [20, 19], [24, 21],
 ];
 
 /// Counts of one row of the table.
@@ -130,7 +130,7 @@ fn drawn_recordings_are_named_and_their_parameters_are_right() {
         assert!(counts.named >= named, "{}", counts.row(label));
         assert!(counts.all >= right, "{}", counts.row(label));
     }
-    assert!(all.named >= 465 && all.all >= 432, "{}", all.row("all"));
+    assert!(all.named >= 468 && all.all >= 438, "{}", all.row("all"));
     // In a short block the first cycle, whose force is unknown, is not left out.
     assert!(
         at_rest.found <= 2 && at_rest.all + 6 >= at_rest.drawn,
@@ -138,7 +138,7 @@ fn drawn_recordings_are_named_and_their_parameters_are_right() {
         at_rest.row("at rest")
     );
     assert!(
-        in_motion.found <= 24 && in_motion.all + 25 >= in_motion.drawn,
+        in_motion.found <= 12 && in_motion.all + 17 >= in_motion.drawn,
         "{}",
         in_motion.row("in motion")
     );
