@@ -94,7 +94,7 @@ fn the_public_transformation_is_the_one_that_runs() {
     });
     assert_eq!(
         (inside.displacement, inside.velocity, inside.acceleration),
-        (0.0, 0.0, 0.0)
+        (0.0, 0.0, motion.acceleration)
     );
     assert_eq!((inside.cycles, inside.temperature), (2.5, 31.0));
     // A delay of 2.4 ticks: the force for the motion 0.4 ticks ago, delayed by two ticks.

@@ -279,12 +279,12 @@ mod tests {
 
     #[test]
     fn a_list_is_charged_with_the_room_that_it_has() {
-        let budget = Budget::new("a.mat", ReadLimit::new(8000));
+        let budget = Budget::new("a.mat", ReadLimit::new(8_000_000));
         let mut list: Vec<u64> = Vec::new();
         while budget.push(&mut list, 1, "its arrays").is_ok() {
             assert_eq!(budget.used().0, 8 * list.capacity() as u64);
         }
-        assert!((80..125).contains(&list.len()), "{}", list.len());
+        assert!((80_000..=125_000).contains(&list.len()), "{}", list.len());
     }
 
     #[test]

@@ -13,7 +13,8 @@ crate::numbers! {
         forgotten: f64 = 1.0, Derived("both ends of the motion were reached: a slider slips there, and a Preisach model is wiped out");
         /// The same after a pause of the channels of at least this many cycles.
         lost: f64 = 0.25, Convention("a shorter one has at most one turn, and the displacement is continued through it");
-        /// Such a cycle is left out only if it is at most this fraction of its block, or of a recording without blocks.
+        /// Such a cycle is left out only if it is at most this fraction of its block, or half of it of a recording without blocks, whose
+        /// cycles may be one each of an amplitude.
         spared: f64 = 0.26, Convention("of a block of four cycles one; of three, two would be left");
         /// A recording begins at rest too if its first velocity and acceleration are at most this fraction of the largest in the first cycle.
         from_rest: f64 = 0.1, Convention("a sine has 0.7 of one of them or more; one that grows from nothing has neither");
@@ -55,7 +56,7 @@ impl Trajectory {
             let until = from + self.cycles[from..].partition_point(|&cycle| cycle < known);
             let mut blocks = self.blocks.iter().filter(|block| block.cycles.len() > 1);
             let block = blocks.find(|block| block.samples.contains(&from));
-            let whole = block.map_or(self.len(), |block| block.samples.len());
+            let whole = block.map_or(self.len() / 2, |block| block.samples.len());
             if (until - from) as f64 <= spared * whole as f64 {
                 all.push(from..until);
             }
