@@ -134,4 +134,14 @@ mod tests {
             assert!(grows || name == "unread", "{name}: no file grows");
         }
     }
+
+    #[test]
+    fn the_page_has_a_row_of_each_format_with_its_structures() {
+        let page = include_str!("../../docs/robustness.md");
+        for (format, structures) in FORMATS {
+            let names: Vec<&str> = structures.iter().map(|(name, _)| *name).collect();
+            let row = format!("| {format} | {} |", names.join(", "));
+            assert!(page.contains(&row), "{row}");
+        }
+    }
 }

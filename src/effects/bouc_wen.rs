@@ -2,7 +2,7 @@
 
 use super::description::{Dependence, Description, Energy, Growth};
 use super::numbers::{COEFFICIENTS, SLIP_LIMITS};
-use super::stretch::{SHARPNESS, Stretch, power};
+use super::stretch::{SHARPNESS, Stretch, power, taken};
 use super::{ClampedMotion, Equations, LawForce, below_0};
 use crate::real::Real;
 
@@ -45,16 +45,6 @@ impl<R: Real> BoucWen<R> {
             high
         }
     }
-}
-
-/// 1 − e⁻ᵃ for an a of at least 0: within a⁴/24 of e⁻ᵃ, and below 1.
-#[inline(always)]
-fn taken<R: Real>(a: R) -> R {
-    // Beyond this the cube would overflow, and the result is 1 already.
-    let most = R::from_f64(1e3);
-    let a = if a < most { a } else { most };
-    let grown = a * (R::ONE + a * (R::from_f64(0.5) + a * R::from_f64(1.0 / 6.0)));
-    grown / (R::ONE + grown)
 }
 
 impl<R: Real> Equations<R> for BoucWen<R> {

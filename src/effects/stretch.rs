@@ -1,4 +1,4 @@
-//! State of a branch with a spring, and the power function in the Bouc-Wen friction.
+//! State of a branch with a spring, and functions of friction that begins to slip by degrees.
 
 use super::ClampedMotion;
 use crate::real::Real;
@@ -50,4 +50,14 @@ pub(super) fn power<R: Real>(part: R, sharpness: R) -> R {
     let square = root * root;
     let fourth = square * square;
     fourth * fourth
+}
+
+/// 1 − e⁻ᵃ for an a of at least 0: within a⁴/24 of e⁻ᵃ, and below 1.
+#[inline(always)]
+pub(super) fn taken<R: Real>(a: R) -> R {
+    // Beyond this the cube would overflow, and the result is 1 already.
+    let most = R::from_f64(1e3);
+    let a = if a < most { a } else { most };
+    let grown = a * (R::ONE + a * (R::from_f64(0.5) + a * R::from_f64(1.0 / 6.0)));
+    grown / (R::ONE + grown)
 }
