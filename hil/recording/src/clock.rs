@@ -1,5 +1,6 @@
 //! The clock behind a recording's times: equal steps, the tick of each sample, and the error of the times.
 
+use crate::noise::rms;
 use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
@@ -364,9 +365,4 @@ fn roughness(
         left_out(&|index| ticks[index] as f64),
         left_out(&|index| time[index]),
     ]
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-    f64::sqrt(sum / f64::max(count, 1.0))
 }

@@ -85,6 +85,14 @@ fn deviation(differences: &[f64]) -> f64 {
     median(magnitudes).unwrap_or(0.0) / (0.6745 * POWER.sqrt())
 }
 
+/// Root mean square of values; 0 of none.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| {
+        (sum + value * value, count + 1.0)
+    });
+    (sum / count.max(1.0)).sqrt()
+}
+
 /// `differences` with 0 in place of those that are too large for noise of this deviation or a tone: a force that jumps at reversals
 /// has spectral lines too, which would hide a tone's.
 fn without_jumps(differences: &[f64], deviation: f64) -> Vec<f64> {

@@ -9,7 +9,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
 use crate::motion::MotionEstimate;
-use crate::noise::noise_of_runs;
+use crate::noise::{noise_of_runs, rms};
 
 crate::numbers! {
     /// Whether neighbouring samples of the force have noise of their own.
@@ -18,6 +18,8 @@ crate::numbers! {
         grows: f64 = 1.6, Derived("noise that grows as 1/f, which a measured force may have, grows by √2, and a walk by 2");
         /// The estimate shows the force itself, not its noise, if it grows by more than this factor when the stride doubles.
         signal: f64 = 16.0, Derived("the sixth difference of a smooth signal grows by 2⁶ = 64; this is between that and noise behind a filter");
+        /// An estimate of more than this part of what the motion leaves of the force is of the force itself.
+        itself: f64 = 0.5, Convention("a quarter of its power; noise that is more of it shows between neighbours");
         /// The longest stride, samples.
         longest: usize = 16, Convention("a force that is 16 times slower than its rows is another recording");
         /// A block of fewer samples to the cycle than this, times the stride, shows no noise at that stride.
@@ -37,7 +39,7 @@ pub(crate) struct NoiseFloor {
     pub deviation: f64,
     /// Whether the samples show it; otherwise it is an upper bound.
     pub is_known: bool,
-    /// Whether the estimate stops growing. One that grows up to the longest stride is of the force itself, and bounds little.
+    /// Whether the estimate stops growing before it is of the force itself, and bounds little.
     pub stops_growing: bool,
 }
 
@@ -53,6 +55,7 @@ impl NoiseFloor {
         let NoiseFloorPolicy {
             grows,
             signal,
+            itself,
             longest,
             samples,
             fewest,
@@ -104,12 +107,15 @@ impl NoiseFloor {
             }
             (stride, deviation) = (2 * stride, next);
         }
+        let of_measured = left.iter().zip(measured).filter(|(_, measured)| **measured);
+        let of_measured = of_measured.map(|(left, _)| *left);
         let has_neighbours = seen > 0.0 || deviation == 0.0;
         let is_known = stride == 1 && has_neighbours;
         Self {
             deviation: if is_known { seen } else { deviation.max(seen) },
             is_known,
-            stops_growing: 2 * stride <= longest,
+            stops_growing: is_known
+                || 2 * stride <= longest && deviation <= itself * rms(of_measured),
         }
     }
 }

@@ -36,41 +36,43 @@ pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     best.0
 }
 
-/// From the errors of laws on the same conditions, the simplest law first: index of the simplest that is within one standard error of
-/// the best, and of the best. The first is the law alone; if it is not within that error, another takes its place only if it [`gains`].
+/// From the errors of laws on the same conditions, the simplest law first: index of the one to write, and of the best of the others. The
+/// first is the law alone. The best takes its place if it is better by more than one standard error; or the simplest that is, and that
+/// is within one standard error of the best.
 ///
 /// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
 /// over the conditions.
 pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
-    let logs = |a: &[RelativeError], b: &[RelativeError]| -> Vec<f64> {
-        let pairs = a.iter().zip(b);
-        pairs
-            .map(|(a, b)| (a.beyond_noise() / b.beyond_noise()).ln())
-            .collect()
-    };
-    let mean = |logs: &[f64]| logs.iter().sum::<f64>() / logs.len() as f64;
-    let by_mean = |a: &usize, b: &usize| {
-        let of = |law: &usize| mean(&logs(laws[*law], laws[0]));
-        of(a).total_cmp(&of(b))
+    let gain = AdoptPolicy::in_use().gain;
+    // Mean and its standard error.
+    let log_ratio = |a: usize, b: usize| {
+        let pairs = laws[a].iter().zip(laws[b]);
+        let logs = pairs.map(|(a, b)| (a.beyond_noise() / b.beyond_noise()).ln());
+        let logs: Vec<f64> = logs.collect();
+        let count = logs.len() as f64;
+        let mean = logs.iter().sum::<f64>() / count;
+        let squares = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>();
+        (mean, (squares / (count - 1.0) / count).sqrt())
     };
     let finite = |law: &usize| laws[*law].iter().all(|one| one.error.is_finite());
-    let Some(best) = (1..laws.len()).filter(finite).min_by(by_mean) else {
+    let candidates: Vec<usize> = (1..laws.len()).filter(finite).collect();
+    let by_mean = |a: &&usize, b: &&usize| log_ratio(**a, 0).0.total_cmp(&log_ratio(**b, 0).0);
+    let Some(&best) = candidates.iter().min_by(by_mean) else {
         return (0, 0);
     };
-    let within = |law: &usize| {
-        let logs = logs(laws[*law], laws[best]);
-        let (mean, count) = (mean(&logs), logs.len() as f64);
-        let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        mean * mean * count <= variance
+    let is_better = |law: usize| {
+        let (mean, error) = log_ratio(law, 0);
+        mean < gain.ln() && mean < -error
     };
-    let is_gain = |law: usize| gains(laws[0], laws[law]);
-    if within(&0) || !is_gain(best) {
+    if !is_better(best) {
         return (0, best);
     }
-    let simplest = (1..best)
-        .filter(finite)
-        .find(|law| within(law) && is_gain(*law));
-    (simplest.unwrap_or(best), best)
+    let is_as_good = |law: &&usize| {
+        let (mean, error) = log_ratio(**law, best);
+        mean <= error && is_better(**law)
+    };
+    let simplest = candidates.iter().find(is_as_good);
+    (simplest.copied().unwrap_or(best), best)
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {

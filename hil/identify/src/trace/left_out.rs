@@ -206,14 +206,15 @@ impl<'a> LeftOut<'a> {
         self.held_out_each(&all, Samples::Telling, fit)
     }
 
-    /// The error of the law on each [condition that counts](Self::inner_conditions) when that condition is held out. For a question about
-    /// effects, an amplitude of its own does not count either, if enough others remain: the law errs there with any effect.
+    /// The error of the law on each condition when it is held out. For a question about effects, only
+    /// [those that count](Self::inner_conditions) are, and not an amplitude of its own either, if enough others remain: the law errs
+    /// there with any effect.
     pub fn in_turn(&self, samples: Samples, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
-        let shared = match samples {
+        let counted = match samples {
             Samples::Telling => self.enough(|one| !one.is_alone),
-            Samples::All => None,
+            Samples::All => Some(self.conditions.iter().collect()),
         };
-        let counted = shared.unwrap_or_else(|| self.inner_conditions());
+        let counted = counted.unwrap_or_else(|| self.inner_conditions());
         let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
         let errors = self.held_out_each(&counted, samples, fit)?;
         Ok(errors

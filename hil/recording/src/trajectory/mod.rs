@@ -18,7 +18,7 @@ use super::faults::kind::{ChannelFault, ChannelFaultKind, listed};
 use super::faults::{self, Shift};
 use super::motion::MotionEstimate;
 use super::motion_error::MotionError;
-use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs};
+use super::noise::{noise_beside_tones, noise_deviation, noise_of_runs, rms};
 use super::noise_floor::NoiseFloor;
 use super::resample::Uniform;
 use super::smoother::Band;
@@ -585,11 +585,6 @@ impl Known {
     fn zero(&self) -> Option<Zero> {
         self.rig.zero.map(Zero::from).or(self.zero)
     }
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
-    (sum / f64::max(count, 1.0)).sqrt()
 }
 
 impl Cycles {
