@@ -277,7 +277,7 @@ impl Predict {
         let is_measured = recording.force.iter().any(|f| *f != recording.force[0]);
         let error = is_measured.then(|| {
             nrmse(&force, &trajectory.force, |sample| {
-                trajectory.is_comparable(sample)
+                trajectory.measured[sample]
             })
         });
         if let Some(path) = &self.motion {

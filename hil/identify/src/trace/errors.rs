@@ -135,14 +135,19 @@ fn counts_as(role: Role, held_out: bool) -> bool {
     (role == Role::HeldOut) == held_out
 }
 
-/// Squares of the error of `predicted` and of the force, kN², on the held-out samples of a trajectory or on the rest.
+/// Squares of the error of `predicted` and of the force, kN², on the held-out samples of a trajectory or on the rest. Held-out samples
+/// count as whoever compares the prediction with the recording sees them, with a beginning that no model can know.
 fn squares(
     trajectory: &Trajectory,
     roles: &[Role],
     predicted: &[f64],
     held_out: bool,
 ) -> (f64, f64) {
-    let counts = |&i: &usize| counts_as(roles[i], held_out) && trajectory.is_comparable(i);
+    let counts = |&i: &usize| {
+        counts_as(roles[i], held_out)
+            && trajectory.measured[i]
+            && (held_out || trajectory.is_comparable(i))
+    };
     let of_part = (0..roles.len()).filter(counts);
     of_part.fold((0.0, 0.0), |(error, force), i| {
         let measured = trajectory.force[i];

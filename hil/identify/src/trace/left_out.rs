@@ -41,7 +41,7 @@ pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), Model
 pub(super) enum Samples {
     /// Those that tell laws apart, each weighted by the certainty of its motion: for questions about effects.
     Telling,
-    /// All that were measured, as in a reported error: for the choice of the law that is written.
+    /// All that can be compared, each counting the same: for the choice of the law that is written.
     All,
 }
 

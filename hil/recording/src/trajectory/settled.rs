@@ -16,9 +16,8 @@ crate::numbers! {
         /// Such a cycle is left out only if it is at most this fraction of its block, or half of it of a recording without blocks, whose
         /// cycles may be one each of an amplitude.
         spared: f64 = 0.26, Convention("of a block of four cycles one; of three, two would be left");
-        /// A recording begins at rest too if its first velocity and acceleration, each as a part of the largest in the first cycle, are
-        /// together at most this.
-        from_rest: f64 = 0.5, Convention("the squares of the two add up to 1 wherever a sine begins, and one that grows from nothing has little");
+        /// A recording begins at rest too if its first velocity and acceleration are at most this fraction of the largest in the first cycle.
+        from_rest: f64 = 0.1, Convention("a sine has 0.7 of one of them or more; one that grows from nothing has neither");
     }
 }
 
@@ -33,15 +32,14 @@ impl Trajectory {
 
     fn begins_at_rest(&self) -> bool {
         let first = self.cycles.partition_point(|&cycle| cycle < 1.0);
-        let part = |channel: &[f64]| {
+        let starts = |channel: &[f64]| {
             let largest = channel[..first]
                 .iter()
-                .fold(f64::MIN_POSITIVE, |a, v| a.max(v.abs()));
-            channel[0] / largest
+                .fold(0.0, |a: f64, v| a.max(v.abs()));
+            channel[0].abs() <= SettledPolicy::in_use().from_rest * largest
         };
         let motion = &self.motion;
-        let started = part(&motion.velocity).hypot(part(&motion.acceleration));
-        motion.is_at_rest(0) || started <= SettledPolicy::in_use().from_rest
+        motion.is_at_rest(0) || starts(&motion.velocity) && starts(&motion.acceleration)
     }
 
     /// The first cycle of a recording that does not begin at rest, and that after each pause of its channels.
