@@ -11,9 +11,9 @@ use crate::real::{Real, in_range};
 ///
 /// K·(y − x) = F(x, ẋ) + c1·ẋ + E,
 ///
-/// F is the mixed damping law (eq 13), c1 that of [`super::Viscous`], and E the force of the other effects. All effects see x and
-/// ẋ; a mass ([`super::Inertia`]) is on the sensors' side of the spring: it sees the acceleration of y, and is no part of E. E is taken from the tick before, and is 0 at the first tick. The force therefore oscillates
-/// from tick to tick where the other effects together are stiffer than spring and law, and undamped. It also does where
+/// F is the mixed damping law (eq 13), c1 that of [`super::Viscous`], and E the force of the other effects but
+/// a mass ([`super::Inertia`]), which is on the sensors' side of the spring and has the acceleration of y. The others see x and ẋ. E is
+/// taken from the tick before, and is 0 at the first tick. The force therefore oscillates from tick to tick where the other effects together are stiffer than spring and law, and undamped. It also does where
 /// [`super::LoadFriction`] and [`super::Directional`] add more than 100 % to the law's damping.
 ///
 /// # Step

@@ -73,7 +73,7 @@ impl<R: Real> Equations<R> for Inertia<R> {
 
     #[inline(always)]
     fn force(&self, _: &mut (), motion: &ClampedMotion<R>, _: LawForce<R>) -> R {
-        self.force_at(motion.acceleration())
+        self.outside(motion)
     }
 
     #[inline(always)]

@@ -96,7 +96,7 @@ pub trait Equations<R: Real>: Copy {
         R::ZERO
     }
 
-    /// The part of its force, kN, that acts on the sensors' side of every stage.
+    /// The part of its force, kN, that acts on the sensors' side of a spring in series.
     #[inline(always)]
     fn outside(&self, _: &ClampedMotion<R>) -> R {
         R::ZERO

@@ -175,7 +175,8 @@ impl Drawn {
 /// What a law gave along a motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Run {
-    /// ∫F dy as a part of ∫|F dy|, the error of its trapezoids added. A law that cannot supply energy has stored none at rest, so that this is not below 0.
+    /// ∫F dy as a part of ∫|F dy|, the error of its trapezoids added. A law that cannot supply energy has stored none at rest, so that
+    /// this is not below 0.
     pub energy: f64,
     /// The largest force, kN.
     pub force: f64,
@@ -184,7 +185,7 @@ pub struct Run {
 }
 
 /// `law` without the parts that no check judges: effects that supply energy by their nature, and a spring in series beside other
-/// effects than a dashpot and a mass, because it takes their forces from the tick before.
+/// effects than a dashpot, which it solves for, and a mass, which is not behind it: it takes their forces from the tick before.
 pub fn judged<const N: usize>(law: &FastLaw<N>) -> FastLaw<N> {
     let whole = law.augmented();
     let is_solved = whole.effects().all(|effect| {

@@ -328,13 +328,15 @@ fn a_drift_that_takes_all_damping_is_passive() {
 /// above the frequency at which the two resonate, the specimen's damping would act with the motion.
 #[test]
 fn a_mass_gives_no_energy_before_a_play_or_a_spring() {
-    let gap = Effect::Gap(Gap::new(0.05, false).unwrap());
+    let gap = |damps_inside| Effect::Gap(Gap::new(0.05, damps_inside).unwrap());
     let range = OperatingRange::new([-0.2, 0.2], [-60.0, 60.0]).unwrap();
     let tick = 1.0 / rate(&range);
     let spring = Effect::Compliance(Compliance::new(0.7, tick as f32).unwrap());
-    for stage in [gap, spring] {
-        for mass in [-5e3, -2.0, 2.0, 5e3] {
-            let effects = [Effect::Inertia(Inertia::new(mass).unwrap()), stage];
+    for mass in [-5e3, -2.0, 0.0, 2.0, 5e3] {
+        let inertia = Effect::Inertia(Inertia::new(mass).unwrap());
+        assert_eq!(refused(mesh(), &[inertia]), None);
+        for stage in [gap(false), gap(true), spring] {
+            let effects = [inertia, stage];
             for law in [nothing(), mesh()] {
                 assert_eq!(refused(law, &effects), None);
                 let each = (0..20).map(|seed| given(with(law, &effects), &range, seed));

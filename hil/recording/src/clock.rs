@@ -1,12 +1,12 @@
 //! The clock behind a recording's times: equal steps, the tick of each sample, and the error of the times.
 
-use crate::noise::rms;
 use std::f64::consts::TAU;
 
 use mesh_damper_tables::channel::Channel;
 
 use crate::extremes::{least_and_largest, quantile};
 use crate::faults::kind::{ChannelFault, ChannelFaultKind};
+use crate::noise::rms;
 use crate::steady::{Steady, quantum};
 
 crate::numbers! {

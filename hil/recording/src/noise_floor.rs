@@ -39,8 +39,8 @@ pub(crate) struct NoiseFloor {
     pub deviation: f64,
     /// Whether the samples show it; otherwise it is an upper bound.
     pub is_known: bool,
-    /// Whether the estimate stops growing before it is of the force itself, and bounds little.
-    pub stops_growing: bool,
+    /// Whether it bounds the noise: the estimate stopped growing before it was of the force itself.
+    pub is_bounded: bool,
 }
 
 impl NoiseFloor {
@@ -114,8 +114,7 @@ impl NoiseFloor {
         Self {
             deviation: if is_known { seen } else { deviation.max(seen) },
             is_known,
-            stops_growing: is_known
-                || 2 * stride <= longest && deviation <= itself * rms(of_measured),
+            is_bounded: is_known || 2 * stride <= longest && deviation <= itself * rms(of_measured),
         }
     }
 }

@@ -168,8 +168,8 @@ impl Budget {
         let free = list.capacity() - list.len();
         if count > free {
             let is_short = list.capacity() * size_of::<T>() <= SHORT_LIST;
-            let more = if is_short { 1 } else { 4 };
-            let more = (count - free).max(list.capacity() / more).max(4);
+            let grown = list.capacity() / if is_short { 1 } else { 4 };
+            let more = (count - free).max(grown).max(4);
             self.hold((more as u64).saturating_mul(size_of::<T>() as u64), part)?;
             list.reserve_exact(free + more);
         }

@@ -246,7 +246,7 @@ impl Predict {
             ));
         }
         say_guesses(recording.named_guesses());
-        // The same faults are repaired as in a trace, and the same samples count.
+        // The same faults are repaired as in a trace, and the samples of held-out data there count.
         let mut repaired = recording.repaired();
         let model = file.model();
         let known = (recording.name.as_str(), repaired.controls.as_slice());

@@ -54,25 +54,26 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
         let squares = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>();
         (mean, (squares / (count - 1.0) / count).sqrt())
     };
+    // A law that cannot be run on some condition is none; NaN, as of a single condition, is no gain.
     let finite = |law: &usize| laws[*law].iter().all(|one| one.error.is_finite());
-    let candidates: Vec<usize> = (1..laws.len()).filter(finite).collect();
-    let by_mean = |a: &&usize, b: &&usize| log_ratio(**a, 0).0.total_cmp(&log_ratio(**b, 0).0);
-    let Some(&best) = candidates.iter().min_by(by_mean) else {
+    let candidates = (1..laws.len()).filter(finite);
+    let candidates: Vec<(usize, (f64, f64))> =
+        candidates.map(|law| (law, log_ratio(law, 0))).collect();
+    let by_mean = candidates.iter().min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let Some(&(best, beside_alone)) = by_mean else {
         return (0, 0);
     };
-    let is_better = |law: usize| {
-        let (mean, error) = log_ratio(law, 0);
-        mean < gain.ln() && mean < -error
-    };
-    if !is_better(best) {
+    let is_better = |(mean, error): (f64, f64)| mean < gain.ln() && mean < -error;
+    if !is_better(beside_alone) {
         return (0, best);
     }
-    let is_as_good = |law: &&usize| {
-        let (mean, error) = log_ratio(**law, best);
-        mean <= error && is_better(**law)
+    let is_as_good = |(law, beside_alone): &&(usize, (f64, f64))| {
+        let (mean, error) = log_ratio(*law, best);
+        mean <= error && is_better(*beside_alone)
     };
+    // The best is as good as itself.
     let simplest = candidates.iter().find(is_as_good);
-    (simplest.copied().unwrap_or(best), best)
+    (simplest.map_or(0, |(law, _)| *law), best)
 }
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
@@ -151,5 +152,7 @@ mod tests {
             "it loses elsewhere"
         );
         assert_eq!(chosen(&[&alone, &errors(&[f64::NAN; 4])]), (0, 0));
+        // One condition says nothing of the next.
+        assert_eq!(chosen(&[&errors(&[0.2]), &errors(&[0.1])]).0, 0);
     }
 }

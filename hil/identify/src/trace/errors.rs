@@ -143,11 +143,11 @@ fn squares(
     predicted: &[f64],
     held_out: bool,
 ) -> (f64, f64) {
-    let counts = |&i: &usize| {
-        counts_as(roles[i], held_out)
-            && trajectory.measured[i]
-            && (held_out || trajectory.is_comparable(i))
+    let is_seen = |i: usize| match held_out {
+        true => trajectory.measured[i],
+        false => trajectory.is_comparable(i),
     };
+    let counts = |&i: &usize| counts_as(roles[i], held_out) && is_seen(i);
     let of_part = (0..roles.len()).filter(counts);
     of_part.fold((0.0, 0.0), |(error, force), i| {
         let measured = trajectory.force[i];

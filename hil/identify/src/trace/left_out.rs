@@ -211,10 +211,11 @@ impl<'a> LeftOut<'a> {
     /// there with any effect.
     pub fn in_turn(&self, samples: Samples, fit: Fit) -> Result<Vec<RelativeError>, ModelError> {
         let counted = match samples {
-            Samples::Telling => self.enough(|one| !one.is_alone),
-            Samples::All => Some(self.conditions.iter().collect()),
+            Samples::Telling => {
+                (self.enough(|one| !one.is_alone)).unwrap_or_else(|| self.inner_conditions())
+            }
+            Samples::All => self.conditions.iter().collect(),
         };
-        let counted = counted.unwrap_or_else(|| self.inner_conditions());
         let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
         let errors = self.held_out_each(&counted, samples, fit)?;
         Ok(errors

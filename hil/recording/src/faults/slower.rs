@@ -2,8 +2,6 @@
 //!
 //! Rows without a new value are no measurements. They look like a force without noise, and like one that is late.
 
-use std::cell::LazyCell;
-
 use mesh_damper_tables::channel::Channel;
 
 use super::super::Recording;
@@ -63,9 +61,8 @@ pub(super) fn repair(recording: &mut Recording) -> bool {
 
 /// The rows in which a slower channel has a new value, and what stands between them.
 fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
-    // Most channels are at their full rate, and need no digit.
-    let digit =
-        LazyCell::new(|| rounding(values, FaultsPolicy::in_use().same_value * spread(values)));
+    // Sorts the channel. Most are at their full rate, and need no digit.
+    let digit = || rounding(values, FaultsPolicy::in_use().same_value * spread(values));
     // What stands in the first row may be older.
     let held = (1..values.len()).filter(|&row| values[row] != values[row - 1]);
     let held: Vec<usize> = held.collect();
@@ -76,19 +73,20 @@ fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
     let found = match regular(&held, values.len()) {
         Some(rows) => (rows, Between::Held),
         None => (
-            regular(&knots(&bends, &digit)?, values.len())?,
+            regular(&knots(&bends, digit)?, values.len())?,
             Between::Interpolated,
         ),
     };
     // A slow motion crosses the digits of a coarse converter in equal times too.
+    let one_and_a_half = 1.5 * digit();
     let by_digit = held.iter();
-    let by_digit = by_digit.filter(|&&row| (values[row] - values[row - 1]).abs() < 1.5 * *digit);
+    let by_digit = by_digit.filter(|&&row| (values[row] - values[row - 1]).abs() < one_and_a_half);
     let is_coarse = by_digit.count() as f64 > SlowerPolicy::in_use().digits * held.len() as f64;
     (!is_coarse).then_some(found)
 }
 
 /// The rows at which lines between values meet. Between two rows both bend, the nearer one more.
-fn knots(bends: &[f64], digit: &LazyCell<f64, impl FnOnce() -> f64>) -> Option<Vec<usize>> {
+fn knots(bends: &[f64], digit: impl FnOnce() -> f64) -> Option<Vec<usize>> {
     let SlowerPolicy {
         on_line,
         off_line,
@@ -98,10 +96,11 @@ fn knots(bends: &[f64], digit: &LazyCell<f64, impl FnOnce() -> f64>) -> Option<V
     // Of a line with few knots, more than half of the values are on it.
     let usual = quantile(&mut bends.to_vec(), 0.4);
     let large = quantile(&mut bends.to_vec(), 1.0 - 1.0 / most_rows);
+    // The digit is asked for only where it may matter.
     if large < off_line * on_line * usual {
         return None;
     }
-    let on = (on_line * usual).max(2.5 * **digit);
+    let on = (on_line * usual).max(2.5 * digit());
     if large < off_line * on {
         return None;
     }

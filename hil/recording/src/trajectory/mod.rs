@@ -433,7 +433,7 @@ impl Trajectory {
         let floor = NoiseFloor::of(force, &self.motion, (runs, &self.measured), &blocks);
         self.force_noise = factor * floor.deviation;
         self.noise_is_known = floor.is_known;
-        self.noise_is_bounded = floor.stops_growing;
+        self.noise_is_bounded = floor.is_bounded;
     }
 
     /// Moves the force back by `shift`. Samples from beyond the recording's ends count as not measured.
