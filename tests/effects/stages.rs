@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use mesh_damper::effects::{
-    AugmentedLaw, Compliance, Delay, Effect, Gap, MAX_DELAY, Motion, Offset, StickSlip, Viscous,
+    AugmentedLaw, Compliance, Delay, Effect, Gap, Inertia, MAX_DELAY, Motion, Offset, StickSlip,
+    Viscous,
 };
 use mesh_damper::law::Law;
 
@@ -156,24 +157,30 @@ fn the_longest_delay_is_of_255_ticks_in_f32_too() {
     assert!(Delay::new(255.1 * tick, tick).is_err());
 }
 
-/// All stages and nothing else: springs in series k·K/(k + K) beyond the play, with a delay T.
+/// All stages and a mass: springs in series k·K/(k + K) beyond the play, and m·a before both, with a delay T.
 #[test]
-fn the_three_together_are_springs_in_series_behind_the_play_and_late() {
+fn the_stages_together_are_springs_in_series_behind_the_play_a_mass_and_late() {
     let tick = 1e-3;
     let stages = [
         gap(0.05, false),
         Effect::Compliance(Compliance::new(6.0, tick).unwrap()),
         Effect::Delay(Delay::new(3.0 * tick, tick).unwrap()),
+        Effect::Inertia(Inertia::new(40.0).unwrap()),
     ];
     let law = with(Law::new(1.5, 0.0, 0.0, 0.0).unwrap(), &stages);
     let mut state = law.at_rest();
     for n in 0..200 {
         let at = |n: i32| 0.1 + tick * f64::from(n);
-        let motion = Motion::at(at(n), 1.0);
+        let acceleration = |n: i32| 700.0 + f64::from(n);
+        let motion = Motion {
+            acceleration: acceleration(n),
+            ..Motion::at(at(n), 1.0)
+        };
         let force = law.force(&mut state, &motion);
         // The force before the first tick is not known.
         if n > 10 {
-            close(force, 1.5 * 6.0 / (1.5 + 6.0) * (at(n - 3) - 0.05), 1e-9);
+            let springs = 1.5 * 6.0 / (1.5 + 6.0) * (at(n - 3) - 0.05);
+            close(force, springs + 40.0 * 1e-6 * acceleration(n - 3), 1e-9);
         }
     }
 }

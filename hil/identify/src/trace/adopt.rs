@@ -6,7 +6,7 @@ mesh_damper_recording::numbers! {
     /// When a law with effects or a table is adopted in place of the law alone.
     AdoptPolicy {
         /// Effects or a table are adopted only if they leave less than this fraction of the law's error beyond the noise, on conditions
-        /// held out in turn: both as an RMS and as a geometric mean.
+        /// held out in turn, as a geometric mean; an effect helps only if they do so as an RMS too.
         gain: f64 = 0.98, Convention("two per cent is no gain");
         /// A law is clearly better than another if its error beyond the noise is below this fraction of the other's.
         better: f64 = 0.95, Tuned("the blind trial");

@@ -182,6 +182,7 @@ impl<'a> Closing<'a> {
         }
         let rivals = match verdict {
             Verdict::Ambiguous => Some(Rivals::of(selection)),
+            Verdict::Found => Rivals::simpler(selection),
             _ => laws.graded.as_ref().and_then(Confirmed::rivals),
         };
         if rivals.is_some() {

@@ -63,6 +63,16 @@ impl RelativeError {
         }
     }
 
+    /// The geometric mean of their errors [beyond the noise](beyond_noise()), in which each counts equally. It is
+    /// infinite for a law that cannot be run on one of the conditions.
+    pub fn geometric_mean(errors: &[Self]) -> f64 {
+        if errors.iter().any(|one| !one.error.is_finite()) {
+            return f64::INFINITY;
+        }
+        let logs = errors.iter().map(|one| one.beyond_noise().ln());
+        (logs.sum::<f64>() / errors.len() as f64).exp()
+    }
+
     /// RMS error [beyond the noise](beyond_noise()).
     pub fn beyond_noise(&self) -> f64 {
         beyond_noise(self.error, self.noise)

@@ -81,6 +81,17 @@ impl Rivals {
             beside: beside.solution.clone(),
         }
     }
+
+    /// An effect with a parameter that the data do not bound, and a simpler one that does equally well in its place.
+    pub fn simpler(selection: &Selection) -> Option<Self> {
+        let (family, with_simpler) = selection.simpler.clone()?;
+        let simpler = with_simpler.terms.last()?.term.form.family();
+        let found = &selection.found.solution;
+        Some(Self {
+            beside: found.without_family(family),
+            laws: vec![(family, found.clone()), (simpler, with_simpler)],
+        })
+    }
 }
 
 /// The test that would distinguish rivals, as text with a programme of blocks, and these blocks; empty if no test on the rig would.

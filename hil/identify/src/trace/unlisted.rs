@@ -74,8 +74,11 @@ impl Closing<'_> {
         let errors: Vec<Vec<RelativeError>> = each
             .map(|rows| in_turn(rows, &alone, None))
             .collect::<Result<_, _>>()?;
-        let left = |errors: &Vec<RelativeError>| RelativeError::mean(errors).beyond_noise();
-        let best = clearly_best(errors.iter().map(left));
+        let best = clearly_best(
+            errors
+                .iter()
+                .map(|errors| RelativeError::geometric_mean(errors)),
+        );
         let rows = &self.rows[best];
         let alone = self.fit_near(rows, &alone);
         let mut candidates = vec![Candidate {

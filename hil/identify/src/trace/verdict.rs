@@ -207,8 +207,8 @@ pub(super) fn warnings<'t>(
         warnings.extend(faults.map(|fault| format!("{}: {fault}", trajectory.name)));
         if !trajectory.noise_is_known {
             warnings.push(format!(
-                "{}: neighbouring samples of the force share their noise, as if it was held, interpolated or filtered: its noise is not \
-                 known, and the noise given is an upper bound",
+                "{}: the noise of the force is not known, and the noise given is an upper bound: neighbouring samples share their noise, as \
+                 if the force was held, interpolated or filtered, or the force bends within a few samples",
                 trajectory.name
             ));
         }

@@ -60,7 +60,7 @@ const REPAIRS: [Repair; 5] = [
 const MOST_REPAIRS: usize = 4 * REPAIRS.len();
 
 impl Recording {
-    /// The recording with channels repaired that are wrong as a whole or from some time on: [`REPAIRS`]. [`Recording::faults`] lists
+    /// The recording with channels repaired that are wrong as a whole or from some time on: `REPAIRS`. [`Recording::faults`] lists
     /// the repairs; repairing twice changes nothing more. Without a repair the copy is dropped at once.
     #[must_use]
     pub fn repaired(&self) -> Cow<'_, Self> {

@@ -3,6 +3,7 @@
 use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
 use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
+use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::super::split::{Role, Roles};
@@ -51,18 +52,60 @@ pub fn error_between(
     Ok(error.sqrt())
 }
 
-/// The levels of amplitude in mm of the fitted blocks.
+/// The levels of amplitude in mm of the fitted blocks. What is fitted of a block must move as far as the block: a part near zero, as
+/// the first cycle left out leaves it, does not determine k3 there.
 pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
-    let is_fitted = |which: usize, block: &FoundBlock| {
-        let mut samples = block.samples.clone();
-        samples.any(|sample| roles.of(which, sample) == Role::Fit)
+    let reaches = |which: usize, block: &FoundBlock| {
+        let trajectory = &trajectories[which];
+        let is_fitted = |&sample: &usize| {
+            roles.of(which, sample) == Role::Fit && trajectory.is_comparable(sample)
+        };
+        let moved = |(low, high): (f64, f64)| high - low;
+        let displacement = |sample: usize| trajectory.motion.displacement[sample];
+        let all = block.samples.clone();
+        let fitted = all.clone().filter(is_fitted).map(displacement);
+        let [fitted, all] = [
+            moved(least_and_largest(fitted)),
+            moved(least_and_largest(all.map(displacement))),
+        ];
+        same_amplitude(fitted, all)
     };
     let each = trajectories.iter().enumerate();
     levels(each.flat_map(|(which, trajectory)| {
-        let fitted = trajectory
-            .blocks
-            .iter()
-            .filter(move |block| is_fitted(which, block));
+        let fitted = trajectory.blocks.iter();
+        let fitted = fitted.filter(move |block| reaches(which, block));
         fitted.map(|block| block.amplitude)
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::Recording;
+
+    use super::*;
+
+    #[test]
+    fn an_amplitude_of_which_only_a_part_is_fitted_has_no_coefficients() {
+        let sine = |amplitude: f64| {
+            (0..1000).map(move |n| amplitude * (TAU * 5.0 * f64::from(n) / 500.0).sin())
+        };
+        let displacement: Vec<f64> = sine(0.1).chain(sine(0.2)).collect();
+        let force = displacement.iter().map(|y| 2.0 * y).collect();
+        let time = (0..displacement.len()).map(|n| n as f64 / 500.0).collect();
+        let recording = Recording::new("test", time, displacement, force).unwrap();
+        let mut trajectories = [Trajectory::of(&recording).unwrap()];
+        let nodes = |trajectories: &[Trajectory]| {
+            let nodes = amplitude_nodes(trajectories, &Roles::all_fit(trajectories));
+            nodes
+                .into_iter()
+                .map(|node| (10.0 * node).round() as i32)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(nodes(&trajectories), [1, 2]);
+        // What is left of the first block is near zero.
+        trajectories[0].unsettled.push(0..985);
+        assert_eq!(nodes(&trajectories), [2]);
+    }
 }

@@ -1,11 +1,13 @@
 //! A search refines the form of an effect, and afterwards simplifies or drops what became unnecessary.
 
-use mesh_damper_model::ModelError;
+use mesh_damper_model::{Family, ModelError};
 
 use super::super::fitted::Fitted;
 use super::Search;
 use crate::problem::Problem;
+use crate::solution::Solution;
 use crate::term::Term;
+use crate::uncertainty::Uncertainty;
 
 impl Search<'_> {
     /// The law with its last effect in a refined form, if that is clearly better and the data distinguish it from a simpler one;
@@ -42,24 +44,45 @@ impl Search<'_> {
             if term.is_known || !term.form.refines {
                 continue;
             }
-            let is_simpler = |other: &&Term| {
-                !other.form.refines && term.form.special_cases.contains(&other.form.family)
-            };
-            let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
-            let rest = self.scored(found.solution.without(index - 1))?;
-            let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
-            let others = others.map(|(_, other, _)| other);
-            let best = others
-                .filter(Fitted::is_admissible)
-                .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()));
-            if let Some(best) = best
-                && !found.score.beats(&best.score)
-            {
-                found = best;
+            if let Some(simpler) = self.simpler(&found, index - 1)? {
+                found = simpler;
                 index = 0;
             }
         }
         Ok(found)
+    }
+
+    /// The first family of `found` with a parameter that the data do not bound, and the law with a simpler effect in its place that does
+    /// equally well: the data do not tell the two apart.
+    pub(super) fn in_place_of_unbounded(
+        &self,
+        found: &Fitted,
+    ) -> Result<Option<(Family, Solution)>, ModelError> {
+        let uncertainty = Uncertainty::of(&self.rows, &self.extent, &found.solution);
+        for (index, value) in found.solution.terms.iter().enumerate() {
+            if value.term.is_known || uncertainty.terms[index].is_bounded() {
+                continue;
+            }
+            if let Some(simpler) = self.simpler(found, index)? {
+                return Ok(Some((value.term.form.family(), simpler.solution)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The law with a form that the one at `index` contains in its place, last, if one does equally well.
+    fn simpler(&self, found: &Fitted, index: usize) -> Result<Option<Fitted>, ModelError> {
+        let form = found.solution.terms[index].term.form;
+        let is_simpler =
+            |other: &&Term| !other.form.refines && form.special_cases.contains(&other.form.family);
+        let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
+        let rest = self.scored(found.solution.without(index))?;
+        let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
+        let others = others.map(|(_, other, _)| other);
+        let best = others
+            .filter(Fitted::is_admissible)
+            .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        Ok(best.filter(|best| !found.score.beats(&best.score)))
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.
@@ -82,5 +105,66 @@ impl Search<'_> {
             }
         }
         Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::Recording;
+    use mesh_damper_recording::trajectory::Trajectory;
+
+    use super::super::super::sought::Sought;
+    use super::super::super::split::{Role, Roles};
+    use super::*;
+    use crate::families::Form;
+
+    const TICK: f64 = 2e-3;
+
+    /// What stands in the place of the yielding branch that is fitted to a spring of 2 kN/mm and `branch`, a stiffness in kN/mm with the
+    /// rate of a dashpot in mm/s behind it, which depends on the branch's force.
+    fn in_place_of_yielding(branch: f64, dashpot: fn(f64) -> f64) -> Option<Vec<&'static str>> {
+        let mut stretch = 0.0;
+        let mut before = 0.0;
+        let (mut displacement, mut force) = (Vec::new(), Vec::new());
+        for frequency in [1.0, 4.0, 10.0] {
+            for n in 0..1500 {
+                let y = 0.2 * (TAU * frequency * TICK * f64::from(n)).sin();
+                for _ in 0..10 {
+                    stretch += (y - before) / 10.0 - dashpot(branch * stretch) * TICK / 10.0;
+                }
+                before = y;
+                displacement.push(y);
+                // Noise without a random generator: a sum of tones that share nothing with the motion.
+                let noise = (1..9).map(|k| (f64::from(n) * f64::from(k) * 1.234_567).sin());
+                force.push(2.0 * y + branch * stretch + 2e-4 * noise.sum::<f64>());
+            }
+        }
+        let time = (0..displacement.len()).map(|n| n as f64 * TICK).collect();
+        let recording = Recording::new("test", time, displacement, force).unwrap();
+        let trajectories = [Trajectory::of(&recording).unwrap()];
+        let mut roles = Roles::all_fit(&trajectories);
+        roles.keep_apart(&trajectories, Role::Validation);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        let term = Term {
+            form: Form::named("yielding").unwrap(),
+            reference: 0.0,
+            is_known: false,
+            held: None,
+        };
+        let law = Problem::new(&search.rows, &search.extent, &[term]).solve();
+        let found = search.scored(law).unwrap();
+        let (family, simpler) = search.in_place_of_unbounded(&found).unwrap()?;
+        let rest = simpler.families().into_iter().map(Family::name);
+        Some([family.name()].into_iter().chain(rest).collect())
+    }
+
+    #[test]
+    fn a_branch_that_never_yields_may_be_a_maxwell_branch() {
+        let maxwell = in_place_of_yielding(1.0, |force| force / 0.04);
+        assert_eq!(maxwell, Some(vec!["yielding", "relaxation"]));
+        let yields = in_place_of_yielding(1.0, |force| 0.1 * (force / 0.02).sinh());
+        assert_eq!(yields, None, "its yield force is known");
     }
 }

@@ -40,7 +40,9 @@ fn a_length_that_sets_the_stiffness_is_used() {
         assert_eq!(controls[0].name, "slider_mm");
         assert_eq!(controls[0].range, [0.0, 40.0]);
         let error = found.result.augmented.nrmse_held_out;
-        assert!(error < 0.05, "{error} at {between} mm");
+        assert!(error < 0.006, "{error} at {between} mm");
+        let stiffness = found.model.effects[0].parameters["stiffness"];
+        assert!((stiffness / per_length - 1.0).abs() < 0.02, "{stiffness}");
         assert!(found.result.baseline.nrmse_held_out > 2.0 * error);
     }
 }
