@@ -27,7 +27,8 @@ const SATURATION: [f64; 2] = [1e-9, 1e12];
 ///
 /// # Step
 /// The input is held from one tick to the next, so that the lag is exact: w ← w + (1 − e^(−Δt/T))·(|u| − w). Before the first tick
-/// the input is assumed to have had its first value.
+/// the input is assumed to have had its first value. A branch that yields at the end of the range of the displacement is a spring, which
+/// is at rest at a displacement of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlInput<R> {
     /// The branch at a strength of 1.
@@ -125,11 +126,12 @@ impl<R: Real> ControlInput<R> {
 
     /// f, after a tick with this input.
     #[inline(always)]
-    fn strength(&self, state: &mut ControlInputState<R>, input: R) -> R {
-        let input = input.abs();
+    fn strength(&self, state: &mut ControlInputState<R>, motion: &ClampedMotion<R>) -> R {
+        let input = motion.control(self.input).abs();
         if !state.has_begun {
             state.has_begun = true;
             state.arrived = input;
+            state.stretch = self.branch.first_stretch(motion);
         }
         let change = self.arriving * (input - state.arrived) + state.carry;
         let arrived = state.arrived + change;
@@ -210,7 +212,7 @@ impl<R: Real> Equations<R> for ControlInput<R> {
     // Not inlined on a target, so that a tick without this effect does not save its registers.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn force(&self, state: &mut Self::State, motion: &ClampedMotion<R>, law: LawForce<R>) -> R {
-        let strength = self.strength(state, motion.control(self.input));
+        let strength = self.strength(state, motion);
         let branch = self.branch.force(&mut state.stretch, motion, law);
         strength * (branch + self.viscosity * motion.velocity())
     }

@@ -17,6 +17,14 @@ pub struct Stretch<R> {
 }
 
 impl<R: Real> Stretch<R> {
+    /// That of a spring at a displacement in mm.
+    pub(super) fn of_spring(displacement: R) -> Self {
+        Self {
+            stretch: displacement,
+            previous: displacement,
+        }
+    }
+
     /// z after a tick with this motion. `moved` gives it for a z and a displacement of at least 0, which both point upwards.
     #[inline(always)]
     pub(super) fn after(

@@ -94,6 +94,12 @@ impl<R: Real> Yielding<R> {
         self.drag
     }
 
+    /// The stretch at the first tick: 0, or the displacement if no motion makes the dashpot yield.
+    pub(super) fn first_stretch(&self, motion: &ClampedMotion<R>) -> Option<Stretch<R>> {
+        let never_yields = self.yield_stretch >= R::from_f64(limits::DISPLACEMENT);
+        never_yields.then(|| Stretch::of_spring(motion.displacement()))
+    }
+
     /// x + C, mm: what the reach is at least.
     fn least(&self) -> R {
         self.yield_stretch + self.drag + self.slip

@@ -2,6 +2,7 @@
 
 use mesh_damper::effects::{CONTROLS, ControlInput, Effect, Motion, Yielding};
 use mesh_damper::error::ConfigError;
+use mesh_damper::limits;
 use mesh_damper::real::Real;
 use proptest::prelude::*;
 
@@ -48,6 +49,37 @@ fn at_a_steady_velocity_the_force_is_the_inputs_strength() {
         let bent = effect(0, TICK).with_saturation(1.5).unwrap();
         let expected = control.abs() / (1.0 + control.abs() / 1.5) * of_one;
         close(steady(bent, velocity, control), expected, 1e-9);
+    }
+}
+
+/// f·(k·y + c·v), wherever the motion begins and however it turns.
+#[test]
+fn a_branch_that_no_motion_makes_yield_is_a_spring() {
+    fn force<R: Real>(first: f64) -> Vec<(f64, f64)> {
+        let [k, x, rate, viscosity] = [2.0, limits::DISPLACEMENT, 1e-9, 0.01].map(R::from_f64);
+        let branch = Yielding::new(k, x, rate, R::ZERO, R::from_f64(TICK)).unwrap();
+        let law = alone(Effect::ControlInput(
+            ControlInput::new(0, branch, viscosity).unwrap(),
+        ));
+        let mut state = law.at_rest();
+        let each = (0..3000).map(|n| {
+            let phase = 0.01 * f64::from(n);
+            let (y, v) = (first + 30.0 * phase.sin(), 300.0 * phase.cos());
+            let force = law.force(&mut state, &under(y, v, 0.5));
+            (force.to_f64(), 0.5 * (2.0 * y + 0.01 * v))
+        });
+        each.collect()
+    }
+    for first in [-50.0, 0.0, 12.0] {
+        for (force, expected) in force::<f64>(first) {
+            close(force, expected, 1e-9);
+        }
+        // Of 80 mm at 1 kN/mm.
+        let worst = force::<f32>(first).into_iter();
+        let worst = worst.fold(0.0, |worst, (force, expected)| {
+            f64::max(worst, (force - expected).abs())
+        });
+        assert!(worst < 80.0 * 2e-6, "{worst}");
     }
 }
 

@@ -19,77 +19,61 @@ const SATURATION_STARTS: usize = 2;
 const LAG_STARTS: usize = 4;
 
 /// Yield stretch in mm and rate in mm/s with which the branch is a spring: the ends of the crate's ranges.
-const SPRING: [f64; 2] = [mesh_damper::limits::DISPLACEMENT, 1e-9];
+const SPRING_BRANCH: [f64; 2] = [mesh_damper::limits::DISPLACEMENT, 1e-9];
 
-/// For each input: a spring and a dashpot; a branch that yields, immediate and proportional, delayed, with a strength that saturates,
-/// and both.
-pub const FORMS: [Form; 5 * CONTROLS] = {
-    const AT_ONCE: [Form; CONTROLS] = each::<false, false>();
-    const LATE: [Form; CONTROLS] = each::<true, false>();
-    const BENT: [Form; CONTROLS] = each::<false, true>();
-    const BOTH: [Form; CONTROLS] = each::<true, true>();
-    let mut all = [AT_ONCE[0]; 5 * CONTROLS];
-    let mut place = 0;
-    while place < CONTROLS {
-        all[5 * place] = SPRINGS[place];
-        all[5 * place + 1] = AT_ONCE[place];
-        all[5 * place + 2] = LATE[place];
-        all[5 * place + 3] = BENT[place];
-        all[5 * place + 4] = BOTH[place];
-        place += 1;
+/// With or without each of: a spring, a lag, a saturation.
+const KINDS: usize = 8;
+
+/// For each input a spring and a dashpot, and a branch that yields and a dashpot: immediate and proportional, delayed, with a strength
+/// that saturates, and both.
+pub const FORMS: [Form; KINDS * CONTROLS] = {
+    const ALL: [[Form; CONTROLS]; KINDS] = [
+        each::<true, false, false>(),
+        each::<false, false, false>(),
+        each::<true, true, false>(),
+        each::<true, false, true>(),
+        each::<true, true, true>(),
+        each::<false, true, false>(),
+        each::<false, false, true>(),
+        each::<false, true, true>(),
+    ];
+    let mut all = [ALL[0][0]; KINDS * CONTROLS];
+    let mut number = 0;
+    while number < all.len() {
+        all[number] = ALL[number % KINDS][number / KINDS];
+        number += 1;
     }
     all
 };
 
-const fn each<const LATE: bool, const BENT: bool>() -> [Form; CONTROLS] {
+const fn each<const SPRING: bool, const LATE: bool, const BENT: bool>() -> [Form; CONTROLS] {
     [
-        Form(&Controlled::<0, LATE, BENT>::FORM),
-        Form(&Controlled::<1, LATE, BENT>::FORM),
-        Form(&Controlled::<2, LATE, BENT>::FORM),
-        Form(&Controlled::<3, LATE, BENT>::FORM),
+        Form(&Controlled::<0, SPRING, LATE, BENT>::FORM),
+        Form(&Controlled::<1, SPRING, LATE, BENT>::FORM),
+        Form(&Controlled::<2, SPRING, LATE, BENT>::FORM),
+        Form(&Controlled::<3, SPRING, LATE, BENT>::FORM),
     ]
 }
 
-const SPRINGS: [Form; CONTROLS] = [
-    Form(&ControlledSpring::<0>::FORM),
-    Form(&ControlledSpring::<1>::FORM),
-    Form(&ControlledSpring::<2>::FORM),
-    Form(&ControlledSpring::<3>::FORM),
-];
+/// Scaled by the input at `PLACE`, optionally with a spring in the place of the branch, delayed and saturating.
+struct Controlled<const PLACE: usize, const SPRING: bool, const LATE: bool, const BENT: bool>;
 
-/// A spring and a dashpot, scaled by the input at `PLACE`.
-struct ControlledSpring<const PLACE: usize>;
-
-impl<const PLACE: usize> ControlledSpring<PLACE> {
+impl<const PLACE: usize, const SPRING: bool, const LATE: bool, const BENT: bool>
+    Controlled<PLACE, SPRING, LATE, BENT>
+{
     const FORM: FormSpec = FormSpec {
-        name: SPRING_NAMES[PLACE],
+        name: NAMES[SPRING as usize][2 * LATE as usize + BENT as usize][PLACE],
         family: "control_input",
         entry: Entry::Adds(2),
-        size_is_positive: true,
-        elements_may_miss: true,
-        input: Some(Input {
-            place: PLACE,
-            is_late: false,
-        }),
-        unit_forces: |_, motion| forces_of::<PLACE>(SPRING, [None; 2], motion),
-        elements: |value| elements_of::<PLACE>(value, SPRING, [None; 2]),
-        ..FormSpec::PLAIN
-    };
-}
-
-/// Scaled by the input at `PLACE`, optionally delayed and saturating.
-struct Controlled<const PLACE: usize, const LATE: bool, const BENT: bool>;
-
-impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, LATE, BENT> {
-    const FORM: FormSpec = FormSpec {
-        name: NAMES[2 * LATE as usize + BENT as usize][PLACE],
-        family: "control_input",
-        entry: Entry::Adds(2),
-        shape_names: match (LATE, BENT) {
-            (false, false) => &["yield_stretch", "rate"],
-            (true, false) => &["yield_stretch", "rate", "lag"],
-            (false, true) => &["yield_stretch", "rate", "saturation"],
-            (true, true) => &["yield_stretch", "rate", "lag", "saturation"],
+        shape_names: match (SPRING, LATE, BENT) {
+            (false, false, false) => &["yield_stretch", "rate"],
+            (false, true, false) => &["yield_stretch", "rate", "lag"],
+            (false, false, true) => &["yield_stretch", "rate", "saturation"],
+            (false, true, true) => &["yield_stretch", "rate", "lag", "saturation"],
+            (true, false, false) => &[],
+            (true, true, false) => &["lag"],
+            (true, false, true) => &["saturation"],
+            (true, true, true) => &["lag", "saturation"],
         },
         size_is_positive: true,
         elements_may_miss: true,
@@ -112,7 +96,10 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
 
     fn shapes(extent: &Extent) -> Vec<Shape> {
         let policy = ShapePolicy::in_use();
-        let mut shapes = stretch_and_rate(extent).to_vec();
+        let mut shapes = match SPRING {
+            true => Vec::new(),
+            false => stretch_and_rate(extent).to_vec(),
+        };
         if LATE {
             shapes.push(Shape::spread(
                 policy.shortest_lag * extent.tick,
@@ -132,86 +119,99 @@ impl<const PLACE: usize, const LATE: bool, const BENT: bool> Controlled<PLACE, L
         shapes
     }
 
-    /// Lag and saturation among `shapes`, if present.
-    fn further(shapes: &[f64]) -> [Option<f64>; 2] {
-        let lag = LATE.then(|| shapes[2]);
-        let saturation = BENT.then(|| shapes[2 + usize::from(LATE)]);
-        [lag, saturation]
+    /// Yield stretch and rate, and the lag and the saturation if present.
+    fn named(shapes: &[f64]) -> ([f64; 2], Option<f64>, Option<f64>) {
+        let (branch, rest) = match SPRING {
+            true => (SPRING_BRANCH, shapes),
+            false => ([shapes[0], shapes[1]], &shapes[2..]),
+        };
+        let saturation = BENT.then(|| rest[usize::from(LATE)]);
+        (branch, LATE.then(|| rest[0]), saturation)
     }
 
     fn unit_forces(shapes: &[f64], motion: &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError> {
-        forces_of::<PLACE>([shapes[0], shapes[1]], Self::further(shapes), motion)
+        let ([yield_stretch, rate], lag, saturation) = Self::named(shapes);
+        let of = |stiffness: f64, viscosity: f64| {
+            let branch = Yielding::new(stiffness, yield_stretch, rate, 0.0, motion.tick)?;
+            let mut effect = ControlInput::new(PLACE, branch, viscosity)?;
+            if let Some(lag) = lag {
+                effect = effect.with_lag(lag, motion.tick)?;
+            }
+            if let Some(saturation) = saturation {
+                effect = effect.with_saturation(saturation)?;
+            }
+            Ok(run(&effect, motion))
+        };
+        Ok(vec![of(1.0, 0.0)?, of(0.0, 1.0)?])
     }
 
     fn elements(value: &TermValue) -> Vec<Element> {
-        let branch = [value.shape(0), value.shape(1)];
-        elements_of::<PLACE>(value, branch, Self::further(&value.shapes))
+        let ([yield_stretch, rate], lag, saturation) = Self::named(&value.shapes);
+        let mut parameters = vec![
+            ("stiffness", value.size(0)),
+            ("yield_stretch", yield_stretch),
+            ("rate", rate),
+            ("viscosity", value.size(1)),
+        ];
+        parameters.extend(lag.map(|lag| ("lag", lag)));
+        parameters.extend(saturation.map(|saturation| ("saturation", saturation)));
+        parameters.push(("input", PLACE as f64));
+        super::one(parameters)
     }
 }
 
-/// The force of the branch with a stiffness of 1 and that of the dashpot with a viscosity of 1.
-fn forces_of<const PLACE: usize>(
-    [yield_stretch, rate]: [f64; 2],
-    [lag, saturation]: [Option<f64>; 2],
-    motion: &Trajectory,
-) -> Result<Vec<Vec<f64>>, ConfigError> {
-    let of = |stiffness: f64, viscosity: f64| {
-        let branch = Yielding::new(stiffness, yield_stretch, rate, 0.0, motion.tick)?;
-        let mut effect = ControlInput::new(PLACE, branch, viscosity)?;
-        if let Some(lag) = lag {
-            effect = effect.with_lag(lag, motion.tick)?;
-        }
-        if let Some(saturation) = saturation {
-            effect = effect.with_saturation(saturation)?;
-        }
-        Ok(run(&effect, motion))
-    };
-    Ok(vec![of(1.0, 0.0)?, of(0.0, 1.0)?])
-}
-
-fn elements_of<const PLACE: usize>(
-    value: &TermValue,
-    [yield_stretch, rate]: [f64; 2],
-    [lag, saturation]: [Option<f64>; 2],
-) -> Vec<Element> {
-    let mut parameters = vec![
-        ("stiffness", value.size(0)),
-        ("yield_stretch", yield_stretch),
-        ("rate", rate),
-        ("viscosity", value.size(1)),
-    ];
-    parameters.extend(lag.map(|lag| ("lag", lag)));
-    parameters.extend(saturation.map(|saturation| ("saturation", saturation)));
-    parameters.push(("input", PLACE as f64));
-    super::one(parameters)
-}
-
-const SPRING_NAMES: [&str; CONTROLS] = [
-    "controlled_spring",
-    "controlled_spring_2",
-    "controlled_spring_3",
-    "controlled_spring_4",
-];
-
-/// In the order of delay and saturation, and then of the places.
-const NAMES: [[&str; CONTROLS]; 4] = [
+/// Without and with a spring, in the order of delay and saturation, and then of the places.
+const NAMES: [[[&str; CONTROLS]; 4]; 2] = [
     [
-        "control_input",
-        "control_input_2",
-        "control_input_3",
-        "control_input_4",
+        [
+            "control_input",
+            "control_input_2",
+            "control_input_3",
+            "control_input_4",
+        ],
+        [
+            "saturating_input",
+            "saturating_input_2",
+            "saturating_input_3",
+            "saturating_input_4",
+        ],
+        [
+            "late_input",
+            "late_input_2",
+            "late_input_3",
+            "late_input_4",
+        ],
+        [
+            "late_saturating_input",
+            "late_saturating_input_2",
+            "late_saturating_input_3",
+            "late_saturating_input_4",
+        ],
     ],
     [
-        "saturating_input",
-        "saturating_input_2",
-        "saturating_input_3",
-        "saturating_input_4",
-    ],
-    ["late_input", "late_input_2", "late_input_3", "late_input_4"],
-    [
-        "late_saturating_input",
-        "late_saturating_input_2",
-        "late_saturating_input_3",
-        "late_saturating_input_4",
+        [
+            "controlled_spring",
+            "controlled_spring_2",
+            "controlled_spring_3",
+            "controlled_spring_4",
+        ],
+        [
+            "saturating_spring",
+            "saturating_spring_2",
+            "saturating_spring_3",
+            "saturating_spring_4",
+        ],
+        [
+            "late_spring",
+            "late_spring_2",
+            "late_spring_3",
+            "late_spring_4",
+        ],
+        [
+            "late_saturating_spring",
+            "late_saturating_spring_2",
+            "late_saturating_spring_3",
+            "late_saturating_spring_4",
+        ],
     ],
 ];

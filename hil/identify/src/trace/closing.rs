@@ -15,7 +15,7 @@ use super::relative_error::RelativeError;
 use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
 use super::rule::Rule;
 use super::score::ValidationSamples;
-use super::select::{self, Selection};
+use super::select::{self, Search, Selection};
 use super::separating::{Rivals, bounding_test, separating_test};
 use super::sought::Sought;
 use super::split::{Role, Roles};
@@ -36,7 +36,7 @@ use crate::term::TermValue;
 use crate::tolerance::{goal, noise_floor};
 use crate::trace::TracePolicy;
 use crate::trace::verdict::VerdictPolicy;
-use crate::uncertainty::Uncertainty;
+use crate::uncertainty::{TermUncertainty, Uncertainty};
 
 /// A fit that leaves out one block or condition uses at most about this many samples. Convention: all of these fits then take a few
 /// seconds.
@@ -182,7 +182,13 @@ impl<'a> Closing<'a> {
         }
         let rivals = match verdict {
             Verdict::Ambiguous => Some(Rivals::of(selection)),
-            Verdict::Found => Rivals::simpler(selection),
+            Verdict::Found if !unbounded.is_empty() => {
+                let nodes = laws.rows.nodes().to_vec();
+                let search = Search::new(self.trajectories, self.validation, nodes, self.sought);
+                let found = &selection.found;
+                let simpler = search.in_place_of_unbounded(found, &unbounded)?;
+                simpler.and_then(|simpler| Rivals::simpler(&found.solution, simpler))
+            }
             _ => laws.graded.as_ref().and_then(Confirmed::rivals),
         };
         if rivals.is_some() {
@@ -575,8 +581,19 @@ impl<'a> Closing<'a> {
         let columns = basis.columns(&solution.search, None);
         let nothing =
             basis.adds_nothing(&columns, &solution.linear(), TracePolicy::in_use().nothing);
-        let mut terms = solution.terms.iter().zip(nothing);
-        terms.position(|(value, adds_nothing)| is_found(value) && adds_nothing)
+        let uncertainty = Uncertainty::of(rows, &self.extent, solution);
+        // With shapes, a size alone says little: it may be known only together with them.
+        let may_be_0 = |value: &TermValue, intervals: &TermUncertainty| {
+            let mut sizes = value.sizes.iter().zip(&intervals.sizes);
+            value.shapes.is_empty()
+                && !value.sizes.is_empty()
+                && sizes.all(|(size, half)| size.abs() <= *half)
+        };
+        let terms = solution.terms.iter().zip(&uncertainty.terms);
+        let mut terms = terms.zip(nothing);
+        terms.position(|((value, intervals), adds_nothing)| {
+            is_found(value) && (adds_nothing || may_be_0(value, intervals))
+        })
     }
 }
 

@@ -82,11 +82,9 @@ impl Rivals {
         }
     }
 
-    /// An effect with a parameter that the data do not bound, and a simpler one that does equally well in its place.
-    pub fn simpler(selection: &Selection) -> Option<Self> {
-        let (family, with_simpler) = selection.simpler.clone()?;
+    /// An effect of the law `found`, and the law with a simpler one in its place, last, that does equally well.
+    pub fn simpler(found: &Solution, (family, with_simpler): (Family, Solution)) -> Option<Self> {
         let simpler = with_simpler.terms.last()?.term.form.family();
-        let found = &selection.found.solution;
         Some(Self {
             beside: found.without_family(family),
             laws: vec![(family, found.clone()), (simpler, with_simpler)],

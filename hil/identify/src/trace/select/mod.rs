@@ -13,8 +13,8 @@ pub use step::Candidate;
 
 use std::sync::{Arc, OnceLock};
 
+use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
-use mesh_damper_model::{Family, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::fitted::Fitted;
@@ -63,9 +63,6 @@ pub struct Selection {
     pub candidates: Vec<Candidate>,
     /// The tolerated error on the validation cycles.
     pub goal: f64,
-    /// A family in the law with a parameter that the data do not bound, and the law with a simpler effect in its place that does equally
-    /// well.
-    pub simpler: Option<(Family, Solution)>,
 }
 
 /// The search over one set of data.
@@ -205,10 +202,9 @@ impl<'a> Search<'a> {
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
             baseline,
+            found,
             candidates,
             goal: self.goal(),
-            simpler: self.in_place_of_unbounded(&found)?,
-            found,
         })
     }
 

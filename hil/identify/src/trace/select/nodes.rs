@@ -52,8 +52,8 @@ pub fn error_between(
     Ok(error.sqrt())
 }
 
-/// The levels of amplitude in mm of the fitted blocks. What is fitted of a block must move as far as the block: a part near zero, as
-/// the first cycle left out leaves it, does not determine k3 there.
+/// The levels of amplitude in mm of the fitted blocks. What is fitted of a block must move as far as its amplitude, or as the
+/// block does if it grows to it: a part near zero, as the first cycle left out leaves it, does not determine k3 there.
 pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
     let reaches = |which: usize, block: &FoundBlock| {
         let trajectory = &trajectories[which];
@@ -68,7 +68,8 @@ pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
             moved(least_and_largest(fitted)),
             moved(least_and_largest(all.map(displacement))),
         ];
-        same_amplitude(fitted, all)
+        let least = all.min(2.0 * block.amplitude);
+        fitted > least || same_amplitude(fitted, least)
     };
     let each = trajectories.iter().enumerate();
     levels(each.flat_map(|(which, trajectory)| {

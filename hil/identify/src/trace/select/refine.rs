@@ -7,7 +7,6 @@ use super::Search;
 use crate::problem::Problem;
 use crate::solution::Solution;
 use crate::term::Term;
-use crate::uncertainty::Uncertainty;
 
 impl Search<'_> {
     /// The law with its last effect in a refined form, if that is clearly better and the data distinguish it from a simpler one;
@@ -52,19 +51,20 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// The first family of `found` with a parameter that the data do not bound, and the law with a simpler effect in its place that does
-    /// equally well: the data do not tell the two apart.
-    pub(super) fn in_place_of_unbounded(
+    /// The first of the `unbounded` families of `found` that has a simpler effect in its place which does equally well, and the law with
+    /// that one, last: the data, which do not bound a parameter of the family, do not tell the two apart.
+    pub fn in_place_of_unbounded(
         &self,
         found: &Fitted,
+        unbounded: &[Family],
     ) -> Result<Option<(Family, Solution)>, ModelError> {
-        let uncertainty = Uncertainty::of(&self.rows, &self.extent, &found.solution);
         for (index, value) in found.solution.terms.iter().enumerate() {
-            if value.term.is_known || uncertainty.terms[index].is_bounded() {
+            let family = value.term.form.family();
+            if value.term.is_known || !unbounded.contains(&family) {
                 continue;
             }
             if let Some(simpler) = self.simpler(found, index)? {
-                return Ok(Some((value.term.form.family(), simpler.solution)));
+                return Ok(Some((family, simpler.solution)));
             }
         }
         Ok(None)
@@ -119,6 +119,7 @@ mod tests {
     use super::super::super::split::{Role, Roles};
     use super::*;
     use crate::families::Form;
+    use crate::uncertainty::Uncertainty;
 
     const TICK: f64 = 2e-3;
 
@@ -155,7 +156,11 @@ mod tests {
         };
         let law = Problem::new(&search.rows, &search.extent, &[term]).solve();
         let found = search.scored(law).unwrap();
-        let (family, simpler) = search.in_place_of_unbounded(&found).unwrap()?;
+        let uncertainty = Uncertainty::of(&search.rows, &search.extent, &found.solution);
+        let unbounded = !uncertainty.terms[0].is_bounded();
+        let unbounded = Vec::from_iter(unbounded.then(|| term.form.family()));
+        let rival = search.in_place_of_unbounded(&found, &unbounded).unwrap();
+        let (family, simpler) = rival?;
         let rest = simpler.families().into_iter().map(Family::name);
         Some([family.name()].into_iter().chain(rest).collect())
     }

@@ -152,7 +152,7 @@ impl Search<'_> {
             };
             rest = better;
         }
-        !self.refined(law).score.beats(&rest.score)
+        rest.score.beats(&self.refined(law).score)
     }
 
     /// Moves the [preferred](Self::preferred) one to the front.
