@@ -27,13 +27,13 @@ pub enum Rule {
     /// For a candidate: it predicts as well as the best candidate of the step, but one of its shape parameters is at a limit at
     /// which the effect reduces to a simpler one.
     AtLimit,
-    /// For a candidate: two simpler effects together predict equally well.
+    /// For a candidate: two simpler effects together predict clearly better.
     SimplerOnes,
     /// For a candidate: it does not predict the validation cycles clearly better than the law before the step.
     LittleGain,
     /// For an added candidate: the law without it predicts the validation data equally well.
     Needless,
-    /// For an added candidate: fitted to all training and validation data, it vanishes.
+    /// For an added candidate: fitted to all training and validation data, it vanishes, or may be 0 within its interval.
     Vanishes,
     /// For the effects found: their error is larger than that of noise-limited laws.
     LeavesTooMuch,
@@ -78,7 +78,7 @@ impl Rule {
             Self::AtLimit => {
                 "it predicts as well as the best, but only at a limit where it becomes a simpler effect"
             }
-            Self::SimplerOnes => "two simpler effects together predict as well",
+            Self::SimplerOnes => "two simpler effects together predict clearly better",
             Self::LittleGain => {
                 "it does not predict the validation data clearly better than the law before the step"
             }

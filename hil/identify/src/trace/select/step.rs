@@ -126,8 +126,8 @@ impl Search<'_> {
         tried
     }
 
-    /// Whether two simpler effects that the last one contains do equally well in its place. Without this test it would replace any
-    /// two of them.
+    /// Whether two simpler effects that the last one contains are better in its place. Without this test it would replace any two of
+    /// them.
     fn is_but_simpler_ones(&self, law: &Fitted, most: usize) -> bool {
         let terms = &law.solution.terms;
         let Some(last) = terms.last().map(|value| value.term.form) else {
