@@ -59,6 +59,7 @@ mod residual;
 pub mod size;
 pub mod text;
 pub mod transmissibility;
+mod why;
 mod worst;
 
 use std::ops::Range;

@@ -12,6 +12,7 @@ use super::html::{Section, figure, page, table};
 use super::next;
 use super::picture::{self, SMALL, WIDE};
 use super::reasoning::{self, Evidence};
+use super::why;
 use super::worst;
 use super::{ReportData, Series, SeriesBlock, text};
 
@@ -29,6 +30,7 @@ pub fn render(data: &ReportData) -> String {
         }
     };
     let sections = [
+        why::section(&data.result),
         Some(given(data)),
         Some(evidence.before(data)),
         Some(reasoning::tried(&data.result)),

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use mesh_damper_identify::trace::result::{
-    Baseline, Candidate, Errors, Estimate, FoundEffect, HeldCondition, LawEstimate, OnTarget,
-    Rejected, Remainder, Verdict,
+    Baseline, Candidate, Errors, Estimate, Explainable, FoundEffect, HeldCondition, LawEstimate,
+    OnTarget, Rejected, Remainder, Verdict,
 };
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_recording::rig::RigFacts;
@@ -379,6 +379,47 @@ fn what_each_effect_gains_on_which_condition_is_a_table() {
         "ring-3.csv, 0.200 mm at 5.00 Hz, error 2.00 % where it was held out",
     ] {
         assert!(page.contains(said), "{said}");
+    }
+}
+
+/// The gain is 1 − √((0.02/0.04)·(0.01/0.0097)).
+#[test]
+fn why_a_verdict_was_given_is_one_picture() {
+    let mut data = data();
+    assert!(render(&data).contains(
+        "No effect was tested on conditions held out in turn: with it the error is only noise."
+    ));
+    let result = &mut data.result;
+    let condition = |nrmse_with, without| HeldCondition {
+        recording: "ring-3.csv".into(),
+        repeats: 0,
+        span: [0.0, 4.0],
+        amplitude: None,
+        frequency: None,
+        nrmse_with,
+        nrmse_without: [("stick_slip".to_owned(), without)].into(),
+    };
+    result.conditions = vec![condition(0.02, 0.04), condition(0.01, 0.0097)];
+    result.effects[0].unconfirmed_by = Some(Rule::Rivalled);
+    result.effects[0].rivals = vec!["backlash".into()];
+    result.explainable = Some(Explainable {
+        share: 0.23,
+        low: 0.11,
+        conditions: 5,
+    });
+    let page = render(&data);
+    let start = heading(&page, "why-this-verdict");
+    let why = &page[start..start + page[start..].find("</section>").unwrap()];
+    for said in [
+        "width:28.20%",
+        ">28 %<",
+        ">1 of 2<",
+        "backlash): the recordings do not decide",
+        "width:23.00%",
+        "counts",
+        "on 5 conditions",
+    ] {
+        assert!(why.contains(said), "{said} in {why}");
     }
 }
 

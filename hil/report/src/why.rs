@@ -1,0 +1,136 @@
+//! Why the verdict is what it is, in one screen: the error over the noise, the gain of each effect on conditions held out, its rivals,
+//! and the witness.
+
+use maud::{Markup, html};
+use mesh_damper_identify::trace::result::{FoundEffect, TraceResult};
+use mesh_damper_identify::trace::rule::Rule;
+
+use super::html::Section;
+use super::text;
+
+/// The gain of an effect over the conditions held out in turn.
+struct Gain {
+    /// Mean logarithm of the error without it over that with it, and its standard error.
+    mean: f64,
+    error: f64,
+    /// How many conditions it helps on, of how many.
+    helps: usize,
+    conditions: usize,
+}
+
+impl Gain {
+    /// `None` if its error without it was not computed on any condition.
+    fn of(effect: &FoundEffect, result: &TraceResult) -> Option<Self> {
+        let each = result.conditions.iter();
+        let logs = each.filter_map(|one| {
+            let without = one.nrmse_without.get(&effect.family)?;
+            Some((without / one.nrmse_with).ln())
+        });
+        let logs: Vec<f64> = logs.filter(|log| log.is_finite()).collect();
+        let count = logs.len() as f64;
+        let mean = logs.iter().sum::<f64>() / count;
+        let squares: f64 = logs.iter().map(|log| (log - mean).powi(2)).sum();
+        (!logs.is_empty()).then(|| Self {
+            mean,
+            error: (squares / (count - 1.0).max(1.0) / count).sqrt(),
+            helps: logs.iter().filter(|&&log| log > 0.0).count(),
+            conditions: logs.len(),
+        })
+    }
+}
+
+/// The part of the error that is saved for a mean logarithm of the errors' ratio.
+fn saved(log: f64) -> f64 {
+    1.0 - (-log).exp()
+}
+
+/// The section; `None` if nothing was searched for.
+pub(crate) fn section(result: &TraceResult) -> Option<Section> {
+    let noise = result.noise_floor_nrmse;
+    if result.candidates.is_empty() || noise <= 0.0 {
+        return None;
+    }
+    let laws = [
+        ("law alone", "bar stood", result.baseline.nrmse_held_out),
+        ("as written", "bar won", result.augmented.nrmse_held_out),
+    ];
+    let largest = laws
+        .iter()
+        .fold(noise, |most, (_, _, error)| most.max(*error));
+    let effects = || result.effects.iter().chain(&result.unconfirmed);
+    let gains: Vec<(&FoundEffect, Gain)> = effects()
+        .filter_map(|effect| Some((effect, Gain::of(effect, result)?)))
+        .collect();
+    let body = html! {
+        div.bars {
+            @for (name, class, error) in laws {
+                (bar(name, class, error / largest, Some(noise / largest), &times(error / noise), "of the noise"))
+            }
+            @for (effect, gain) in &gains { (gained(effect, gain)) }
+            @if let Some(witness) = result.explainable {
+                @let (class, state) = if witness.counts() { ("bar refused", "counts") } else { ("bar", "chance") };
+                (bar("witness", class, witness.share, Some(0.1), &text::percent(witness.share.max(0.0)), state))
+            }
+        }
+        ul {
+            li { "Law alone, as written: the error on data that was never fitted, in times the noise, which is the dotted line" @if !result.noise_known { "; the noise is an upper bound" } "." }
+            @if gains.is_empty() {
+                li { "No effect was tested on conditions held out in turn" (untested(result)) "." }
+            } @else {
+                li { "Effects: the part of the error that each saves on conditions held out in turn, as a geometric mean with its standard error (thin line), and on how many it helps." }
+            }
+            @for (effect, _) in &gains {
+                @if let Some(rule) = effect.unconfirmed_by { li { (super::conditions::confirmation(effect)) @if rule == Rule::Rivalled { ": the recordings do not decide" } "." } }
+            }
+            @if let Some(witness) = result.explainable {
+                li { "Witness: the part of the residual's variance that a general regressor predicts on " (witness.conditions) " conditions that it was not fitted to. It counts from a tenth, the dotted line, and beyond chance: then the law lacks more than has a name." }
+            }
+        }
+    };
+    Some(Section::new("Why this verdict", body))
+}
+
+fn untested(result: &TraceResult) -> &'static str {
+    match result.effects.is_empty() {
+        true => ", because none was found",
+        false => ": with it the error is only noise",
+    }
+}
+
+fn times(ratio: f64) -> String {
+    format!("{} ×", text::number(ratio))
+}
+
+/// A bar of a `part` of the track, with a dotted line at `line`.
+fn bar(name: &str, class: &str, part: f64, line: Option<f64>, value: &str, state: &str) -> Markup {
+    let percent = |part: f64| 100.0 * part.clamp(0.0, 1.0);
+    html! {
+        div.name { (name) }
+        div.track {
+            div class=(class) style=(format!("width:{:.2}%", percent(part))) {}
+            @if let Some(line) = line { div.noise style=(format!("left:{:.2}%", percent(line))) {} }
+        }
+        div.value { (value) }
+        div.state { (state) }
+    }
+}
+
+/// The gain of an effect, with its standard error either way.
+fn gained(effect: &FoundEffect, gain: &Gain) -> Markup {
+    let class = match effect.unconfirmed_by {
+        None => "bar won",
+        Some(Rule::Rivalled) => "bar rival",
+        Some(_) => "bar refused",
+    };
+    let percent = |log: f64| 100.0 * saved(log).clamp(0.0, 1.0);
+    let [low, high] = [gain.mean - gain.error, gain.mean + gain.error].map(percent);
+    html! {
+        div.name title=(text::description(&effect.family)) { (text::name(&effect.family)) }
+        div.track {
+            div class=(class) style=(format!("width:{:.2}%", percent(gain.mean))) {}
+            div.whisker style=(format!("left:{low:.2}%;width:{:.2}%", high - low)) {}
+        }
+        div.value { (format!("{:.0} %", 100.0 * saved(gain.mean))) }
+        div.state { (gain.helps) " of " (gain.conditions) }
+    }
+}
