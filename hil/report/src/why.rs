@@ -64,7 +64,7 @@ pub(crate) fn section(result: &TraceResult) -> Option<Section> {
     let body = html! {
         div.bars {
             @for (name, class, error) in laws {
-                (bar(name, class, error / largest, Some(noise / largest), &times(error / noise), "of the noise"))
+                (bar(name, class, error / largest, Some(noise / largest), &times(error / noise), "noise"))
             }
             @for (effect, gain) in &gains { (gained(effect, gain)) }
             @if let Some(witness) = result.explainable {
