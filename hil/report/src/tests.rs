@@ -225,10 +225,11 @@ fn is_one_small_file_with_everything_in_it() {
     let places = steps.map(|step| heading(&page, step));
     assert!(places.is_sorted());
     assert!(page.contains("not white"));
-    assert_eq!(page.matches("bar won").count(), 1);
+    let tried = &page[heading(&page, "3-")..];
+    assert_eq!(tried.matches("bar won").count(), 1);
     // The first step too begins with what was there before it.
     assert_eq!(
-        page.matches("bar stood").count(),
+        tried.matches("bar stood").count(),
         page.matches("<h3>Step ").count()
     );
 }
