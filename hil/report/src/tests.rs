@@ -417,7 +417,7 @@ fn why_a_verdict_was_given_is_one_picture() {
         ">1 of 2<",
         "backlash): the recordings do not decide",
         "width:23.00%",
-        "counts",
+        ">counts<",
         "on 5 conditions",
     ] {
         assert!(why.contains(said), "{said} in {why}");

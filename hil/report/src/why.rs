@@ -2,7 +2,7 @@
 //! and the witness.
 
 use maud::{Markup, html};
-use mesh_damper_identify::trace::result::{FoundEffect, TraceResult};
+use mesh_damper_identify::trace::result::{Explainable, FoundEffect, TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;
 
 use super::html::Section;
@@ -44,7 +44,7 @@ fn saved(log: f64) -> f64 {
     1.0 - (-log).exp()
 }
 
-/// The section; `None` if nothing was searched for.
+/// The section; `None` if nothing was searched for, or without noise, the measure of it all.
 pub(crate) fn section(result: &TraceResult) -> Option<Section> {
     let noise = result.noise_floor_nrmse;
     if result.candidates.is_empty() || noise <= 0.0 {
@@ -68,8 +68,8 @@ pub(crate) fn section(result: &TraceResult) -> Option<Section> {
             }
             @for (effect, gain) in &gains { (gained(effect, gain)) }
             @if let Some(witness) = result.explainable {
-                @let (class, state) = if witness.counts() { ("bar refused", "counts") } else { ("bar", "chance") };
-                (bar("witness", class, witness.share, Some(0.1), &text::percent(witness.share.max(0.0)), state))
+                @let (class, state) = if witness.counts() { ("bar refused", "counts") } else { ("bar", "little") };
+                (bar("witness", class, witness.share, Some(Explainable::least()), &text::percent(witness.share.max(0.0)), state))
             }
         }
         ul {
@@ -91,9 +91,9 @@ pub(crate) fn section(result: &TraceResult) -> Option<Section> {
 }
 
 fn untested(result: &TraceResult) -> &'static str {
-    match result.effects.is_empty() {
-        true => ", because none was found",
-        false => ": with it the error is only noise",
+    match result.verdict == Verdict::Found && result.remainder.is_none() {
+        true => ": with it the error is only noise",
+        false => "",
     }
 }
 
@@ -128,9 +128,9 @@ fn gained(effect: &FoundEffect, gain: &Gain) -> Markup {
         div.name title=(text::description(&effect.family)) { (text::name(&effect.family)) }
         div.track {
             div class=(class) style=(format!("width:{:.2}%", percent(gain.mean))) {}
-            div.whisker style=(format!("left:{low:.2}%;width:{:.2}%", high - low)) {}
+            @if gain.conditions > 1 { div.whisker style=(format!("left:{low:.2}%;width:{:.2}%", high - low)) {} }
         }
-        div.value { (format!("{:.0} %", 100.0 * saved(gain.mean))) }
+        div.value { (format!("{} %", (100.0 * saved(gain.mean)).round() as i64)) }
         div.state { (gain.helps) " of " (gain.conditions) }
     }
 }

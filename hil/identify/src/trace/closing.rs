@@ -582,12 +582,12 @@ impl<'a> Closing<'a> {
         let nothing =
             basis.adds_nothing(&columns, &solution.linear(), TracePolicy::in_use().nothing);
         let uncertainty = Uncertainty::of(rows, &self.extent, solution);
-        // With shapes, a size alone says little: it may be known only together with them.
+        // With shapes, a size alone says little: it may be known only together with them. Without a bound it is not known at all.
         let may_be_0 = |value: &TermValue, intervals: &TermUncertainty| {
             let mut sizes = value.sizes.iter().zip(&intervals.sizes);
             value.shapes.is_empty()
                 && !value.sizes.is_empty()
-                && sizes.all(|(size, half)| size.abs() <= *half)
+                && sizes.all(|(size, half)| half.is_finite() && size.abs() <= *half)
         };
         let terms = solution.terms.iter().zip(&uncertainty.terms);
         let mut terms = terms.zip(nothing);

@@ -56,9 +56,14 @@ pub struct Explainable {
 }
 
 impl Explainable {
+    /// The share from which it counts, if it is beyond chance.
+    pub fn least() -> f64 {
+        WitnessPolicy::in_use().least
+    }
+
     /// Whether a part is predicted that matters, beyond chance.
     pub fn counts(&self) -> bool {
-        self.low > 0.0 && self.share >= WitnessPolicy::in_use().least
+        self.low > 0.0 && self.share >= Self::least()
     }
 }
 
