@@ -175,12 +175,7 @@ const NAMES: [[[&str; CONTROLS]; 4]; 2] = [
             "saturating_input_3",
             "saturating_input_4",
         ],
-        [
-            "late_input",
-            "late_input_2",
-            "late_input_3",
-            "late_input_4",
-        ],
+        ["late_input", "late_input_2", "late_input_3", "late_input_4"],
         [
             "late_saturating_input",
             "late_saturating_input_2",
