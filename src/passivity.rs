@@ -20,7 +20,8 @@
 //!
 //! Not judged are effects of [`Energy::Active`], which supply energy by their nature, in measurement or drive: a tone, a delay and a
 //! low-pass of the force channel. A spring in series returns the energy that it absorbs if the law behind it is nowhere softer than −K:
-//! k1 > −K and k3 ≥ 0. But its step takes the forces of other effects from the tick before, which may supply energy where these are stiffer than the spring ([`Compliance`](crate::effects::Compliance)); this is not judged.
+//! k1 > −K and k3 ≥ 0. But its step takes the forces of other effects from the tick before, which may supply energy where
+//! these are stiffer than the spring ([`Compliance`](crate::effects::Compliance)); this is not judged.
 //!
 //! All of it is shown for the equations. Their steps are of second order, so that a coarse tick changes the energy of a cycle a little.
 //!

@@ -11,10 +11,11 @@ use crate::real::{Real, in_range};
 ///
 /// K·(y − x) = F(x, ẋ) + c1·ẋ + E,
 ///
-/// F is the mixed damping law (eq 13), c1 that of [`super::Viscous`], and E the force of the other effects but
-/// a mass ([`super::Inertia`]), which is on the sensors' side of the spring and has the acceleration of y. The others see x and ẋ. E is
-/// taken from the tick before, and is 0 at the first tick. The force therefore oscillates from tick to tick where the other effects together are stiffer than spring and law, and undamped. It also does where
-/// [`super::LoadFriction`] and [`super::Directional`] add more than 100 % to the law's damping.
+/// F is the mixed damping law (eq 13), c1 that of [`super::Viscous`], and E the force of the other effects but a mass
+/// ([`super::Inertia`]), which is on the sensors' side of the spring and has the acceleration of y. The others see x and ẋ. E is taken
+/// from the tick before, and is 0 at the first tick. The force therefore oscillates from tick to tick where the other effects together
+/// are stiffer than spring and law, and undamped. It also does where [`super::LoadFriction`] and [`super::Directional`] add more than
+/// 100 % to the law's damping.
 ///
 /// # Step
 /// The spring's deflection d = y − x follows from its last two values by the second backward difference, which damps a stiff spring

@@ -31,7 +31,8 @@
     )
 )]
 
-pub mod batch;
+pub mod bars;
+mod batch;
 pub mod campaign;
 #[cfg(feature = "studies")]
 pub mod characterization;

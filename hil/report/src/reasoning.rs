@@ -7,6 +7,7 @@ use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::{Candidate, TraceResult};
 use mesh_damper_identify::trace::rule::Rule;
 
+use super::bars;
 use super::evidence;
 use super::html::{Section, figure};
 use super::page::names;
@@ -166,11 +167,16 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
     };
     let shown = best_of_families(step);
     let largest = longest_bar(&shown, reference);
-    let width = |error: f64| format!("width:{:.2}%", 100.0 * (error / largest).clamp(0.0, 1.0));
-    let noise = format!(
-        "left:{:.2}%",
-        100.0 * (result.noise_floor_nrmse / largest).clamp(0.0, 1.0)
-    );
+    let bar = |name: (&str, Option<String>), class: &str, error: f64, state: &str| {
+        let noise = bars::dotted(result.noise_floor_nrmse / largest);
+        bars::bar(
+            name,
+            (class, error / largest),
+            noise,
+            &text::percent(error),
+            state,
+        )
+    };
     html! {
         h3 {
             "Step " (number) ": added to the law"
@@ -178,18 +184,13 @@ fn bars(step: &[Candidate], result: &TraceResult) -> Markup {
         }
         div.bars {
             @if let Some(reference) = reference {
-                div.name { "before the step" }
-                div.track { div.bar.stood style=(width(reference)) {} div.noise style=(noise) {} }
-                div.value { (text::percent(reference)) }
-                div.state {}
+                (bar(("before the step", None), "bar stood", reference, ""))
             }
             @for (place, candidate) in shown.iter().enumerate() {
                 @let (class, state) = if candidate.added { ("bar won", "added") } else if !candidate.admissible { ("bar refused", "refused") }
                     else if place == 0 || !candidate.distinguishable { ("bar rival", "rival") } else { ("bar", "") };
-                div.name title=(text::description(&candidate.family)) { (text::name(&candidate.family)) }
-                div.track { div class=(class) style=(width(candidate.nrmse_judged)) {} div.noise style=(noise) {} }
-                div.value { (text::percent(candidate.nrmse_judged)) }
-                div.state { (state) }
+                @let title = text::description(&candidate.family);
+                (bar((&text::name(&candidate.family), Some(title)), class, candidate.nrmse_judged, state))
             }
         }
         @let rejected = rejected(&shown);

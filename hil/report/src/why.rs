@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use mesh_damper_identify::trace::result::{Explainable, FoundEffect, TraceResult, Verdict};
 use mesh_damper_identify::trace::rule::Rule;
 
+use super::bars;
 use super::html::Section;
 use super::text;
 
@@ -64,12 +65,12 @@ pub(crate) fn section(result: &TraceResult) -> Option<Section> {
     let body = html! {
         div.bars {
             @for (name, class, error) in laws {
-                (bar(name, class, error / largest, Some(noise / largest), &times(error / noise), "noise"))
+                (bars::bar((name, None), (class, error / largest), bars::dotted(noise / largest), &times(error / noise), "noise"))
             }
             @for (effect, gain) in &gains { (gained(effect, gain)) }
             @if let Some(witness) = result.explainable {
                 @let (class, state) = if witness.counts() { ("bar refused", "counts") } else { ("bar", "little") };
-                (bar("witness", class, witness.share, Some(Explainable::least()), &text::percent(witness.share.max(0.0)), state))
+                (bars::bar(("witness", None), (class, witness.share), bars::dotted(Explainable::least()), &text::percent(witness.share.max(0.0)), state))
             }
         }
         ul {
@@ -101,20 +102,6 @@ fn times(ratio: f64) -> String {
     format!("{} ×", text::number(ratio))
 }
 
-/// A bar of a `part` of the track, with a dotted line at `line`.
-fn bar(name: &str, class: &str, part: f64, line: Option<f64>, value: &str, state: &str) -> Markup {
-    let percent = |part: f64| 100.0 * part.clamp(0.0, 1.0);
-    html! {
-        div.name { (name) }
-        div.track {
-            div class=(class) style=(format!("width:{:.2}%", percent(part))) {}
-            @if let Some(line) = line { div.noise style=(format!("left:{:.2}%", percent(line))) {} }
-        }
-        div.value { (value) }
-        div.state { (state) }
-    }
-}
-
 /// The gain of an effect, with its standard error either way.
 fn gained(effect: &FoundEffect, gain: &Gain) -> Markup {
     let class = match effect.unconfirmed_by {
@@ -122,15 +109,17 @@ fn gained(effect: &FoundEffect, gain: &Gain) -> Markup {
         Some(Rule::Rivalled) => "bar rival",
         Some(_) => "bar refused",
     };
-    let percent = |log: f64| 100.0 * saved(log).clamp(0.0, 1.0);
-    let [low, high] = [gain.mean - gain.error, gain.mean + gain.error].map(percent);
-    html! {
-        div.name title=(text::description(&effect.family)) { (text::name(&effect.family)) }
-        div.track {
-            div class=(class) style=(format!("width:{:.2}%", percent(gain.mean))) {}
-            @if gain.conditions > 1 { div.whisker style=(format!("left:{low:.2}%;width:{:.2}%", high - low)) {} }
-        }
-        div.value { (format!("{} %", (100.0 * saved(gain.mean)).round() as i64)) }
-        div.state { (gain.helps) " of " (gain.conditions) }
-    }
+    let whisker = match gain.conditions {
+        1 => html! {},
+        _ => bars::whisker(saved(gain.mean - gain.error), saved(gain.mean + gain.error)),
+    };
+    let part = saved(gain.mean);
+    let title = text::description(&effect.family);
+    bars::bar(
+        (&text::name(&effect.family), Some(title)),
+        (class, part),
+        whisker,
+        &format!("{} %", (100.0 * part).round() as i64),
+        &format!("{} of {}", gain.helps, gain.conditions),
+    )
 }

@@ -1,5 +1,7 @@
 //! The end of a trace: fits the result to all open samples, and computes its error on the held-out ones.
 
+use std::cell::LazyCell;
+
 use mesh_damper_model::file::Elsewhere;
 use mesh_damper_model::predict::{NINETY_PERCENT, predict, predict_embedded};
 use mesh_damper_model::{Family, Model, ModelError};
@@ -36,7 +38,7 @@ use crate::term::TermValue;
 use crate::tolerance::{goal, noise_floor};
 use crate::trace::TracePolicy;
 use crate::trace::verdict::VerdictPolicy;
-use crate::uncertainty::{TermUncertainty, Uncertainty};
+use crate::uncertainty::Uncertainty;
 
 /// A fit that leaves out one block or condition uses at most about this many samples. Convention: all of these fits then take a few
 /// seconds.
@@ -185,9 +187,7 @@ impl<'a> Closing<'a> {
             Verdict::Found if !unbounded.is_empty() => {
                 let nodes = laws.rows.nodes().to_vec();
                 let search = Search::new(self.trajectories, self.validation, nodes, self.sought);
-                let found = &selection.found;
-                let simpler = search.in_place_of_unbounded(found, &unbounded)?;
-                simpler.and_then(|simpler| Rivals::simpler(&found.solution, simpler))
+                search.in_place_of_unbounded(&selection.found, &unbounded)?
             }
             _ => laws.graded.as_ref().and_then(Confirmed::rivals),
         };
@@ -581,19 +581,20 @@ impl<'a> Closing<'a> {
         let columns = basis.columns(&solution.search, None);
         let nothing =
             basis.adds_nothing(&columns, &solution.linear(), TracePolicy::in_use().nothing);
-        let uncertainty = Uncertainty::of(rows, &self.extent, solution);
+        let uncertainty = LazyCell::new(|| Uncertainty::of(rows, &self.extent, solution));
         // With shapes, a size alone says little: it may be known only together with them. Without a bound it is not known at all.
-        let may_be_0 = |value: &TermValue, intervals: &TermUncertainty| {
-            let mut sizes = value.sizes.iter().zip(&intervals.sizes);
+        let may_be_0 = |index: usize, value: &TermValue| {
+            let is_within = |(size, half): (&f64, &f64)| half.is_finite() && size.abs() <= *half;
             value.shapes.is_empty()
                 && !value.sizes.is_empty()
-                && sizes.all(|(size, half)| half.is_finite() && size.abs() <= *half)
+                && (value.sizes.iter().zip(&uncertainty.terms[index].sizes)).all(is_within)
         };
-        let terms = solution.terms.iter().zip(&uncertainty.terms);
-        let mut terms = terms.zip(nothing);
-        terms.position(|((value, intervals), adds_nothing)| {
-            is_found(value) && (adds_nothing || may_be_0(value, intervals))
-        })
+        let mut terms = solution.terms.iter().zip(nothing).enumerate();
+        terms
+            .find(|&(index, (value, adds_nothing))| {
+                is_found(value) && (adds_nothing || may_be_0(index, value))
+            })
+            .map(|(index, _)| index)
     }
 }
 

@@ -57,13 +57,8 @@ impl Confirmed {
         let rivalled = self.families.iter().filter(is_rivalled);
         let by_gain = |a: &&Confirmation, b: &&Confirmation| a.gain().total_cmp(&b.gain());
         let most = rivalled.max_by(by_gain).filter(|_| !self.any())?;
-        let laws = most.rivals.iter().cloned();
-        Some(Rivals {
-            laws: std::iter::once((most.family, self.law.clone()))
-                .chain(laws)
-                .collect(),
-            beside: self.law.without_family(most.family),
-        })
+        let others = most.rivals.iter().cloned();
+        Some(Rivals::in_place_of(most.family, &self.law, others))
     }
 
     /// Adds to `effects` the reason why they are not confirmed; those of `rivals` are rivals of each other.

@@ -82,13 +82,18 @@ impl Rivals {
         }
     }
 
-    /// An effect of the law `found`, and the law with a simpler one in its place, last, that does equally well.
-    pub fn simpler(found: &Solution, (family, with_simpler): (Family, Solution)) -> Option<Self> {
-        let simpler = with_simpler.terms.last()?.term.form.family();
-        Some(Self {
-            beside: found.without_family(family),
-            laws: vec![(family, found.clone()), (simpler, with_simpler)],
-        })
+    /// The effects of a `family` in a law, and `others` that do equally well in their place, each with the law that has it there.
+    pub fn in_place_of(
+        family: Family,
+        law: &Solution,
+        others: impl IntoIterator<Item = (Family, Solution)>,
+    ) -> Self {
+        Self {
+            laws: std::iter::once((family, law.clone()))
+                .chain(others)
+                .collect(),
+            beside: law.without_family(family),
+        }
     }
 }
 

@@ -3,9 +3,9 @@
 use mesh_damper_model::{Family, ModelError};
 
 use super::super::fitted::Fitted;
+use super::super::separating::Rivals;
 use super::Search;
 use crate::problem::Problem;
-use crate::solution::Solution;
 use crate::term::Term;
 
 impl Search<'_> {
@@ -43,7 +43,7 @@ impl Search<'_> {
             if term.is_known || !term.form.refines {
                 continue;
             }
-            if let Some(simpler) = self.simpler(&found, index - 1)? {
+            if let Some((_, simpler)) = self.simpler(&found, index - 1)? {
                 found = simpler;
                 index = 0;
             }
@@ -51,38 +51,43 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// The first of the `unbounded` families of `found` that has a simpler effect in its place which does equally well, and the law with
-    /// that one, last: the data, which do not bound a parameter of the family, do not tell the two apart.
-    pub fn in_place_of_unbounded(
+    /// The first of the `unbounded` families of `found` that has a simpler effect in its place which does equally well, and that one: the
+    /// data, which do not bound a parameter of the family, do not tell the two apart.
+    pub(in super::super) fn in_place_of_unbounded(
         &self,
         found: &Fitted,
         unbounded: &[Family],
-    ) -> Result<Option<(Family, Solution)>, ModelError> {
+    ) -> Result<Option<Rivals>, ModelError> {
         for (index, value) in found.solution.terms.iter().enumerate() {
             let family = value.term.form.family();
             if value.term.is_known || !unbounded.contains(&family) {
                 continue;
             }
-            if let Some(simpler) = self.simpler(found, index)? {
-                return Ok(Some((family, simpler.solution)));
+            if let Some((simpler, law)) = self.simpler(found, index)? {
+                let others = [(simpler, law.solution)];
+                return Ok(Some(Rivals::in_place_of(family, &found.solution, others)));
             }
         }
         Ok(None)
     }
 
-    /// The law with a form that the one at `index` contains in its place, last, if one does equally well.
-    fn simpler(&self, found: &Fitted, index: usize) -> Result<Option<Fitted>, ModelError> {
+    /// The family of a form that the one at `index` contains, and the law with it in the place of that one, if one does equally well.
+    fn simpler(
+        &self,
+        found: &Fitted,
+        index: usize,
+    ) -> Result<Option<(Family, Fitted)>, ModelError> {
         let form = found.solution.terms[index].term.form;
         let is_simpler =
             |other: &&Term| !other.form.refines && form.special_cases.contains(&other.form.family);
         let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
         let rest = self.scored(found.solution.without(index))?;
         let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
-        let others = others.map(|(_, other, _)| other);
+        let others = others.map(|(term, other, _)| (term.form.family(), other));
         let best = others
-            .filter(Fitted::is_admissible)
-            .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()));
-        Ok(best.filter(|best| !found.score.beats(&best.score)))
+            .filter(|(_, other)| other.is_admissible())
+            .min_by(|(_, a), (_, b)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        Ok(best.filter(|(_, best)| !found.score.beats(&best.score)))
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.
@@ -160,7 +165,7 @@ mod tests {
         let unbounded = !uncertainty.terms[0].is_bounded();
         let unbounded = Vec::from_iter(unbounded.then(|| term.form.family()));
         let rival = search.in_place_of_unbounded(&found, &unbounded).unwrap();
-        let (family, simpler) = rival?;
+        let [(family, _), (_, simpler)] = <[_; 2]>::try_from(rival?.laws).unwrap();
         let rest = simpler.families().into_iter().map(Family::name);
         Some([family.name()].into_iter().chain(rest).collect())
     }
