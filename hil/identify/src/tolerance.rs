@@ -39,12 +39,20 @@ pub fn held_to(trajectory: &Trajectory, sample: usize) -> f64 {
     trajectory.tolerance(sample).max(quiet * quiet)
 }
 
-/// Weight of the squared error at a sample, 0…1: the inverse of a perfect law's squared error there. Near a standstill that error
-/// is many times the noise of the force, and without the weight a few such samples would dominate a sum of squares.
+/// Squared error of a perfect law at a sample after it is weighted by its [`certainty`], kN².
+pub fn expected(trajectory: &Trajectory, sample: usize) -> f64 {
+    certainty(trajectory, sample) * held_to(trajectory, sample)
+}
+
+/// Weight of the squared error at a sample, 0…1: the inverse of a law's squared error there. Near a standstill that error is many times
+/// the noise of the force, and without the weight a few such samples would dominate a sum of squares.
+///
+/// A law that lacks something errs by more than the [tolerance](held_to), and by about as much everywhere. The weight says so: otherwise
+/// a few samples with a certain motion would decide alone between laws that are all wrong there.
 pub fn certainty(trajectory: &Trajectory, sample: usize) -> f64 {
-    let held_to = held_to(trajectory, sample);
-    if held_to > 0.0 {
-        least(trajectory) / held_to
+    let of_a_law = held_to(trajectory, sample) + trajectory.unexplained;
+    if of_a_law > 0.0 {
+        (least(trajectory) + trajectory.unexplained) / of_a_law
     } else {
         1.0
     }

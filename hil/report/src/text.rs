@@ -1,7 +1,7 @@
 //! Numbers and verdicts in plain words.
 
 use mesh_damper_identify::trace::conclusion::Conclusion;
-use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult};
+use mesh_damper_identify::trace::result::{Baseline, FoundEffect, Remainder, TraceResult};
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_model::Family;
 
@@ -231,10 +231,19 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 ),
             }
         }
-        Conclusion::Ambiguous if named.len() == 1 => (
-            format!("Ambiguous: {}", named.join(" or ")),
-            format!("The recordings do not bound one of its parameters. {change}"),
-        ),
+        Conclusion::Ambiguous if named.len() == 1 => {
+            let is_zero = |effect: &FoundEffect| effect.rivals.iter().any(|rival| rival == "zero");
+            match result.effects.iter().any(is_zero) {
+                true => (
+                    format!("Ambiguous: {} or another zero of the displacement", named[0]),
+                    format!("The recordings cannot tell these apart. {change}"),
+                ),
+                false => (
+                    format!("Ambiguous: {}", named[0]),
+                    format!("The recordings do not bound one of its parameters. {change}"),
+                ),
+            }
+        }
         Conclusion::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
             match residual(result) {

@@ -14,7 +14,9 @@ use super::estimates::law_estimates;
 use super::left_out::{LeftOut, Picked, Samples};
 use super::operating;
 use super::relative_error::RelativeError;
-use super::result::{Baseline, CorrectionSummary, Errors, OnTarget, TraceResult, Verdict};
+use super::result::{
+    Baseline, CorrectionSummary, Errors, FoundEffect, OnTarget, TraceResult, Verdict,
+};
 use super::rule::Rule;
 use super::score::ValidationSamples;
 use super::select::{self, Search, Selection};
@@ -235,17 +237,21 @@ impl<'a> Closing<'a> {
             graded.say_of(&mut effects, rivals.as_ref());
         }
         let zero_is_known = self.sought.rig.zero.is_some();
-        let in_doubt = zero_in_doubt(&model, self.trajectories).filter(|_| !zero_is_known);
-        if in_doubt.is_some() {
-            let family = asymmetry::FORMS[0].family().name();
-            for effect in effects.iter_mut().filter(|one| one.family == family) {
-                effect.unconfirmed_by.get_or_insert(Rule::Rivalled);
-                effect.rivals.push("zero".to_owned());
-            }
+        let mut in_doubt = zero_in_doubt(&model, self.trajectories).filter(|_| !zero_is_known);
+        let is_in_doubt = |effect: &FoundEffect| {
+            in_doubt.is_some() && effect.family == asymmetry::FORMS[0].family().name()
+        };
+        for effect in effects.iter_mut().filter(|one| is_in_doubt(one)) {
+            effect.unconfirmed_by.get_or_insert(Rule::Rivalled);
+            effect.rivals.push("zero".to_owned());
         }
-        let (effects, unconfirmed) = effects
+        let (mut effects, mut unconfirmed): (Vec<_>, Vec<_>) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
+        if effects.iter().any(|one| !is_in_doubt(one)) {
+            unconfirmed.extend(effects.extract_if(.., |one| is_in_doubt(one)));
+        }
+        let is_all_in_doubt = !effects.is_empty() && effects.iter().all(is_in_doubt);
         // For a law that predicts the held-out samples less well, its error on those.
         let left_there = over_noise.held_out.filter(|_| fails_on_held_out);
         let remainder = if is_more_missing && left_by_named > VerdictPolicy::in_use().noise_limited
@@ -270,6 +276,10 @@ impl<'a> Closing<'a> {
                     Some(bounding_test(&unbounded, self.trajectories)),
                     Vec::new(),
                 )
+            }
+            (Verdict::Found, None) if is_all_in_doubt => {
+                verdict = Verdict::Ambiguous;
+                (in_doubt.take(), Vec::new())
             }
             _ => (None, Vec::new()),
         };

@@ -41,6 +41,7 @@ pub use split::{Role, Roles};
 pub use verdict::VerdictPolicy;
 
 use mesh_damper_model::file::{FittedRange, ModelFile};
+use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_output::error::InputError;
 use mesh_damper_recording::cycles::CyclesPolicy;
@@ -316,9 +317,16 @@ fn conclude(
     let rough = Search::new(fitted, &validation, vec![0.0], &Sought::default()).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
+        trajectory.set_unexplained(&rough.predicted(trajectory));
+    }
+    let (mut over_amplitude, mut selection) = search(fitted, &validation, sought, progress)?;
+    if !selection.found.solution.is_alone()
+        && explains_more(&selection, fitted.iter_mut().chain(held.iter_mut()))?
+    {
+        progress("searching again with what the effects found leave");
+        (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
     }
     let (fitted, held) = (&*fitted, &*held);
-    let (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
     progress("fitting the effects found to all data that is not held out");
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &roles);
@@ -327,6 +335,21 @@ fn conclude(
     }
     let closing = Closing::new(fitted, [&validation, &roles], held, nodes, sought);
     Ok(closing.close(&selection, progress)?)
+}
+
+/// Sets what the law found leaves of each recording, and returns whether it is less than half of what was left before.
+fn explains_more<'t>(
+    selection: &Selection,
+    trajectories: impl Iterator<Item = &'t mut Trajectory>,
+) -> Result<bool, ModelError> {
+    let model = selection.found.solution.model();
+    let mut is_less = false;
+    for trajectory in trajectories {
+        let before = trajectory.unexplained;
+        trajectory.set_unexplained(&predict(&model, trajectory)?);
+        is_less |= trajectory.unexplained < 0.5 * before;
+    }
+    Ok(is_less)
 }
 
 /// Searches with one set of coefficients for all amplitudes, and with one for each. Returns whether the latter is preferred, and

@@ -6,7 +6,7 @@ use mesh_damper_recording::extremes::quantile;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use crate::beyond_noise::beyond_noise;
-use crate::tolerance::least;
+use crate::tolerance::expected;
 
 /// Squared errors over the squared force.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ impl RelativeError {
             let square = (predicted[i] - trajectory.force[i]).powi(2);
             error += weight(i) * square;
             squares.push(square);
-            noise += least(trajectory);
+            noise += expected(trajectory, i);
             force += trajectory.force[i].powi(2);
         }
         (force > 0.0).then(|| Self {

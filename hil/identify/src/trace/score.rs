@@ -5,7 +5,7 @@ use std::ops::Range;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::{Role, Roles};
-use crate::tolerance::{certainty, least};
+use crate::tolerance::{certainty, expected};
 
 mesh_damper_recording::numbers! {
     /// Whether one law predicts better than another.
@@ -70,7 +70,9 @@ impl<'a> ValidationSamples<'a> {
         let pieces = self.pieces.iter();
         let squares: f64 = pieces
             .map(|(which, samples)| {
-                samples.len() as f64 * least(&self.trajectories[*which]) / self.power[*which]
+                let trajectory = &self.trajectories[*which];
+                let expected = |&sample: &usize| expected(trajectory, sample);
+                samples.iter().map(expected).sum::<f64>() / self.power[*which]
             })
             .sum();
         (squares / self.recordings() as f64).sqrt()

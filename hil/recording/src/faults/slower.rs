@@ -25,6 +25,8 @@ crate::numbers! {
         off_line: f64 = 4.0, Convention("four times the last digit");
         /// Interpolated values are searched for where a value is new in at least one row of this many.
         most_rows: f64 = 16.0, Convention("a motion with corners farther apart is no interpolation");
+        /// A channel whose way from turn to turn is one line by this fraction is a motion with corners.
+        of_one_line: f64 = 0.75, Derived("of a sine with five values a period, the longest line is at most 0.63 of the way");
         /// A coarse channel changes by its last digit only; a slower one does so in at most this fraction of its changes.
         digits: f64 = 0.8, Convention("a slow motion with noise has larger changes too");
         /// A channel changes in fewer rows than this fraction if it is slower; otherwise there is nothing to see.
@@ -72,10 +74,13 @@ fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
         .collect();
     let found = match regular(&held, values.len()) {
         Some(rows) => (rows, Between::Held),
-        None => (
-            regular(&knots(&bends, digit)?, values.len())?,
-            Between::Interpolated,
-        ),
+        None => {
+            let rows = regular(&knots(&bends, digit)?, values.len())?;
+            if turns_at_each(values, &rows) {
+                return None;
+            }
+            (rows, Between::Interpolated)
+        }
     };
     // A slow motion crosses the digits of a coarse converter in equal times too.
     let one_and_a_half = 1.5 * digit();
@@ -83,6 +88,21 @@ fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
     let by_digit = by_digit.filter(|&&row| (values[row] - values[row - 1]).abs() < one_and_a_half);
     let is_coarse = by_digit.count() as f64 > SlowerPolicy::in_use().digits * held.len() as f64;
     (!is_coarse).then_some(found)
+}
+
+/// Whether a channel goes from turn to turn by one line, and hardly by others: it is a motion with corners, as a triangle or a trapezoid.
+/// A slower converter takes more values on the way.
+fn turns_at_each(values: &[f64], rows: &[usize]) -> bool {
+    let lines: Vec<f64> = rows
+        .windows(2)
+        .map(|pair| values[pair[1]] - values[pair[0]])
+        .collect();
+    let (mut longest, mut all) = (0.0, 0.0);
+    for way in lines.chunk_by(|a, b| a * b > 0.0) {
+        longest += way.iter().fold(0.0_f64, |most, line| most.max(line.abs()));
+        all += way.iter().sum::<f64>().abs();
+    }
+    longest >= SlowerPolicy::in_use().of_one_line * all
 }
 
 /// The rows at which lines between values meet. Between two rows both bend, the nearer one more.
@@ -226,6 +246,25 @@ mod tests {
             prop_assert_eq!(between, Between::Interpolated);
             let are_new = found.iter().all(|row| new.contains(row));
             prop_assert!(are_new && found.len() + 4 >= new.len(), "{} of {}", found.len(), new.len());
+        }
+
+        /// A motion with corners at equal distances: a triangle, also one that grows, or a trapezoid.
+        #[test]
+        fn a_motion_with_corners_is_not_slower(rows in 3_usize..24, growth in 0.0..1.0_f64, hold: bool, noise in 0.0..1e-4_f64, seed: u64) {
+            let mut random = StdRng::seed_from_u64(seed);
+            let normal = Normal::new(0.0, noise).unwrap();
+            let corner = |number: usize| {
+                let place = if hold { [1.0, 1.0, -1.0, -1.0][number % 4] } else { [1.0, -1.0][number % 2] };
+                place * (1.0 - growth + growth * (number * rows) as f64 / 6000.0)
+            };
+            let values: Vec<f64> = (0..6000)
+                .map(|n| {
+                    let (number, part) = (n / rows, (n % rows) as f64 / rows as f64);
+                    let line = (1.0 - part) * corner(number) + part * corner(number + 1);
+                    ((line + normal.sample(&mut random)) * 1e6).round() / 1e6
+                })
+                .collect();
+            prop_assert_eq!(new_rows(&values), None);
         }
 
         /// A coarse converter repeats values too, and so does a force without noise.

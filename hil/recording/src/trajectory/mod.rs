@@ -103,6 +103,8 @@ pub struct Trajectory {
     pub motion_error: MotionError,
     /// Variance of the force due to the error of the motion, kN²; empty until [`Trajectory::carry_motion_error`] sets it.
     pub carried: Vec<f64>,
+    /// Variance of the force that the best law so far leaves beyond the tolerance, kN²; 0 until [`Trajectory::set_unexplained`] sets it.
+    pub unexplained: f64,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a channel fault was found.
     pub measured: Vec<bool>,
     /// Samples before which the specimen may have been moved in another way than the recording shows, so that what it remembers is not
@@ -391,6 +393,7 @@ impl Trajectory {
             force_rms: rms(force.iter().copied()),
             motion_error,
             carried: Vec::new(),
+            unexplained: 0.0,
             force,
             temperature,
             controls: Arc::default(),
@@ -513,6 +516,7 @@ impl Trajectory {
             },
             motion_error: MotionError::default(),
             carried: Vec::new(),
+            unexplained: 0.0,
             force: Vec::new(),
             temperature: self.temperature.clone(),
             controls: self.controls.clone(),

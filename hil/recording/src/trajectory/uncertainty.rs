@@ -3,6 +3,11 @@
 use super::Trajectory;
 use crate::motion_error::MotionError;
 
+/// The variance that a law leaves is computed in at most this many turns, until it changes by less than this part. Convention: a
+/// weight needs no more digits.
+const MOST_TURNS: usize = 30;
+const SETTLED: f64 = 0.01;
+
 impl Trajectory {
     /// Carries the error of the motion into the tolerance for a law's force. `force` is roughly the law's force, kN, at a
     /// displacement in mm, a velocity in mm/s and an acceleration in mm/s².
@@ -28,6 +33,33 @@ impl Trajectory {
         self.carried = (0..self.len()).map(carried).collect();
     }
 
+    /// Sets the variance of the force that a law leaves in addition to the [tolerance](Self::tolerance): the variance component of Paule
+    /// and Mandel 1982. `predicted` is the law's force at every sample, kN.
+    pub fn set_unexplained(&mut self, predicted: &[f64]) {
+        let (squares, tolerances): (Vec<f64>, Vec<f64>) = (0..self.len())
+            .filter(|&index| self.is_telling(index))
+            .map(|index| {
+                let error = predicted[index] - self.force[index];
+                (error.powi(2), self.tolerance(index))
+            })
+            .unzip();
+        let mut left = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+        for _ in 0..MOST_TURNS {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (square, tolerance) in squares.iter().zip(&tolerances) {
+                let weight = (tolerance + left).powi(-2);
+                sum += weight * (square - tolerance);
+                weights += weight;
+            }
+            let next = (sum / weights).max(0.0);
+            if !next.is_finite() || (next - left).abs() <= SETTLED * left {
+                break;
+            }
+            left = next;
+        }
+        self.unexplained = left;
+    }
+
     /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.
     #[must_use]
     pub fn as_it_may_be(&self) -> Self {
@@ -41,6 +73,7 @@ impl Trajectory {
         other.motion.kinks.clone_from(&self.motion.kinks);
         other.force.clone_from(&self.force);
         other.carried.clone_from(&self.carried);
+        other.unexplained = self.unexplained;
         other.measured.clone_from(&self.measured);
         other.unsettled.clone_from(&self.unsettled);
         other.blocks.clone_from(&self.blocks);

@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use mesh_damper_identify::trace::result::{Estimate, TraceResult, Verdict};
-use mesh_damper_identify::trace::{Role, Trace, TraceError, trace};
+use mesh_damper_identify::trace::{Role, Sought, Trace, TraceError, trace_for};
 use mesh_damper_model::correction::Remembered;
 use mesh_damper_model::predict::{NINETY_PERCENT, band, whole_band};
 use mesh_damper_recording::motion::MotionEstimate;
+use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use mesh_damper_recording::trajectory::Trajectory;
 use serde::Serialize;
 
@@ -130,12 +131,23 @@ impl Mark {
     }
 }
 
+/// What a laboratory states of a trial's rig: the displacement reads 0 where the specimen is free.
+fn on_the_trials_rig() -> Sought {
+    Sought {
+        rig: RigFacts {
+            zero: Some(DisplacementZero::None),
+            ..RigFacts::default()
+        },
+        ..Sought::default()
+    }
+}
+
 /// Traces `trial` and stores the answer.
 pub fn judge(trial: &Trial) -> Outcome {
     let training = std::slice::from_ref(&trial.training);
     let held_out = std::slice::from_ref(&trial.held_out);
     let started = Instant::now();
-    let said = trace(training, held_out, &|_| ());
+    let said = trace_for(&on_the_trials_rig(), training, held_out, &|_| ());
     let seconds = started.elapsed().as_secs_f64();
     let samples = trial.training.len() + trial.held_out.len();
     Outcome {

@@ -3,6 +3,7 @@
 use mesh_damper::effects::Inertia;
 use mesh_damper::law::Law;
 use mesh_damper_model::ModelError;
+use mesh_damper_recording::trajectory::Trajectory;
 
 use super::Search;
 use crate::families::inertia;
@@ -19,6 +20,15 @@ impl Rough {
     /// Force at a displacement in mm, a velocity in mm/s and an acceleration in mm/s², kN.
     pub fn force(&self, displacement: f64, velocity: f64, acceleration: f64) -> f64 {
         self.law.force(displacement, velocity) + self.inertia.force_at(acceleration)
+    }
+
+    /// Force at every sample of a recording, kN.
+    pub fn predicted(&self, trajectory: &Trajectory) -> Vec<f64> {
+        let motion = &trajectory.motion;
+        let both = motion.displacement.iter().zip(&motion.velocity);
+        both.zip(&motion.acceleration)
+            .map(|((&y, &v), &a)| self.force(y, v, a))
+            .collect()
     }
 }
 
