@@ -19,12 +19,12 @@ pub enum Wave {
     Sine,
     /// Ramps between two ends, with rounded corners.
     Triangle {
-        /// 1 − the sine whose arc is the ramp; 0 is sharp.
+        /// Rounding of the corners, 0…1, dimensionless: the ramp is the arcsine of (1 − rounding) times a sine; 0 is sharp.
         rounding: f64,
     },
     /// Ramps with holds at both ends.
     Trapezoid {
-        /// The ramps would go this much further than the ends, over the amplitude.
+        /// The ramps would go this much further than the ends, as a multiple of the amplitude.
         beyond: f64,
     },
     /// Random with frequencies from 0.2 to 1.5 times that of the condition.
