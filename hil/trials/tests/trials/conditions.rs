@@ -75,7 +75,7 @@ fn a_seed_draws_the_same_again() {
 fn every_kind_of_device_and_condition_is_drawn() {
     let (mut families, mut kinds) = (BTreeSet::new(), BTreeSet::new());
     let mut outside = 0;
-    const SEEDS: u64 = 300;
+    const SEEDS: u64 = 150;
     for seed in 0..SEEDS {
         let secret = trial(seed).secret;
         families.insert(secret.family);
@@ -84,8 +84,8 @@ fn every_kind_of_device_and_condition_is_drawn() {
     }
     assert_eq!(families, Family::ALL.into());
     assert_eq!(kinds, Kind::ALL.into());
-    // A third, within three standard deviations of 300 draws.
-    assert!((75..125).contains(&outside), "{outside}");
+    // A third, within three standard deviations of 150 draws.
+    assert!((33..68).contains(&outside), "{outside}");
 }
 
 /// Held-out values are not among the fitted ones, and are on the stated side of their range.
@@ -244,13 +244,12 @@ fn peak(mut device: Device, steps: usize) -> f64 {
     most
 }
 
-/// A part of the trial, with floors far from its target.
+/// A part of the trial, with floors far from its target; a refusal counts as worse.
 #[test]
 #[ignore = "half a minute: in the full tier"]
 fn models_predict_other_conditions() {
     let summary = run(0..20, &|| ());
     assert_eq!(summary.outcomes.len(), 20);
-    assert_eq!(summary.all.refused, 0);
     assert!(summary.all.worse <= 2, "{:?}", summary.all);
     assert!(summary.all.mean_ratio < 0.6, "{:?}", summary.all);
     assert!(summary.all.within_band > 0.8, "{:?}", summary.all);
