@@ -181,7 +181,7 @@ impl Said {
 }
 
 /// As [`Said::within_band`].
-fn within_band(found: &Trace) -> Option<f64> {
+pub(crate) fn within_band(found: &Trace) -> Option<f64> {
     let elsewhere = found.result.elsewhere?;
     let (mut within, mut count) = (0, 0_u32);
     for traced in &found.recordings {

@@ -4,6 +4,7 @@ mod averaging;
 mod bench;
 mod blind;
 mod bouc_wen;
+mod conditions;
 mod cost_of_effects;
 #[path = "../../../link/tests/emulated/mod.rs"]
 mod emulated;

@@ -7,9 +7,10 @@ use std::time::Duration;
 use clap::Args;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Outputs, Plan};
-use mesh_damper_rig::check::failures;
+use mesh_damper_rig::check::{Check, failures};
 use mesh_damper_trials::blind::{self, Draw, Outcome, Version};
 
+use super::blind_conditions;
 use super::blind_text::{in_words, line, print, tested};
 use super::junit::{Case, Junit, judged};
 use crate::commands::document::AddDocument as _;
@@ -23,7 +24,7 @@ use crate::commands::{Failure, is_free_for_text, say};
 /// k1·y + k3·y³ + c·|v|^α·sgn v (eq 13), fitted at each amplitude separately, has a residual of at least 3 times the noise.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  hil blind --seeds 3\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 3"
+    after_help = "Examples:\n  hil blind --seeds 3\n  hil blind --show 7 --out blind-7\n  hil blind --described --seeds 3\n  hil blind --conditions --seeds 3"
 )]
 pub struct BlindCommand {
     /// Number of seeds, 1 to 1000000; by default 50, with --described four of each effect
@@ -36,6 +37,8 @@ pub struct BlindCommand {
     #[arg(long, value_name = "SEED", conflicts_with_all = ["seeds", "first", "check", "json", "junit"])]
     show: Option<u64>,
     /// Folder for the recordings of --show: training.csv.gz and held-out.csv.gz
+    ///
+    /// With --conditions one file for each condition: training-1.csv.gz, held-out-1.csv.gz, and so on.
     #[arg(long, value_name = "DIR", requires = "show")]
     out: Option<PathBuf>,
     /// Hide the effects of the crate in turn, with parameters near their typical values
@@ -49,6 +52,11 @@ pub struct BlindCommand {
     /// Use other motions and sensors instead of blocks of sines: random, stepped, slow, swept, with pauses
     #[arg(long, conflicts_with_all = ["described", "unlisted"])]
     motions: bool,
+    /// Judge models on amplitudes, frequencies, speeds or control inputs that they were not fitted on
+    ///
+    /// Counts how often the model that a trace writes is worse there than the law alone, and how much is within the band that it states.
+    #[arg(long, conflicts_with_all = ["described", "unlisted", "motions", "draw_version"])]
+    conditions: bool,
     /// Version of the draw, 1 to the newest
     ///
     /// A version adds effects that a seed may hide: published figures name the version with which they were made.
@@ -68,16 +76,53 @@ pub struct BlindCommand {
 
 impl BlindCommand {
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(seed) = self.show {
-            return self.show(seed);
+        match self.show {
+            Some(seed) if self.conditions => {
+                return blind_conditions::show(seed, self.out.as_deref());
+            }
+            Some(seed) => return self.show(seed),
+            None => {}
         }
         let mut outputs = Plan::new().writes(&self.json).writes(&self.junit).begin()?;
         judged(
             "blind",
             self.junit.as_deref(),
             &mut outputs,
-            |junit, outputs| self.trials(junit, outputs),
+            |junit, outputs| match self.conditions {
+                true => self.conditions(junit, outputs),
+                false => self.trials(junit, outputs),
+            },
         )
+    }
+
+    fn conditions(&self, mut junit: Junit, outputs: &mut Outputs) -> Result<(), Failure> {
+        let count = self.seeds.unwrap_or(SEEDS_OF_CONDITIONS);
+        let seeds = self.first..self.first + count;
+        let (summary, checks) = blind_conditions::trials(seeds, &mut junit);
+        if let Some(json) = &self.json {
+            outputs.add_document(json, &summary)?;
+        }
+        self.finish(junit, outputs, checks, || blind_conditions::print(&summary))
+    }
+
+    /// Writes the outputs, prints the results with `print` if the terminal is free, and fails if a check did and is asked for.
+    fn finish(
+        &self,
+        junit: Junit,
+        outputs: &mut Outputs,
+        checks: Vec<Check>,
+        print: impl FnOnce(),
+    ) -> Result<(), Failure> {
+        junit.add(outputs, self.junit.as_deref())?;
+        outputs.write()?;
+        if is_free_for_text([&self.json, &self.junit]) {
+            print();
+        }
+        let missed = failures(checks);
+        if self.check && !missed.is_empty() {
+            return Err(Failure::Check(missed.join("; ")));
+        }
+        Ok(())
     }
 
     fn trials(&self, mut junit: Junit, outputs: &mut Outputs) -> Result<(), Failure> {
@@ -112,16 +157,7 @@ impl BlindCommand {
             Some(json) => outputs.add_document(json, &summary)?,
             None => {}
         }
-        junit.add(outputs, self.junit.as_deref())?;
-        outputs.write()?;
-        if is_free_for_text([&self.json, &self.junit]) {
-            print(&summary);
-        }
-        let missed = failures(checks);
-        if self.check && !missed.is_empty() {
-            return Err(Failure::Check(missed.join("; ")));
-        }
-        Ok(())
+        self.finish(junit, outputs, checks, || print(&summary))
     }
 
     fn version(&self) -> Version {
@@ -190,6 +226,9 @@ fn case_of(outcome: &Outcome) -> Case {
         _ => Case::Skipped(format!("missed; counted in the rates: {}", line(outcome))),
     }
 }
+
+/// Trials of conditions of a run that gives no number: a tenth of those that the target is for.
+const SEEDS_OF_CONDITIONS: u64 = 50;
 
 /// File names of the recordings of a trial.
 const RECORDINGS: [&str; 2] = ["training.csv.gz", "held-out.csv.gz"];

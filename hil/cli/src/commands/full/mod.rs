@@ -5,6 +5,7 @@ mod batch;
 mod bench;
 mod bench_table;
 mod blind;
+mod blind_conditions;
 mod blind_text;
 mod board;
 mod characterize;

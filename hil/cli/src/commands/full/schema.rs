@@ -17,6 +17,7 @@ use mesh_damper_rig::campaign;
 use mesh_damper_trials::bench::{Baseline, Results};
 use mesh_damper_trials::blind;
 use mesh_damper_trials::bouc_wen::BoucWenResult;
+use mesh_damper_trials::conditions;
 use mesh_damper_trials::numbers::Costs;
 use mesh_damper_trials::size::Measured;
 use schemars::generate::SchemaSettings;
@@ -124,6 +125,7 @@ documents! {
     campaign::Summary, "faults" by Format, "hil faults --json";
     blind::Summary, "blind" by Format, "hil blind --json";
     blind::Summary<blind::MotionOutcome>, "blind-motions" by Format, "hil blind --motions --json";
+    conditions::Summary, "blind-conditions" by Format, "hil blind --conditions --json";
     Results, "bench" version 2 by Format, "hil bench --json";
     Baseline, "bench-baseline" by Own, "hil bench --bless";
     Costs, "study-numbers" by Format, "hil study numbers --json";
