@@ -93,11 +93,6 @@ impl Remembered {
         }
     }
 
-    /// Whether the table is a line over displacement or over speed alone.
-    pub fn is_line(self) -> bool {
-        matches!(self, Self::Place | Self::Sides { .. })
-    }
-
     /// As the crate's type.
     pub fn memory<R: Real>(self) -> Memory<R> {
         let real = R::from_f64;

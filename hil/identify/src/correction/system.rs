@@ -21,9 +21,9 @@ mesh_damper_recording::numbers! {
         /// Penalty on a slope of the residual table, relative to the penalty on its curvature, so that the table ends flat where there are
         /// no data.
         slope: f64 = 1e-3, Tuned("the blind trial");
-        /// Penalty on the force of a residual table over one variable, relative to the weight of the data in a cell, so that the table
-        /// takes no force that the law can describe.
-        level: f64 = 1e-3, Tuned("the blind trial");
+        /// Penalty on the force of a residual table, relative to the weight of the data in a cell, so that the table takes no
+        /// force that the law can describe, and is small where there are no data.
+        level: f64 = 1e-4, Tuned("the blind trial");
     }
 }
 
@@ -70,11 +70,10 @@ impl System {
                 }
                 Some(_) => system.table(first, [DISPLACEMENTS, NODES], 1.0, weight),
             }
-            if layout.of.is_some_and(Remembered::is_line) {
-                for cell in first..first + layout.hats {
-                    system.add(&[(cell, 1.0)], 0.0, SystemPolicy::in_use().level * per_cell);
-                }
-            }
+        }
+        let level = SystemPolicy::in_use().level * per_cell;
+        for hat in first..first + layout.hats {
+            system.add(&[(hat, 1.0)], 0.0, level);
         }
         system
     }

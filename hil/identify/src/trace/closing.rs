@@ -411,9 +411,9 @@ impl<'a> Closing<'a> {
             in_turn,
         };
         let in_turn = |law| match left_out.are_motions() {
-            true => left_out.in_turn(Samples::Telling, &|picked| {
+            true => Ok(left_out.in_turn(Samples::Telling, &|picked| {
                 Ok(self.refit_model(&self.rows[0], law, picked))
-            }),
+            })),
             false => self.on_validation(law),
         };
         if solution.is_alone() {

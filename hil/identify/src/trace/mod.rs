@@ -308,7 +308,11 @@ fn conclude(
     if held.is_empty() {
         roles.keep_apart(fitted, Role::HeldOut);
         for (which, trajectory) in fitted.iter_mut().enumerate() {
-            trajectory.size_force_by(&roles.open_runs(which));
+            let runs = roles.open_runs(which);
+            // One that is held out as a whole keeps its own size, as another recording that is held out does.
+            if !runs.is_empty() {
+                trajectory.size_force_by(&runs);
+            }
         }
     }
     let mut validation = roles.clone();

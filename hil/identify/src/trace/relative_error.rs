@@ -20,6 +20,13 @@ pub(super) struct RelativeError {
 }
 
 impl RelativeError {
+    /// Of a law that cannot be run.
+    pub const NONE: Self = Self {
+        error: f64::INFINITY,
+        noise: 0.0,
+        most: f64::INFINITY,
+    };
+
     /// Over the samples that are `is_fair`, each with its `weight`; `None` if there are none.
     pub fn of(
         trajectory: &Trajectory,

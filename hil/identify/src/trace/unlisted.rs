@@ -71,9 +71,8 @@ impl Closing<'_> {
         };
         // One set of coefficients, or one for each amplitude: the choice is the form that predicts another condition better.
         let each = self.rows.iter();
-        let errors: Vec<Vec<RelativeError>> = each
-            .map(|rows| in_turn(rows, &alone, None))
-            .collect::<Result<_, _>>()?;
+        let errors: Vec<Vec<RelativeError>> =
+            each.map(|rows| in_turn(rows, &alone, None)).collect();
         let best = clearly_best(
             errors
                 .iter()
@@ -92,7 +91,7 @@ impl Closing<'_> {
                 rows,
                 law: &found,
                 choice: None,
-                errors: in_turn(rows, &found, None)?,
+                errors: in_turn(rows, &found, None),
             });
         }
 
@@ -110,7 +109,7 @@ impl Closing<'_> {
                 Ok(Candidate {
                     rows,
                     law,
-                    errors: in_turn(rows, law, Some(&choice))?,
+                    errors: in_turn(rows, law, Some(&choice)),
                     choice: Some(choice),
                 })
             });

@@ -3,7 +3,7 @@
 use mesh_damper::passivity;
 use mesh_damper_identify::correction::{depends_on, fit};
 use mesh_damper_model::Model;
-use mesh_damper_model::correction::Remembered;
+use mesh_damper_model::correction::{CorrectionTable, Remembered};
 use mesh_damper_model::predict::{nrmse, predict, predict_embedded};
 use mesh_damper_reference::protocol::TestBlock;
 use mesh_damper_reference::tables;
@@ -31,8 +31,22 @@ fn held_out(hidden: impl Fn() -> Hidden) -> (Option<Remembered>, f64) {
     let identified = over_noise(predict(&model, &held).unwrap());
     let embedded = over_noise(predict_embedded(&model, &held).unwrap());
     assert!((identified - embedded).abs() < 0.01 * identified);
-    let memory = model.correction.and_then(|table| table.memory);
+    let table = model.correction.expect("it was corrected");
+    // Where there are no data, neither does it stand for a part of the law that the data cannot tell from it.
+    let force = held.force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    assert!(
+        largest(&table) < 1.5 * force,
+        "{} of {force} kN",
+        largest(&table)
+    );
+    let memory = table.memory;
     (memory.map(|memory| memory.of), identified)
+}
+
+/// The largest force of a cell, kN.
+fn largest(table: &CorrectionTable) -> f64 {
+    let cells = table.cells.iter().map(|cell| cell.unsigned_abs());
+    table.unit * f64::from(cells.max().unwrap())
 }
 
 /// A force that depends only on the present moment.
@@ -332,9 +346,7 @@ fn nothing_is_corrected_where_nothing_is_missing() {
 #[test]
 fn the_correction_is_bounded_outside_the_data() {
     let model = corrected(momentary(|s| 0.3 * s.displacement * s.velocity)).unwrap();
-    let table = model.correction.as_ref().unwrap();
-    let cells = table.cells.iter().map(|cell| cell.unsigned_abs());
-    let largest = table.unit * f64::from(cells.max().unwrap());
+    let largest = largest(model.correction.as_ref().unwrap());
     let far = record(&[block(2.0, 20.0, 5)], Box::new(|_| 0.0), 3);
     let law = Model {
         correction: None,

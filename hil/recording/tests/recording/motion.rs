@@ -430,3 +430,31 @@ fn corners_of_a_fast_triangle_stay_corners() {
         .filter(|v| (v.abs() / speed - 1.0).abs() < 0.02);
     assert!(close.count() > 16_000);
 }
+
+/// What a law leaves beyond the tolerance of each sample, whose motion may be as uncertain as it likes: the variance of what it lacks,
+/// and nothing for a perfect law.
+#[test]
+fn what_a_law_leaves_is_what_it_lacks() {
+    let (clean, _) = programme(&[(0.1, 2.0, 8), (0.2, 5.0, 20)]);
+    for lacking in [0.0, 0.02] {
+        let mut found = trajectory(&noisy(&clean, 1e-4, 5));
+        // Up to a hundred times the noise of the force.
+        found.force_noise = 1e-3;
+        found.carried = (0..found.len())
+            .map(|sample| 1e-6 * f64::from(sample as u32 % 100).powi(2))
+            .collect();
+        let mut random = ChaCha8Rng::seed_from_u64(6);
+        let mut draw = |deviation: f64| Normal::new(0.0, deviation).unwrap().sample(&mut random);
+        let left = (0..found.len())
+            .map(|sample| draw((found.tolerance(sample) + lacking * lacking).sqrt()));
+        let left: Vec<f64> = left.collect();
+        found.set_unexplained(&left);
+        // A standard deviation of n samples is known to 1/√(2n) at best.
+        let certain = 4.0 / (found.len() as f64).sqrt();
+        let deviation = found.unexplained.sqrt();
+        assert!(
+            (deviation - lacking).abs() < 0.02 * certain + 1e-3,
+            "{deviation} for {lacking}"
+        );
+    }
+}

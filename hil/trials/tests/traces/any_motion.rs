@@ -3,10 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use mesh_damper_identify::trace::result::{TraceResult, Verdict};
-use mesh_damper_identify::trace::trace;
+use mesh_damper_identify::trace::{Sought, trace, trace_for};
 use mesh_damper_model::predict::{band, predict};
 use mesh_damper_model::{LawNode, Model};
 use mesh_damper_recording::Recording;
+use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables;
@@ -188,7 +189,15 @@ fn steps_show_what_acts_on_one_side() {
         }
         recording
     };
-    let result = traced(test(3), test(4));
+    let at_recorded_zero = Sought {
+        rig: RigFacts {
+            zero: Some(DisplacementZero::None),
+            ..RigFacts::default()
+        },
+        ..Sought::default()
+    };
+    let found = trace_for(&at_recorded_zero, &[test(3)], &[test(4)], &|_| ());
+    let result = found.unwrap().result;
     assert_eq!(result.verdict, Verdict::Found);
     let families: Vec<&str> = result
         .effects

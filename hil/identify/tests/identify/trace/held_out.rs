@@ -144,3 +144,17 @@ fn nothing_that_is_held_out_reaches_the_law(effect: fn(&Sample) -> f64) {
     assert_eq!(whole.model, again.model);
     assert_eq!(whole.result.verdict, again.result.verdict);
 }
+
+/// Without other recordings, the trace holds out one of several. Its size and noise are its own.
+#[test]
+fn a_recording_held_out_as_a_whole_has_a_noise() {
+    let bend = |s: &Sample| 0.3 * s.1 * s.2;
+    let each = BLOCKS.iter().zip(71..);
+    let recordings = each.map(|(block, seed)| record("one", &[*block], 0.004, seed, bend));
+    let recordings: Vec<Recording> = recordings.collect();
+    let found = trace(&recordings, &[], &|_| ()).unwrap();
+    let all_held = |roles: &[Role]| roles.iter().all(|role| *role == Role::HeldOut);
+    assert!(found.recordings.iter().any(|one| all_held(&one.roles)));
+    let noise = found.result.noise_floor_nrmse;
+    assert!((0.003..0.006).contains(&noise), "{noise}");
+}

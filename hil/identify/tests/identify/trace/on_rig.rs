@@ -1,8 +1,7 @@
 //! A rig whose fixture has a mass, whose displacement is late, or whose displacement has another zero: stated, or to be found.
 
 use super::*;
-use mesh_damper_identify::trace::{Sought, trace_for};
-use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
+use mesh_damper_identify::trace::result::FoundEffect;
 use rand::RngExt as _;
 
 /// Amplitude mm, frequency Hz, cycles.
@@ -217,23 +216,44 @@ fn facts_that_no_rig_has_are_refused() {
     assert!(error.unwrap_err().to_string().contains("--force-delay"));
 }
 
-/// A spring that hardens evenly about another zero than the recorded one has the same force.
+/// A spring that hardens evenly about another zero than the recorded one has the same force, beside a slider too.
 #[test]
 fn an_asymmetry_is_in_doubt_with_the_zero() {
     let zero = 0.05;
     let uneven = |&(_, y, _, _): &Sample| -3.0 * K3 * zero * y * y;
-    for (stated, doubts) in [(None, 1), (Some(DisplacementZero::None), 0)] {
-        let fitted = super::record("fitted", &BLOCKS, 0.004, 7, uneven);
-        let held = super::record("held", &OTHERS, 0.004, 8, uneven);
-        let facts = RigFacts {
-            zero: stated,
-            ..RigFacts::default()
+    let traced = |sought: &Sought, slips: f64| {
+        let record = |name, blocks: &[(f64, f64, u32)], seed| {
+            let mut slider = super::slider(slips, 0.04);
+            super::record(name, blocks, 0.004, seed, |s| uneven(s) + slider(s))
         };
-        let sought = Sought::default().on_rig(facts).unwrap();
-        let found = trace_for(&sought, &[fitted], &[held], &|_| ()).unwrap();
-        assert_eq!(families(&found.result), ["asymmetry"]);
-        let said = found.result.warnings.iter();
-        let said = said.filter(|text| text.contains("--zero") && text.contains("0.05"));
-        assert_eq!(said.count(), doubts, "{stated:?}");
-    }
+        let (fitted, held) = (record("fitted", &BLOCKS, 7), record("held", &OTHERS, 8));
+        trace_for(sought, &[fitted], &[held], &|_| ())
+            .unwrap()
+            .result
+    };
+    let names = |effects: &[FoundEffect]| -> Vec<String> {
+        effects.iter().map(|effect| effect.family.clone()).collect()
+    };
+    let is_told = |text: &String| text.contains("--zero") && text.contains("0.05");
+
+    let known = traced(&at_recorded_zero(), 0.0);
+    assert_eq!(
+        (known.verdict, &names(&known.effects)[..]),
+        (Verdict::Found, &["asymmetry".to_owned()][..])
+    );
+    assert!(!known.warnings.iter().any(is_told) && known.separating_test.is_none());
+
+    let alone = traced(&Sought::default(), 0.0);
+    assert_eq!(
+        (alone.verdict, &names(&alone.effects)[..]),
+        (Verdict::Ambiguous, &["asymmetry".to_owned()][..])
+    );
+    assert_eq!(alone.effects[0].rivals, ["zero"]);
+    assert!(alone.separating_test.iter().any(is_told));
+
+    let beside = traced(&Sought::default(), 0.9);
+    assert_eq!(beside.verdict, Verdict::Found);
+    assert_eq!(names(&beside.effects), ["stick_slip"]);
+    assert_eq!(names(&beside.unconfirmed), ["asymmetry"]);
+    assert!(beside.warnings.iter().any(is_told));
 }
