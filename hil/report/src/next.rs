@@ -25,8 +25,11 @@ pub fn steps(result: &TraceResult) -> Section {
             }
             @if let Some(test) = &result.separating_test {
                 li {
-                    "Run the test that would decide: " (test) " Then trace its recording together with these: "
-                    code { "hil trace RECORDING… NEW" } "."
+                    @if text::is_or_zero(result) { "What would decide: " (test) "." }
+                    @else {
+                        "Run the test that would decide: " (test) " Then trace its recording together with these: "
+                        code { "hil trace RECORDING… NEW" } "."
+                    }
                 }
             }
             @match conclusion {

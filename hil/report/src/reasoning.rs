@@ -290,7 +290,10 @@ pub fn concluded(result: &TraceResult) -> Markup {
             }
             Conclusion::Found => {}
             Conclusion::Ambiguous if result.effects.len() == 1 => {
-                p { "It explains the recordings with any value of the parameter that they do not bound." }
+                p {
+                    @if text::is_or_zero(result) { "So does another zero of the displacement." }
+                    @else { "It explains the recordings with any value of the parameter that they do not bound." }
+                }
             }
             Conclusion::Ambiguous => {
                 p {

@@ -1,7 +1,7 @@
 //! Numbers and verdicts in plain words.
 
 use mesh_damper_identify::trace::conclusion::Conclusion;
-use mesh_damper_identify::trace::result::{Baseline, FoundEffect, Remainder, TraceResult};
+use mesh_damper_identify::trace::result::{Baseline, Remainder, TraceResult};
 use mesh_damper_identify::trace::rule::Rule;
 use mesh_damper_model::Family;
 
@@ -112,6 +112,11 @@ pub fn description(family: &str) -> String {
     characters.next().map_or_else(String::new, |first| {
         first.to_lowercase().chain(characters).collect()
     })
+}
+
+/// Whether the only effect is one that another zero of the displacement would explain as well.
+pub fn is_or_zero(result: &TraceResult) -> bool {
+    matches!(&result.effects[..], [one] if one.rivals.iter().any(|rival| rival == "zero"))
 }
 
 /// The verdict as a heading and a sentence, with the facts that a reader needs before using the model.
@@ -231,19 +236,14 @@ fn concluded(result: &TraceResult) -> (String, String) {
                 ),
             }
         }
-        Conclusion::Ambiguous if named.len() == 1 => {
-            let is_zero = |effect: &FoundEffect| effect.rivals.iter().any(|rival| rival == "zero");
-            match result.effects.iter().any(is_zero) {
-                true => (
-                    format!("Ambiguous: {} or another zero of the displacement", named[0]),
-                    format!("The recordings cannot tell these apart. {change}"),
-                ),
-                false => (
-                    format!("Ambiguous: {}", named[0]),
-                    format!("The recordings do not bound one of its parameters. {change}"),
-                ),
-            }
-        }
+        Conclusion::Ambiguous if is_or_zero(result) => (
+            format!("Ambiguous: {} or another zero of the displacement", named[0]),
+            format!("The recordings cannot tell these apart. {change}"),
+        ),
+        Conclusion::Ambiguous if named.len() == 1 => (
+            format!("Ambiguous: {}", named[0]),
+            format!("The recordings do not bound one of its parameters. {change}"),
+        ),
         Conclusion::Ambiguous => (
             format!("Ambiguous: {}", named.join(" or ")),
             match residual(result) {

@@ -248,8 +248,10 @@ impl<'a> Closing<'a> {
         let (mut effects, mut unconfirmed): (Vec<_>, Vec<_>) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
-        if effects.iter().any(|one| !is_in_doubt(one)) {
+        if rivals.is_none() && effects.iter().any(|one| !is_in_doubt(one)) {
             unconfirmed.extend(effects.extract_if(.., |one| is_in_doubt(one)));
+            unbounded
+                .retain(|family| *family != asymmetry::FORMS[0].family() || in_doubt.is_none());
         }
         let is_all_in_doubt = !effects.is_empty() && effects.iter().all(is_in_doubt);
         // For a law that predicts the held-out samples less well, its error on those.

@@ -41,7 +41,6 @@ pub use split::{Role, Roles};
 pub use verdict::VerdictPolicy;
 
 use mesh_damper_model::file::{FittedRange, ModelFile};
-use mesh_damper_model::predict::predict;
 use mesh_damper_model::{Model, ModelError};
 use mesh_damper_output::error::InputError;
 use mesh_damper_recording::cycles::CyclesPolicy;
@@ -64,6 +63,9 @@ mesh_damper_recording::numbers! {
     TracePolicy {
         /// An effect is dropped if its force is everywhere below this fraction of the largest force.
         nothing: f64 = 1e-7, Convention("rounding to 32 bits is 6e-8, so that the crate's force would not show it");
+        /// The search is repeated if its law leaves less than this fraction of what the law before left of a recording, as a variance: the
+        /// samples then have other weights.
+        same_weights: f64 = 0.5, Convention("weights within a factor of two make the same choice");
     }
 }
 
@@ -309,7 +311,7 @@ fn conclude(
         roles.keep_apart(fitted, Role::HeldOut);
         for (which, trajectory) in fitted.iter_mut().enumerate() {
             let runs = roles.open_runs(which);
-            // One that is held out as a whole keeps its own size, as another recording that is held out does.
+            // One that is held out as a whole keeps its own size, like any held-out recording.
             if !runs.is_empty() {
                 trajectory.size_force_by(&runs);
             }
@@ -321,13 +323,18 @@ fn conclude(
     let rough = Search::new(fitted, &validation, vec![0.0], &Sought::default()).rough()?;
     for trajectory in fitted.iter_mut().chain(held.iter_mut()) {
         trajectory.carry_motion_error(|y, v, a| rough.force(y, v, a));
-        trajectory.set_unexplained(&rough.predicted(trajectory));
     }
+    let predicted = fitted.iter().map(|one| rough.predicted(one)).collect();
+    let left = unexplained(fitted, &validation, predicted);
+    set_unexplained(fitted, left);
     let (mut over_amplitude, mut selection) = search(fitted, &validation, sought, progress)?;
-    if !selection.found.solution.is_alone()
-        && explains_more(&selection, fitted.iter_mut().chain(held.iter_mut()))?
-    {
-        progress("searching again with what the effects found leave");
+    let predicted = selection.found.solution.predicted(fitted)?;
+    let less = unexplained(fitted, &validation, predicted);
+    let most = TracePolicy::in_use().same_weights;
+    let mut each = fitted.iter().zip(&less);
+    if each.any(|(one, less)| *less < most * one.unexplained) {
+        progress("searching again, weighted by the error that the effects found leave");
+        set_unexplained(fitted, less);
         (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
     }
     let (fitted, held) = (&*fitted, &*held);
@@ -341,19 +348,19 @@ fn conclude(
     Ok(closing.close(&selection, progress)?)
 }
 
-/// Sets what the law found leaves of each recording, and returns whether it is less than half of what was left before.
-fn explains_more<'t>(
-    selection: &Selection,
-    trajectories: impl Iterator<Item = &'t mut Trajectory>,
-) -> Result<bool, ModelError> {
-    let model = selection.found.solution.model();
-    let mut is_less = false;
-    for trajectory in trajectories {
-        let before = trajectory.unexplained;
-        trajectory.set_unexplained(&predict(&model, trajectory)?);
-        is_less |= trajectory.unexplained < 0.5 * before;
+/// Variance that a law leaves of each recording beyond the tolerance, on the samples that the search fits. `predicted` is its force.
+fn unexplained(fitted: &[Trajectory], roles: &Roles, predicted: Vec<Vec<f64>>) -> Vec<f64> {
+    let each = fitted.iter().zip(predicted).enumerate();
+    each.map(|(which, (trajectory, predicted))| {
+        trajectory.left_beyond_tolerance(&predicted, |sample| roles.of(which, sample) == Role::Fit)
+    })
+    .collect()
+}
+
+fn set_unexplained(fitted: &mut [Trajectory], unexplained: Vec<f64>) {
+    for (trajectory, unexplained) in fitted.iter_mut().zip(unexplained) {
+        trajectory.unexplained = unexplained;
     }
-    Ok(is_less)
 }
 
 /// Searches with one set of coefficients for all amplitudes, and with one for each. Returns whether the latter is preferred, and

@@ -176,8 +176,7 @@ pub(super) fn zero_in_doubt(model: &Model, fitted: &[Trajectory]) -> Option<Stri
     let recorded = zero + fitted.first()?.centre;
     fitted.iter().any(has).then(|| {
         format!(
-            "a specimen that is the same to both sides of a displacement of {recorded:.3} mm has this asymmetry too: if the zero of the \
-             displacement is known, state it with --zero; otherwise the asymmetry is not certain"
+            "a specimen that is symmetric about a displacement of {recorded:.3} mm has this asymmetry too: state where it is free with --zero"
         )
     })
 }

@@ -32,7 +32,7 @@ fn held_out(hidden: impl Fn() -> Hidden) -> (Option<Remembered>, f64) {
     let embedded = over_noise(predict_embedded(&model, &held).unwrap());
     assert!((identified - embedded).abs() < 0.01 * identified);
     let table = model.correction.expect("it was corrected");
-    // Where there are no data, neither does it stand for a part of the law that the data cannot tell from it.
+    // Where there are no data, the table must not stand in for a part of the law.
     let force = held.force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
     assert!(
         largest(&table) < 1.5 * force,

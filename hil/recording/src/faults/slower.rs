@@ -25,7 +25,7 @@ crate::numbers! {
         off_line: f64 = 4.0, Convention("four times the last digit");
         /// Interpolated values are searched for where a value is new in at least one row of this many.
         most_rows: f64 = 16.0, Convention("a motion with corners farther apart is no interpolation");
-        /// A channel whose way from turn to turn is one line by this fraction is a motion with corners.
+        /// A displacement whose way from turn to turn is one line by this fraction has corners.
         of_one_line: f64 = 0.75, Derived("of a sine with five values a period, the longest line is at most 0.63 of the way");
         /// A coarse channel changes by its last digit only; a slower one does so in at most this fraction of its changes.
         digits: f64 = 0.8, Convention("a slow motion with noise has larger changes too");
@@ -41,7 +41,7 @@ pub(super) fn repair(recording: &mut Recording) -> bool {
         (Channel::Displacement, &recording.displacement),
     ];
     let found = channels.into_iter().filter_map(|(channel, values)| {
-        let (rows, between) = new_rows(values)?;
+        let (rows, between) = new_rows(values, &recording.displacement)?;
         Some((channel, rows, between))
     });
     let Some((channel, rows, between)) = found.min_by_key(|(_, rows, _)| rows.len()) else {
@@ -61,8 +61,8 @@ pub(super) fn repair(recording: &mut Recording) -> bool {
     true
 }
 
-/// The rows in which a slower channel has a new value, and what stands between them.
-fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
+/// The rows in which a slower channel has a new value, and what stands between them. With corners in the motion, a force has them too.
+fn new_rows(values: &[f64], displacement: &[f64]) -> Option<(Vec<usize>, Between)> {
     // Sorts the channel. Most are at their full rate, and need no digit.
     let digit = || rounding(values, FaultsPolicy::in_use().same_value * spread(values));
     // What stands in the first row may be older.
@@ -76,7 +76,7 @@ fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
         Some(rows) => (rows, Between::Held),
         None => {
             let rows = regular(&knots(&bends, digit)?, values.len())?;
-            if turns_at_each(values, &rows) {
+            if turns_at_each(displacement, &rows) {
                 return None;
             }
             (rows, Between::Interpolated)
@@ -90,12 +90,12 @@ fn new_rows(values: &[f64]) -> Option<(Vec<usize>, Between)> {
     (!is_coarse).then_some(found)
 }
 
-/// Whether a channel goes from turn to turn by one line, and hardly by others: it is a motion with corners, as a triangle or a trapezoid.
-/// A slower converter takes more values on the way.
-fn turns_at_each(values: &[f64], rows: &[usize]) -> bool {
+/// Whether the displacement goes from turn to turn by one line, and hardly by others: it is a motion with corners, as a triangle or a
+/// trapezoid. A slower converter takes more values on the way.
+fn turns_at_each(displacement: &[f64], rows: &[usize]) -> bool {
     let lines: Vec<f64> = rows
         .windows(2)
-        .map(|pair| values[pair[1]] - values[pair[0]])
+        .map(|pair| displacement[pair[1]] - displacement[pair[0]])
         .collect();
     let (mut longest, mut all) = (0.0, 0.0);
     for way in lines.chunk_by(|a, b| a * b > 0.0) {
@@ -208,6 +208,11 @@ mod tests {
             .collect()
     }
 
+    /// The displacement of that test.
+    fn moved(count: usize) -> Vec<f64> {
+        (0..count).map(|n| (TAU * n as f64 / 180.0).sin()).collect()
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -222,7 +227,7 @@ mod tests {
                 values[pair[0]..pair[1]].fill(truth[pair[0]]);
             }
             values[new[new.len() - 1]..].fill(truth[new[new.len() - 1]]);
-            let (found, between) = new_rows(&values).expect("held values");
+            let (found, between) = new_rows(&values, &moved(6000)).expect("held values");
             prop_assert_eq!(between, Between::Held);
             prop_assert_eq!(&found[..], &new[1..]);
         }
@@ -242,7 +247,7 @@ mod tests {
             let last = new[new.len() - 1];
             values[last..].fill(truth[last]);
             values[..new[0]].fill(truth[new[0]]);
-            let (found, between) = new_rows(&values).expect("interpolated values");
+            let (found, between) = new_rows(&values, &moved(6000)).expect("interpolated values");
             prop_assert_eq!(between, Between::Interpolated);
             let are_new = found.iter().all(|row| new.contains(row));
             prop_assert!(are_new && found.len() + 4 >= new.len(), "{} of {}", found.len(), new.len());
@@ -264,14 +269,16 @@ mod tests {
                     ((line + normal.sample(&mut random)) * 1e6).round() / 1e6
                 })
                 .collect();
-            prop_assert_eq!(new_rows(&values), None);
+            prop_assert_eq!(new_rows(&values, &values), None, "the displacement");
+            let force: Vec<f64> = values.iter().map(|y| 0.3 * y).collect();
+            prop_assert_eq!(new_rows(&force, &values), None, "an elastic force");
         }
 
         /// A coarse converter repeats values too, and so does a force without noise.
         #[test]
         fn a_coarse_channel_is_not_slower(noise in 0.0..0.004_f64, digit in 1e-6..0.01_f64, seed: u64) {
             let values = measured(6000, noise, digit, seed);
-            prop_assert_eq!(new_rows(&values), None);
+            prop_assert_eq!(new_rows(&values, &moved(6000)), None);
         }
     }
 }

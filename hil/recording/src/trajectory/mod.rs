@@ -103,7 +103,7 @@ pub struct Trajectory {
     pub motion_error: MotionError,
     /// Variance of the force due to the error of the motion, kN²; empty until [`Trajectory::carry_motion_error`] sets it.
     pub carried: Vec<f64>,
-    /// Variance of the force that the best law so far leaves beyond the tolerance, kN²; 0 until [`Trajectory::set_unexplained`] sets it.
+    /// Variance of the force that the best law so far [leaves](Trajectory::left_beyond_tolerance), kN²; 0 before there is one.
     pub unexplained: f64,
     /// Whether the force was measured about this tick; false inside a gap of the recording, and where a channel fault was found.
     pub measured: Vec<bool>,

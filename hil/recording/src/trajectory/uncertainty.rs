@@ -33,11 +33,11 @@ impl Trajectory {
         self.carried = (0..self.len()).map(carried).collect();
     }
 
-    /// Sets the variance of the force that a law leaves in addition to the [tolerance](Self::tolerance): the variance component of Paule
-    /// and Mandel 1982. `predicted` is the law's force at every sample, kN.
-    pub fn set_unexplained(&mut self, predicted: &[f64]) {
+    /// Variance of the force that a law leaves in addition to the [tolerance](Self::tolerance) on the samples that `counts` picks, kN²: the
+    /// one that is most likely. `predicted` is the law's force at every sample, kN. It is 0 without samples.
+    pub fn left_beyond_tolerance(&self, predicted: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
         let (squares, tolerances): (Vec<f64>, Vec<f64>) = (0..self.len())
-            .filter(|&index| self.is_telling(index))
+            .filter(|&index| counts(index) && self.is_telling(index))
             .map(|index| {
                 let error = predicted[index] - self.force[index];
                 (error.powi(2), self.tolerance(index))
@@ -57,7 +57,7 @@ impl Trajectory {
             }
             left = next;
         }
-        self.unexplained = left;
+        left
     }
 
     /// This trajectory with another motion that is equally likely: the estimate plus one draw of its error.

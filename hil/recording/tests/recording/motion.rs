@@ -448,10 +448,9 @@ fn what_a_law_leaves_is_what_it_lacks() {
         let left = (0..found.len())
             .map(|sample| draw((found.tolerance(sample) + lacking * lacking).sqrt()));
         let left: Vec<f64> = left.collect();
-        found.set_unexplained(&left);
+        let deviation = found.left_beyond_tolerance(&left, |_| true).sqrt();
         // A standard deviation of n samples is known to 1/√(2n) at best.
         let certain = 4.0 / (found.len() as f64).sqrt();
-        let deviation = found.unexplained.sqrt();
         assert!(
             (deviation - lacking).abs() < 0.02 * certain + 1e-3,
             "{deviation} for {lacking}"

@@ -131,7 +131,7 @@ impl Summary {
                 format!("{worse}: {count} of {of}, at most {most}")
             })
             .of(all.count),
-            Check::new(band, within || all.banded == 0, || {
+            Check::new(band, within || all.count == 0, || {
                 format!(
                     "{band}: {:.3}, from {least_within} to {most_within}",
                     all.within_band
