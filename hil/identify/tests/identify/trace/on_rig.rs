@@ -222,11 +222,12 @@ fn an_asymmetry_is_in_doubt_with_the_zero() {
     let zero = 0.05;
     let uneven = |&(_, y, _, _): &Sample| -3.0 * K3 * zero * y * y;
     let traced = |sought: &Sought, slips: f64| {
-        let record = |name, blocks: &[(f64, f64, u32)], seed| {
-            let mut slider = super::slider(slips, 0.04);
+        let recorded = |name, blocks: &[(f64, f64, u32)], seed| {
+            let mut slider = slider(slips, 0.04);
             super::record(name, blocks, 0.004, seed, |s| uneven(s) + slider(s))
         };
-        let (fitted, held) = (record("fitted", &BLOCKS, 7), record("held", &OTHERS, 8));
+        let fitted = recorded("fitted", &BLOCKS, 7);
+        let held = recorded("held", &OTHERS, 8);
         trace_for(sought, &[fitted], &[held], &|_| ())
             .unwrap()
             .result
