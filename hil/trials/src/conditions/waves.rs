@@ -43,7 +43,7 @@ const BEGIN: f64 = 0.1;
 const START: f64 = 1.0;
 /// Cycles before a recording that begins during the motion.
 const BEFORE: f64 = 2.0;
-/// Steps of the device in a cycle, at least: its explicit parts are then accurate to a per mille.
+/// Steps of the device in a cycle, at least: its explicit parts are then accurate to about a per cent.
 const STEPS: f64 = 800.0;
 
 impl Wave {
