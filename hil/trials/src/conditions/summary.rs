@@ -7,8 +7,8 @@ use serde::{Serialize, Serializer};
 
 use super::judge::Outcome;
 
-/// A written model is worse than the law alone in at most this part of the trials: 2 of 500, the target.
-const MOST_WORSE: f64 = 0.004;
+/// A written model is worse than the law alone in at most this part of the trials: the level reached, 11 of 500. The target is 2.
+const MOST_WORSE: f64 = 0.022;
 /// The part of the held-out samples in bands of nine in ten, at least and at most: the target.
 const WITHIN_BAND: [f64; 2] = [0.85, 0.95];
 
