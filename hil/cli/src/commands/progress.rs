@@ -57,6 +57,16 @@ impl Progress {
     /// Shows the number of finished parts.
     pub fn done(&self, parts: u64) {
         self.bar.set_position(parts);
+        self.part(parts);
+    }
+
+    /// Counts another finished part, from any thread.
+    pub fn one_more(&self) {
+        self.bar.inc(1);
+        self.part(self.bar.position());
+    }
+
+    fn part(&self, parts: u64) {
         self.plain(|| {
             let total = self.bar.length().unwrap_or(parts).max(1);
             format!("{} {} %", self.bar.message(), 100 * parts / total)

@@ -238,9 +238,9 @@ impl<'a> Closing<'a> {
         }
         let zero_is_known = self.sought.rig.zero.is_some();
         let mut in_doubt = zero_in_doubt(&model, self.trajectories).filter(|_| !zero_is_known);
-        let is_in_doubt = |effect: &FoundEffect| {
-            in_doubt.is_some() && effect.family == asymmetry::FORMS[0].family().name()
-        };
+        let uneven = asymmetry::FORMS[0].family();
+        let is_in_doubt =
+            |effect: &FoundEffect| in_doubt.is_some() && effect.family == uneven.name();
         for effect in effects.iter_mut().filter(|one| is_in_doubt(one)) {
             effect.unconfirmed_by.get_or_insert(Rule::Rivalled);
             effect.rivals.push("zero".to_owned());
@@ -248,10 +248,9 @@ impl<'a> Closing<'a> {
         let (mut effects, mut unconfirmed): (Vec<_>, Vec<_>) = effects
             .into_iter()
             .partition(|effect| Family::named(&effect.family).is_none_or(is_named));
-        if rivals.is_none() && effects.iter().any(|one| !is_in_doubt(one)) {
+        if in_doubt.is_some() && rivals.is_none() && !effects.iter().all(is_in_doubt) {
             unconfirmed.extend(effects.extract_if(.., |one| is_in_doubt(one)));
-            unbounded
-                .retain(|family| *family != asymmetry::FORMS[0].family() || in_doubt.is_none());
+            unbounded.retain(|family| *family != uneven);
         }
         let is_all_in_doubt = !effects.is_empty() && effects.iter().all(is_in_doubt);
         // For a law that predicts the held-out samples less well, its error on those.

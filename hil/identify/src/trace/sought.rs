@@ -4,7 +4,7 @@ use mesh_damper::effects::Inertia;
 use mesh_damper_model::Family;
 use mesh_damper_model::file::ModelFile;
 use mesh_damper_output::error::{InputError, Place};
-use mesh_damper_recording::rig::RigFacts;
+use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 
 use crate::base_law::BaseLaw;
 use crate::families::inertia;
@@ -29,6 +29,17 @@ pub struct Sought {
 }
 
 impl Sought {
+    /// All families, on a rig whose displacement reads 0 where the specimen is free.
+    pub fn at_recorded_zero() -> Self {
+        Self {
+            rig: RigFacts {
+                zero: Some(DisplacementZero::None),
+                ..RigFacts::default()
+            },
+            ..Self::default()
+        }
+    }
+
     /// All families, in addition to the effects of a model, with the control inputs of these. Errors call the model `name`.
     ///
     /// # Errors

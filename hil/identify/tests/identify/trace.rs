@@ -26,7 +26,6 @@ use mesh_damper_identify::trace::{Sought, Trace, trace, trace_for};
 use mesh_damper_identify::uncertainty::Uncertainty;
 use mesh_damper_model::Family;
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use mesh_damper_recording::trajectory::Trajectory;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -110,16 +109,8 @@ fn record(
 fn traced<E: FnMut(&Sample) -> f64>(noise: f64, seed: u64, effect: impl Fn() -> E) -> Trace {
     let fitted = record("fitted", &BLOCKS, noise, seed, effect());
     let held = record("held", &OTHERS, noise, seed + 1000, effect());
-    trace_for(&at_recorded_zero(), &[fitted], &[held], &|_| ()).unwrap()
-}
-
-/// Without the zero of the displacement, an asymmetry is in doubt.
-fn at_recorded_zero() -> Sought {
-    let facts = RigFacts {
-        zero: Some(DisplacementZero::None),
-        ..RigFacts::default()
-    };
-    Sought::default().on_rig(facts).unwrap()
+    // Without the zero of the displacement, an asymmetry is in doubt.
+    trace_for(&Sought::at_recorded_zero(), &[fitted], &[held], &|_| ()).unwrap()
 }
 
 /// A slider of stiffness `k` and slip limit `x`, written on its own.

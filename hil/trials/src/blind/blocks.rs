@@ -348,6 +348,6 @@ fn beginning(whole: &Recording, name: String, samples: usize) -> Recording {
 }
 
 /// Root of the mean square.
-pub(super) fn rms(values: &[f64]) -> f64 {
+pub(crate) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
 }

@@ -20,17 +20,19 @@ use std::ops::Range;
 use rayon::iter::{Either, IntoParallelIterator, ParallelIterator};
 
 pub use blocks::GROUP;
+pub(crate) use blocks::rms;
 pub use described::{DescribedEffect, described};
 pub use families::Version;
 pub(crate) use families::log_uniform;
 pub use flat::MotionOutcome;
 pub use floors::{Floors, PART};
-pub(crate) use judge::within_band;
 pub use judge::{Mark, Outcome, Said, VelocityError, judge};
+pub(crate) use judge::{WORSE, within_band};
 pub use path::{Kind, Path};
 pub use programme::{Programme, TestShape};
 pub use sensors::{Flaw, MotionSensors};
 pub use summary::{Rate, Ratios, Results, Row, Summary};
+pub(crate) use summary::{grouped, if_any, name};
 pub use test_rig::{Sensors, Truth, answer, record};
 pub use trial::{AnyMotion, Blocks, Class, Hidden, Secret, Sized, Test, Trial};
 

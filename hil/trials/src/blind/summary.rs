@@ -96,7 +96,7 @@ pub struct Row {
 }
 
 /// A quotient over nothing is NaN, and null in a file.
-pub(super) fn if_any<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn if_any<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     value.is_finite().then_some(value).serialize(serializer)
 }
 
@@ -256,25 +256,26 @@ fn rows(counted: &[&Outcome]) -> Vec<Row> {
             })
         },
     ];
-    let mut rows = Vec::new();
-    for by in by {
-        let mut groups: BTreeMap<String, Vec<&Outcome>> = BTreeMap::new();
-        for outcome in counted {
-            if let Some(name) = by(outcome) {
-                groups.entry(name).or_default().push(outcome);
-            }
+    let groups = by.into_iter().flat_map(|by| grouped(counted, by));
+    groups.map(|(name, these)| Row::of(name, &these)).collect()
+}
+
+/// `outcomes` by the name of their group, in its order; without a name they are in none.
+pub(crate) fn grouped<'o, O>(
+    outcomes: &[&'o O],
+    by: impl Fn(&O) -> Option<String>,
+) -> BTreeMap<String, Vec<&'o O>> {
+    let mut groups: BTreeMap<String, Vec<&O>> = BTreeMap::new();
+    for &outcome in outcomes {
+        if let Some(name) = by(outcome) {
+            groups.entry(name).or_default().push(outcome);
         }
-        rows.extend(
-            groups
-                .into_iter()
-                .map(|(name, these)| Row::of(name, &these)),
-        );
     }
-    rows
+    groups
 }
 
 /// The word in its JSON.
-fn name(of: &impl Serialize) -> String {
+pub(crate) fn name(of: &impl Serialize) -> String {
     let json = serde_json::to_string(of).unwrap_or_default();
     json.trim_matches('"').replace('_', " ")
 }

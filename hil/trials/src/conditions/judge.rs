@@ -7,11 +7,7 @@ use mesh_damper_identify::trace::{Trace, TraceError, trace};
 use serde::Serialize;
 
 use super::trial::{Secret, Trial};
-use crate::blind::within_band;
-
-/// A written model is worse than the law alone if its held-out error is larger by more than this factor: 2 % is below what a user
-/// would notice, and above what the rounding to 32 bits and another optimum of the same law make.
-const WORSE: f64 = 1.02;
+use crate::blind::{WORSE, within_band};
 
 /// A trial, its truth and its answer.
 #[derive(Clone, Debug, Serialize)]

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use super::programme::Programme;
-use crate::blind::log_uniform;
+use crate::blind::{log_uniform, rms};
 
 /// The true channels of a condition.
 pub struct Truth {
@@ -99,8 +99,4 @@ impl Sensors {
         );
         Recording::new(name, truth.time, displacement, force).ok()
     }
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }

@@ -1,11 +1,10 @@
 //! The results of many trials, in groups, and their requirements.
 
-use std::collections::BTreeMap;
-
 use mesh_damper_rig::check::Check;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::judge::Outcome;
+use crate::blind::{grouped, if_any, name};
 
 /// A written model is worse than the law alone in at most this part of the trials: the level reached, 11 of 500. The target is 2.
 const MOST_WORSE: f64 = 0.022;
@@ -42,11 +41,6 @@ pub struct Row {
     #[serde(serialize_with = "if_any")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seconds: f64,
-}
-
-/// A quotient over nothing is NaN, and null in a file.
-fn if_any<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    value.is_finite().then_some(value).serialize(serializer)
 }
 
 impl Row {
@@ -98,20 +92,11 @@ impl Summary {
             },
             |o| name(&o.secret.family),
         ];
-        let mut rows = Vec::new();
-        for by in by {
-            let mut groups: BTreeMap<String, Vec<&Outcome>> = BTreeMap::new();
-            for outcome in &outcomes {
-                groups.entry(by(outcome)).or_default().push(outcome);
-            }
-            rows.extend(
-                groups
-                    .into_iter()
-                    .map(|(name, these)| Row::of(name, &these)),
-            );
-        }
+        let all: Vec<&Outcome> = outcomes.iter().collect();
+        let groups = by.into_iter().flat_map(|by| grouped(&all, |o| Some(by(o))));
+        let rows = groups.map(|(name, these)| Row::of(name, &these)).collect();
         Self {
-            all: Row::of("all".to_owned(), &outcomes.iter().collect::<Vec<_>>()),
+            all: Row::of("all".to_owned(), &all),
             rows,
             outcomes,
         }
@@ -141,10 +126,4 @@ impl Summary {
         ]
         .into()
     }
-}
-
-/// The word in its JSON.
-fn name(of: &impl Serialize) -> String {
-    let json = serde_json::to_string(of).unwrap_or_default();
-    json.trim_matches('"').replace('_', " ")
 }

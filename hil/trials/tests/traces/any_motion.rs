@@ -7,7 +7,6 @@ use mesh_damper_identify::trace::{Sought, trace, trace_for};
 use mesh_damper_model::predict::{band, predict};
 use mesh_damper_model::{LawNode, Model};
 use mesh_damper_recording::Recording;
-use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_reference::law::Coefficients;
 use mesh_damper_reference::tables;
@@ -189,14 +188,7 @@ fn steps_show_what_acts_on_one_side() {
         }
         recording
     };
-    let at_recorded_zero = Sought {
-        rig: RigFacts {
-            zero: Some(DisplacementZero::None),
-            ..RigFacts::default()
-        },
-        ..Sought::default()
-    };
-    let found = trace_for(&at_recorded_zero, &[test(3)], &[test(4)], &|_| ());
+    let found = trace_for(&Sought::at_recorded_zero(), &[test(3)], &[test(4)], &|_| ());
     let result = found.unwrap().result;
     assert_eq!(result.verdict, Verdict::Found);
     let families: Vec<&str> = result

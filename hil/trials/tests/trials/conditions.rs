@@ -223,7 +223,7 @@ fn the_steps_are_fine_enough() {
     }
 }
 
-/// Largest force in the third cycle of a sine of 2 mm and 3 Hz in so many steps a cycle.
+/// Largest force in the third cycle of a sine of 2 mm and 3 Hz, with `steps` in a cycle.
 fn peak(mut device: Device, steps: usize) -> f64 {
     let omega = TAU * 3.0;
     let mut most = 0.0_f64;

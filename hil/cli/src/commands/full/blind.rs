@@ -1,12 +1,12 @@
 //! `hil blind`: the blind trial of the tracer.
 
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
 use mesh_damper_output::error::InputError;
 use mesh_damper_output::{Outputs, Plan};
+use mesh_damper_recording::Recording;
 use mesh_damper_rig::check::{Check, failures};
 use mesh_damper_trials::blind::{self, Draw, Outcome, Version};
 
@@ -129,11 +129,8 @@ impl BlindCommand {
         let count = self.seeds.unwrap_or_else(|| self.draw().seeds());
         let progress = Progress::of(count);
         progress.step("tracing");
-        let finished = AtomicU64::new(0);
         let seeds = self.first..self.first + count;
-        let summary = blind::run(seeds, self.draw(), self.version(), &|| {
-            progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        });
+        let summary = blind::run(seeds, self.draw(), self.version(), &|| progress.one_more());
         drop(progress);
         let checks = self.draw().floors().checks(&summary.results);
         junit.property("specimens", format!("{:?}", self.draw()));
@@ -182,15 +179,8 @@ impl BlindCommand {
             let what = "no test shows the effect that this seed hides";
             InputError::new(format!("described seed {seed}"), what, "show another seed")
         })?;
-        if let Some(out) = &self.out {
-            for (name, recording) in RECORDINGS
-                .into_iter()
-                .zip([&trial.training, &trial.held_out])
-            {
-                let path = out.join(name);
-                outputs.add(&path, recording.to_file(&path)?);
-            }
-        }
+        let recordings = [&trial.training, &trial.held_out];
+        add_recordings(&mut outputs, self.out.as_deref(), &RECORDINGS, recordings)?;
         outputs.write()?;
         let progress = Progress::steps();
         progress.step("tracing");
@@ -213,6 +203,24 @@ impl BlindCommand {
         }
         Ok(())
     }
+}
+
+/// Adds `recordings` under their `names` in the folder `out`, if there is one.
+///
+/// # Errors
+/// A name or a recording that no file can have.
+pub fn add_recordings<'r>(
+    outputs: &mut Outputs,
+    out: Option<&Path>,
+    names: &[impl AsRef<str>],
+    recordings: impl IntoIterator<Item = &'r Recording>,
+) -> Result<(), InputError> {
+    let Some(out) = out else { return Ok(()) };
+    for (name, recording) in names.iter().zip(recordings) {
+        let path = out.join(name.as_ref());
+        outputs.add(&path, recording.to_file(&path)?);
+    }
+    Ok(())
 }
 
 /// A seed alone is no check. The floors limit how many seeds may be named wrongly.

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use mesh_damper_identify::trace::result::Verdict;
@@ -11,6 +10,7 @@ use mesh_damper_recording::Recording;
 use mesh_damper_rig::check::Check;
 use mesh_damper_trials::conditions::{self, Condition, Outcome, Programme, Row, Summary};
 
+use super::blind::add_recordings;
 use super::junit::{Case, Junit};
 use crate::commands::progress::Progress;
 use crate::commands::{Failure, say};
@@ -19,13 +19,10 @@ use crate::commands::{Failure, say};
 pub fn trials(seeds: Range<u64>, junit: &mut Junit) -> (Summary, Vec<Check>) {
     let progress = Progress::of(seeds.end - seeds.start);
     progress.step("tracing");
-    let finished = AtomicU64::new(0);
     junit.property("specimens", "Conditions");
     junit.property("first seed", seeds.start);
     junit.property("seeds", seeds.end - seeds.start);
-    let summary = conditions::run(seeds, &|| {
-        progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-    });
+    let summary = conditions::run(seeds, &|| progress.one_more());
     drop(progress);
     let checks = summary.checks();
     junit.checks("limit", checks.iter().cloned());
@@ -54,13 +51,8 @@ pub fn show(seed: u64, out: Option<&Path>) -> Result<(), Failure> {
         .chain(files("held-out", &trial.held_out))
         .collect();
     let mut outputs = Plan::new().fills(out, &names).begin()?;
-    if let Some(out) = out {
-        let recordings = trial.training.iter().chain(&trial.held_out);
-        for (name, recording) in names.iter().zip(recordings) {
-            let path = out.join(name);
-            outputs.add(&path, recording.to_file(&path)?);
-        }
-    }
+    let recordings = trial.training.iter().chain(&trial.held_out);
+    add_recordings(&mut outputs, out, &names, recordings)?;
     outputs.write()?;
     let progress = Progress::steps();
     progress.step("tracing");

@@ -1,7 +1,7 @@
 //! `hil faults`: the fault campaign.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 use mesh_damper_link::image::Board;
@@ -106,11 +106,10 @@ fn on_image(chosen: &Campaign) -> Result<Summary, InputError> {
     trials.retain(Trial::is_possible_over_a_link);
     let progress = Progress::of(trials.len() as u64);
     progress.step("testing the image");
-    let finished = AtomicU64::new(0);
     let outcomes = at_once(&trials, |trial| {
         let mut image = Image::start(Board::Mps2An386, Box::new(|_| {}))?;
         let outcome = run_trial_on(&mut image, trial).map_err(refused);
-        progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+        progress.one_more();
         outcome
     })?;
     Ok(Summary::of(outcomes, Vec::new(), Vec::new(), Vec::new()))
@@ -130,9 +129,7 @@ impl FaultsCommand {
         chosen.healthy_cycles = self.healthy.unwrap_or(chosen.healthy_cycles);
         let progress = Progress::of(chosen.steps());
         progress.step("testing");
-        let finished = AtomicU64::new(0);
-        let done = || progress.done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-        chosen.run(&done).map_err(refused)
+        chosen.run(&|| progress.one_more()).map_err(refused)
     }
 
     pub fn run(self) -> Result<(), Failure> {

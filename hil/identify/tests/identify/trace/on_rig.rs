@@ -2,6 +2,7 @@
 
 use super::*;
 use mesh_damper_identify::trace::result::FoundEffect;
+use mesh_damper_recording::rig::{DisplacementZero, RigFacts};
 use rand::RngExt as _;
 
 /// Amplitude mm, frequency Hz, cycles.
@@ -237,7 +238,7 @@ fn an_asymmetry_is_in_doubt_with_the_zero() {
     };
     let is_told = |text: &String| text.contains("--zero") && text.contains("0.05");
 
-    let known = traced(&at_recorded_zero(), 0.0);
+    let known = traced(&Sought::at_recorded_zero(), 0.0);
     assert_eq!(
         (known.verdict, &names(&known.effects)[..]),
         (Verdict::Found, &["asymmetry".to_owned()][..])
