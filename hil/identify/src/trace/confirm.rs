@@ -200,7 +200,7 @@ impl Closing<'_> {
     ) -> Result<Confirmed, ModelError> {
         let nodes = rows.nodes().to_vec();
         let search = Search::new(self.trajectories, self.validation, nodes, self.sought);
-        let held = self.held(left_out, rows, law)?;
+        let held = self.held(left_out, rows, law);
         let of_all = errors(&held);
         let mut now = self.confirmations(left_out, rows, law, (&held, &search))?;
         // The law without effects that gain nothing.
@@ -215,7 +215,7 @@ impl Closing<'_> {
                 break;
             }
             let rest = self.fit_near(rows, &now.law.without_family(least.family));
-            let held = self.held(left_out, rows, &rest)?;
+            let held = self.held(left_out, rows, &rest);
             if gains_clearly(&errors(&held), &of_all) {
                 break;
             }
@@ -228,11 +228,11 @@ impl Closing<'_> {
         Ok(kept)
     }
 
-    fn held(&self, left_out: &LeftOut, rows: &Rows, law: &Solution) -> Result<Held, ModelError> {
+    fn held(&self, left_out: &LeftOut, rows: &Rows, law: &Solution) -> Held {
         left_out.each_in_turn(&|picked| {
             let (rows, solution) = self.refit(rows, law, picked);
             let uncertainty = Uncertainty::of(&rows, self.extent(), &solution);
-            Ok((solution.model(), parameters(&solution, &uncertainty)))
+            (Ok(solution.model()), parameters(&solution, &uncertainty))
         })
     }
 
@@ -244,12 +244,12 @@ impl Closing<'_> {
         (held, search): (&Held, &Search),
     ) -> Result<Confirmed, ModelError> {
         let in_turn = |law: &Solution| {
-            left_out.each_in_turn(&|picked| Ok((self.refit_model(rows, law, picked), ())))
+            left_out.each_in_turn(&|picked| (Ok(self.refit_model(rows, law, picked)), ()))
         };
         let of_law = errors(held);
         let each = law.families().into_iter().map(|family| {
             let rest = law.without_family(family);
-            let pairs = in_turn(&rest)?.into_iter().zip(held);
+            let pairs = in_turn(&rest).into_iter().zip(held);
             let left: Vec<Option<[RelativeError; 2]>> = pairs
                 .map(|(without, with)| Some([without?.0, with.as_ref()?.0]))
                 .collect();
@@ -262,7 +262,7 @@ impl Closing<'_> {
                 Some(Rule::Unsteady)
             } else {
                 for rival in search.rivals(law, &rest)? {
-                    let of_rival = errors(&in_turn(&rival)?);
+                    let of_rival = errors(&in_turn(&rival));
                     // A rival that contains the effect does equally well for that reason alone, so it has to be clearly better.
                     let does_as_well = match is_more_than(&rival, family) {
                         true => gains_clearly(&of_law, &of_rival),

@@ -34,7 +34,7 @@ pub(super) type Picked<'p> = &'p (dyn Fn(usize, usize) -> bool + Sync);
 /// A law fitted to the picked samples.
 pub(super) type Fit<'f> = &'f (dyn Fn(Picked) -> Result<Model, ModelError> + Sync);
 /// A law with further results of its fit.
-pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> Result<(Model, T), ModelError> + Sync);
+pub(super) type FitWith<'f, T> = &'f (dyn Fn(Picked) -> (Result<Model, ModelError>, T) + Sync);
 
 /// The samples of a condition that its error is taken over.
 #[derive(Clone, Copy)]
@@ -174,10 +174,22 @@ impl<'a> LeftOut<'a> {
         condition: &Condition,
         samples: Samples,
         fit: FitWith<T>,
-    ) -> Result<Option<(RelativeError, T)>, ModelError> {
-        let (model, more) = fit(&|which, sample| {
-            self.is_open(which, sample) && !condition.contains(which, sample)
-        })?;
+    ) -> Option<(RelativeError, T)> {
+        let (model, more) =
+            fit(&|which, sample| self.is_open(which, sample) && !condition.contains(which, sample));
+        // Without this condition the fit may have a law that the crate refuses.
+        let errors = model.and_then(|model| self.errors_on(condition, samples, &model));
+        let errors = errors.unwrap_or_else(|_| vec![RelativeError::NONE]);
+        (!errors.is_empty()).then(|| (RelativeError::mean(&errors), more))
+    }
+
+    /// The error of `model` on each part of a condition that has samples.
+    fn errors_on(
+        &self,
+        condition: &Condition,
+        samples: Samples,
+        model: &Model,
+    ) -> Result<Vec<RelativeError>, ModelError> {
         let mut errors = Vec::with_capacity(condition.parts.len());
         let mut parts: Vec<&Part> = condition.parts.iter().collect();
         parts.sort_by_key(|part| part.which);
@@ -186,22 +198,19 @@ impl<'a> LeftOut<'a> {
             let trajectory = &self.trajectories[which];
             let is_fair = |i: usize| self.is_open(which, i) && samples.include(trajectory, i);
             let weight = |i: usize| samples.weight(trajectory, i);
-            let predicted = predict(&model, trajectory)?;
+            let predicted = predict(model, trajectory)?;
             errors.extend(of_one.iter().filter_map(|part| {
                 let error =
                     RelativeError::of(trajectory, &predicted, &part.samples, is_fair, weight)?;
                 Some(error.times(part.loud))
             }));
         }
-        Ok((!errors.is_empty()).then(|| (RelativeError::mean(&errors), more)))
+        Ok(errors)
     }
 
     /// The error of a law on each open condition when that condition is held out, with the further results of its fit, in the order
     /// of [`conditions`](Self::conditions).
-    pub fn each_in_turn<T: Send>(
-        &self,
-        fit: FitWith<T>,
-    ) -> Result<Vec<Option<(RelativeError, T)>>, ModelError> {
+    pub fn each_in_turn<T: Send>(&self, fit: FitWith<T>) -> Vec<Option<(RelativeError, T)>> {
         let each = self.conditions.par_iter();
         each.map(|one| self.held_out(one, Samples::Telling, fit))
             .collect()
@@ -217,12 +226,9 @@ impl<'a> LeftOut<'a> {
             }
             Samples::All => self.conditions.iter().collect(),
         };
-        let fit: FitWith<()> = &|picked| Ok((fit(picked)?, ()));
-        let each = counted.par_iter().filter_map(|one| {
-            // Without this condition the fit has a law that the crate refuses.
-            let error = self.held_out(one, samples, fit);
-            error.map_or(Some(RelativeError::NONE), |error| Some(error?.0))
-        });
-        each.collect()
+        let fit: FitWith<()> = &|picked| (fit(picked), ());
+        let each = counted.par_iter();
+        each.filter_map(|one| Some(self.held_out(one, samples, fit)?.0))
+            .collect()
     }
 }

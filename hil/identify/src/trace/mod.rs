@@ -25,6 +25,7 @@ pub mod result;
 pub mod rule;
 mod ruled_out;
 pub(crate) mod score;
+mod search_verdict;
 pub(crate) mod select;
 pub(crate) mod separating;
 mod sought;

@@ -97,6 +97,10 @@ impl Sensors {
             self.force_noise,
             self.force_step,
         );
-        Recording::new(name, truth.time, displacement, force).ok()
+        let moves = displacement.iter().any(|&y| y != displacement[0]);
+        moves.then(|| {
+            let recording = Recording::new(name, truth.time, displacement, force);
+            recording.expect("a simulated recording is complete")
+        })
     }
 }

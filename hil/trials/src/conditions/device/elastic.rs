@@ -2,18 +2,17 @@
 
 use super::{Now, Part};
 
-/// A polynomial spring: k1·y + k2·y² + k3·y³.
+/// A polynomial spring: k1·y + k3·y³.
 #[derive(Clone, Debug)]
 pub struct Spring {
     pub k1: f64,
-    pub k2: f64,
     pub k3: f64,
 }
 
 impl Part for Spring {
     fn force(&mut self, now: &Now) -> f64 {
         let y = now.y;
-        y * (self.k1 + y * (self.k2 + y * self.k3))
+        y * (self.k1 + y * y * self.k3)
     }
 }
 

@@ -59,7 +59,7 @@ impl<'a, R: Rng> Drawn<'a, R> {
             0.0
         };
         let k3 = k3.max(-0.3 * k1);
-        self.add(Spring { k1, k2: 0.0, k3 });
+        self.add(Spring { k1, k3 });
         if self.chance(0.5) {
             let c = self.log(0.01, 0.1);
             self.add(PowerDamper { c, alpha: 1.0 });
@@ -153,11 +153,7 @@ impl<'a, R: Rng> Drawn<'a, R> {
         match family {
             Family::Linear => {
                 let c = self.log(0.02, 1.0);
-                self.add(Spring {
-                    k1: 1.0,
-                    k2: 0.0,
-                    k3: 0.0,
-                });
+                self.add(Spring { k1: 1.0, k3: 0.0 });
                 self.add(PowerDamper { c, alpha: 1.0 });
             }
             Family::MixedDamping => {
@@ -166,11 +162,7 @@ impl<'a, R: Rng> Drawn<'a, R> {
                     self.log(0.05, 1.0),
                     self.even(0.1, 1.0),
                 );
-                self.add(Spring {
-                    k1: 1.0,
-                    k2: 0.0,
-                    k3,
-                });
+                self.add(Spring { k1: 1.0, k3 });
                 self.add(PowerDamper { c, alpha });
             }
             Family::Pair => self.pair(),
