@@ -36,14 +36,16 @@ pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     best.0
 }
 
+/// A law's number, with the mean logarithm of its errors over those of another law, and its standard error.
+type OfLaw = (usize, (f64, f64));
+
 /// From the errors of laws on the same conditions, the simplest law first: index of the one to write, and of the best of the others. The
-/// first is the law alone. The best takes its place if it is better by more than one standard error; or the simplest that is, and that
-/// is within one standard error of the best.
+/// first is the law alone. The best takes its place if it [gains](gains()) over it by more than one standard error; or the simplest that
+/// does, and that is within one standard error of the best.
 ///
 /// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
-/// over the conditions.
+/// over the conditions. A law that gains while a device is nearly at rest and fails while it moves gains nothing in total.
 pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
-    let gain = AdoptPolicy::in_use().gain;
     // Mean and its standard error.
     let log_ratio = |a: usize, b: usize| {
         let pairs = laws[a].iter().zip(laws[b]);
@@ -54,25 +56,26 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
         let squares = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>();
         (mean, (squares / (count - 1.0) / count).sqrt())
     };
-    // A law that cannot be run on some condition is none; NaN, as of a single condition, is no gain.
+    // A law that cannot be run on some condition is none.
     let finite = |law: &usize| laws[*law].iter().all(|one| one.error.is_finite());
     let candidates = (1..laws.len()).filter(finite);
-    let candidates: Vec<(usize, (f64, f64))> =
-        candidates.map(|law| (law, log_ratio(law, 0))).collect();
-    let by_mean = candidates.iter().min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    let Some(&(best, beside_alone)) = by_mean else {
+    let candidates: Vec<OfLaw> = candidates.map(|law| (law, log_ratio(law, 0))).collect();
+    let by_mean = |a: &&OfLaw, b: &&OfLaw| a.1.0.total_cmp(&b.1.0);
+    let Some(&(best, _)) = candidates.iter().min_by(by_mean) else {
         return (0, 0);
     };
-    let is_better = |(mean, error): (f64, f64)| mean < gain.ln() && mean < -error;
-    if !is_better(beside_alone) {
+    // NaN, as of a single condition, is no gain.
+    let is_better = |(law, (mean, error)): &&OfLaw| *mean < -*error && gains(laws[0], laws[*law]);
+    let better: Vec<OfLaw> = candidates.iter().filter(is_better).copied().collect();
+    let Some(&(of_better, _)) = better.iter().min_by(by_mean) else {
         return (0, best);
-    }
-    let is_as_good = |(law, beside_alone): &&(usize, (f64, f64))| {
-        let (mean, error) = log_ratio(*law, best);
-        mean <= error && is_better(*beside_alone)
+    };
+    let is_as_good = |(law, _): &&OfLaw| {
+        let (mean, error) = log_ratio(*law, of_better);
+        mean <= error
     };
     // The best is as good as itself.
-    let simplest = candidates.iter().find(is_as_good);
+    let simplest = better.iter().find(is_as_good);
     (simplest.map_or(0, |(law, _)| *law), best)
 }
 
@@ -152,6 +155,9 @@ mod tests {
             "it loses elsewhere"
         );
         assert_eq!(chosen(&[&alone, &errors(&[f64::NAN; 4])]), (0, 0));
+        let fails_in_motion = errors(&[0.02, 0.04, 0.9, 0.02]);
+        assert_eq!(chosen(&[&alone, &fails_in_motion]), (0, 1));
+        assert_eq!(chosen(&[&alone, &simple, &fails_in_motion]).0, 1);
         // One condition says nothing of the next.
         assert_eq!(chosen(&[&errors(&[0.2]), &errors(&[0.1])]).0, 0);
     }
