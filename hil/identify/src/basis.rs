@@ -14,6 +14,7 @@ use super::moved::{delayed, moved};
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
+use super::strides::{Path, Stride};
 use super::term::{Term, TermValue};
 
 /// Step of a finite difference for a derivative.
@@ -542,6 +543,11 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
+        let shows = |moved: &Moved| moved.by.iter().any(|(form, _)| form.shows.is_some());
+        // The channel shows more than a row's sample, or a clock stands behind the force.
+        let needs_all = self.rows.are_averaged()
+            || form.follows_clock
+            || moved.as_ref().is_some_and(|moved| shows(moved));
         let work = || {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, recorded) in self.rows.trajectories.iter().enumerate() {
@@ -551,7 +557,10 @@ impl<'r, 'a> Basis<'r, 'a> {
                     Some((moved, late)) => (moved, *late),
                     None => (recorded, 0),
                 };
-                let mut forces = (form.unit_forces)(shapes, motion).ok()?;
+                let all = needs_all.then(|| Stride::each(motion.len()));
+                let strides = all.as_ref().unwrap_or(&self.rows.strides[which]);
+                let path = Path { motion, strides };
+                let mut forces = (form.unit_forces)(shapes, &path).ok()?;
                 if form.follows_clock && late > 0 {
                     // It follows the clock, not the motion, which is already delayed.
                     let on_time = forces.iter().map(|force| delayed(force, late));

@@ -31,11 +31,12 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// A fit ends when a step changes its parameters by less than this fraction. Convention: below any interval.
-const ENOUGH_CHANGED: f64 = 1e-5;
+/// A fit ends when a step changes its parameters by less than this fraction, or saves less than this fraction of the squared error.
+/// Convention: below any interval.
+const ENOUGH: [f64; 2] = [1e-5, 1e-7];
 
-/// A fit ends when a step saves less than this fraction of the squared error. Convention: below any gain that counts.
-const ENOUGH_SAVED: f64 = 1e-7;
+/// The same in a search. Convention: below any gain that counts.
+const ENOUGH_IN_SEARCH: [f64; 2] = [1e-3, 1e-4];
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -88,9 +89,20 @@ impl<'r, 'a> Problem<'r, 'a> {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
-            solution = exact::refined(&self.basis(), solution);
+            // Of the many fits of a search only the one that is accepted goes to the end.
+            if !self.rows.are_coarse {
+                solution = self.as_run(solution);
+            }
         }
         solution
+    }
+
+    /// A fit of a law with a spring in series, taken to the smallest error of the force that the crate computes; another stays as it is.
+    pub fn as_run(&self, solution: Solution) -> Solution {
+        match self.terms.iter().any(|term| term.form.gives_way) {
+            true => exact::refined(&self.basis(), solution),
+            false => solution,
+        }
     }
 
     /// The fit from `known`, a solution with these terms, possibly with nodes at other amplitudes.
@@ -134,9 +146,13 @@ impl<'r, 'a> Problem<'r, 'a> {
 
     fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
         let search = Search::new(&basis, DVector::from_vec(start));
+        let [changed, saved] = match self.rows.are_coarse {
+            true => ENOUGH_IN_SEARCH,
+            false => ENOUGH,
+        };
         LevenbergMarquardt::new()
-            .with_ftol(ENOUGH_SAVED)
-            .with_xtol(ENOUGH_CHANGED)
+            .with_ftol(saved)
+            .with_xtol(changed)
             .with_gtol(0.0)
             .with_patience(ProblemPolicy::in_use().patience)
             .minimize(search)

@@ -7,7 +7,8 @@ use mesh_damper_recording::trajectory::Trajectory;
 
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
-use super::tolerance::certainty;
+use super::strides::{Stride, strides};
+use super::tolerance::certainty_beside;
 
 /// A fit in the search for effects, or for a residual table, uses at most about this many samples. Convention: a fit then takes a
 /// second.
@@ -18,9 +19,15 @@ pub struct Rows<'a> {
     pub(super) trajectories: &'a [Trajectory],
     /// Trajectory and sample of each row.
     pub(super) origin: Vec<(usize, usize)>,
+    /// The samples of each trajectory at which effects are computed.
+    pub(super) strides: Arc<Vec<Vec<Stride>>>,
+    /// Whether those are not all of them.
+    pub(super) are_coarse: bool,
     /// As recorded.
     pub(super) motion: RowMotion,
     pub(super) force: Vec<f64>,
+    /// What the best law so far [leaves](Trajectory::left_beyond_tolerance) of each recording, kN².
+    left: Vec<f64>,
     /// Square root of a row's weight. Every recording counts equally, whatever its length and strength, and each sample by its
     /// [`certainty`].
     pub(super) weight: Vec<f64>,
@@ -90,43 +97,81 @@ impl<'a> Rows<'a> {
         most: usize,
         included: impl Fn(usize, usize) -> bool,
     ) -> Self {
-        let mut origin: Vec<(usize, usize)> = Vec::new();
-        for (which, trajectory) in trajectories.iter().enumerate() {
-            let telling = (0..trajectory.len())
-                .filter(|&sample| included(which, sample) && trajectory.is_telling(sample));
-            origin.extend(telling.map(|sample| (which, sample)));
+        let each = trajectories.iter().map(|one| Stride::each(one.len()));
+        Self::along(each.collect(), trajectories, law, nodes, most, included)
+    }
+
+    /// The same of few samples where the motion is slow, for a fit that takes less time.
+    pub fn coarse(
+        trajectories: &'a [Trajectory],
+        law: BaseLaw,
+        nodes: Vec<f64>,
+        most: usize,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let each = trajectories.iter().map(strides);
+        Self {
+            are_coarse: true,
+            ..Self::along(each.collect(), trajectories, law, nodes, most, included)
+        }
+    }
+
+    fn along(
+        strides: Vec<Vec<Stride>>,
+        trajectories: &'a [Trajectory],
+        law: BaseLaw,
+        nodes: Vec<f64>,
+        most: usize,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        // With the number of samples that each stands for.
+        let mut origin: Vec<((usize, usize), usize)> = Vec::new();
+        for (which, (trajectory, strides)) in trajectories.iter().zip(&strides).enumerate() {
+            let ends = strides
+                .iter()
+                .flat_map(|stride| stride.ends().map(|end| (end, stride.step)));
+            let telling = std::iter::once((0, 1)).chain(ends).filter(|&(sample, _)| {
+                sample < trajectory.len()
+                    && included(which, sample)
+                    && trajectory.is_telling(sample)
+            });
+            origin.extend(telling.map(|(sample, step)| ((which, sample), step)));
         }
         let every = origin.len().div_ceil(most).max(1);
-        let origin: Vec<(usize, usize)> = origin.into_iter().step_by(every).collect();
+        let (origin, steps): (Vec<(usize, usize)>, Vec<usize>) =
+            origin.into_iter().step_by(every).unzip();
         let force: Vec<f64> = origin
             .iter()
             .map(|&(which, sample)| trajectories[which].force[sample])
             .collect();
 
         let mut power = vec![0.0; trajectories.len()];
-        for (&(which, _), force) in origin.iter().zip(&force) {
-            power[which] += force * force;
+        for ((&(which, _), force), &step) in origin.iter().zip(&force).zip(&steps) {
+            power[which] += step as f64 * force * force;
         }
         let mut weight: Vec<f64> = origin
             .iter()
-            .map(|&(which, sample)| {
+            .zip(&steps)
+            .map(|(&(which, _), &step)| {
                 if power[which] > 0.0 {
-                    (certainty(&trajectories[which], sample) / power[which]).sqrt()
+                    (step as f64 / power[which]).sqrt()
                 } else {
                     0.0
                 }
             })
             .collect();
-        // On average 1, so that residuals stay in kN.
-        let mean_square = weight.iter().map(|w| w * w).sum::<f64>() / origin.len().max(1) as f64;
-        weight
-            .iter_mut()
-            .for_each(|weight| *weight /= mean_square.sqrt());
+        let left: Vec<f64> = trajectories.iter().map(|one| one.unexplained).collect();
+        weigh(&mut weight, &origin, |which, sample| {
+            certainty_beside(left[which], &trajectories[which], sample)
+        });
         Self {
             trajectories,
+            strides: Arc::new(strides),
+            are_coarse: false,
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             origin,
             force,
+            left,
             weight,
             nodes,
             law,
@@ -153,14 +198,36 @@ impl<'a> Rows<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             trajectories: self.trajectories,
+            strides: self.strides.clone(),
+            are_coarse: self.are_coarse,
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
             origin: self.origin.clone(),
             force: self.force.clone(),
+            left: self.left.clone(),
             weight: self.weight.clone(),
             law: self.law,
             known_forces: self.known_forces.clone(),
             nodes,
         }
+    }
+
+    /// What the law that the weights are for leaves of each recording, kN².
+    pub fn left(&self) -> &[f64] {
+        &self.left
+    }
+
+    /// The same rows weighed for a law that leaves another variance of each recording, kN².
+    #[must_use]
+    pub fn beside(&self, left: Vec<f64>) -> Self {
+        let mut rows = self.with_nodes(self.nodes.clone());
+        let before = std::mem::replace(&mut rows.left, left);
+        let certainty = |left: &[f64], which: usize, sample: usize| {
+            certainty_beside(left[which], &self.trajectories[which], sample)
+        };
+        weigh(&mut rows.weight, &self.origin, |which, sample| {
+            certainty(&rows.left, which, sample) / certainty(&before, which, sample)
+        });
+        rows
     }
 
     /// Number of samples.
@@ -216,6 +283,16 @@ impl<'a> Rows<'a> {
             .map(|&(which, sample)| per_trajectory[which][sample])
             .collect()
     }
+}
+
+/// Multiplies the squares of weights by `factor`, then all so that they are 1 on average and residuals stay in kN.
+fn weigh(weight: &mut [f64], origin: &[(usize, usize)], factor: impl Fn(usize, usize) -> f64) {
+    for (weight, &(which, sample)) in weight.iter_mut().zip(origin) {
+        *weight *= factor(which, sample).sqrt();
+    }
+    let mean_square = weight.iter().map(|w| w * w).sum::<f64>() / origin.len().max(1) as f64;
+    let each = weight.iter_mut();
+    each.for_each(|weight| *weight /= mean_square.sqrt());
 }
 
 fn nearest(nodes: &[f64], amplitude: f64) -> usize {

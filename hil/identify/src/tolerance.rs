@@ -41,7 +41,12 @@ pub fn held_to(trajectory: &Trajectory, sample: usize) -> f64 {
 
 /// Squared error of a perfect law at a sample after it is weighted by its [`certainty`], kN².
 pub fn expected(trajectory: &Trajectory, sample: usize) -> f64 {
-    certainty(trajectory, sample) * held_to(trajectory, sample)
+    expected_beside(trajectory.unexplained, trajectory, sample)
+}
+
+/// The same beside a law that [leaves](Trajectory::left_beyond_tolerance) the variance `left`, kN².
+pub fn expected_beside(left: f64, trajectory: &Trajectory, sample: usize) -> f64 {
+    certainty_beside(left, trajectory, sample) * held_to(trajectory, sample)
 }
 
 /// Weight of the squared error at a sample, 0…1: the inverse of a law's squared error there. Near a standstill that error is many times
@@ -50,9 +55,14 @@ pub fn expected(trajectory: &Trajectory, sample: usize) -> f64 {
 /// A law that lacks something errs by more than the [tolerance](held_to), and by about as much everywhere. The weight says so: otherwise
 /// a few samples with a certain motion would decide alone between laws that are all wrong there.
 pub fn certainty(trajectory: &Trajectory, sample: usize) -> f64 {
-    let of_a_law = held_to(trajectory, sample) + trajectory.unexplained;
+    certainty_beside(trajectory.unexplained, trajectory, sample)
+}
+
+/// The same beside a law that [leaves](Trajectory::left_beyond_tolerance) the variance `left`, kN².
+pub fn certainty_beside(left: f64, trajectory: &Trajectory, sample: usize) -> f64 {
+    let of_a_law = held_to(trajectory, sample) + left;
     if of_a_law > 0.0 {
-        (least(trajectory) + trajectory.unexplained) / of_a_law
+        (least(trajectory) + left) / of_a_law
     } else {
         1.0
     }

@@ -22,9 +22,9 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     rank: 1,
     special_cases: &["stick_slip"],
     shapes,
-    unit_forces: |shapes, motion| {
-        let backlash = Backlash::new(1.0, shapes[0], shapes[1])?;
-        Ok(vec![run(&backlash, motion)])
+    unit_forces: |shapes, path| {
+        let backlash = Backlash::new(1.0, shapes[0], shapes[1]);
+        Ok(vec![run(backlash, path)?])
     },
     elements: |value| {
         one(vec![

@@ -3,12 +3,12 @@
 
 use mesh_damper::effects::{CONTROLS, ControlInput, Yielding};
 use mesh_damper::error::ConfigError;
-use mesh_damper_recording::trajectory::Trajectory;
 
 use super::yielding::stretch_and_rate;
-use super::{Element, Entry, Form, FormSpec, Input, run};
+use super::{Element, Entry, Form, FormSpec, Input, run_at};
 use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
+use crate::strides::Path;
 use crate::term::TermValue;
 
 /// Number of starting values of the saturation of a control input. Convention: one below and one above the largest input.
@@ -129,20 +129,23 @@ impl<const PLACE: usize, const SPRING: bool, const LATE: bool, const BENT: bool>
         (branch, LATE.then(|| rest[0]), saturation)
     }
 
-    fn unit_forces(shapes: &[f64], motion: &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError> {
+    fn unit_forces(shapes: &[f64], path: &Path) -> Result<Vec<Vec<f64>>, ConfigError> {
         let ([yield_stretch, rate], lag, saturation) = Self::named(shapes);
-        let of = |stiffness: f64, viscosity: f64| {
-            let branch = Yielding::new(stiffness, yield_stretch, rate, 0.0, motion.tick)?;
+        let of = |stiffness: f64, viscosity: f64, tick: f64| {
+            let branch = Yielding::new(stiffness, yield_stretch, rate, 0.0, tick)?;
             let mut effect = ControlInput::new(PLACE, branch, viscosity)?;
             if let Some(lag) = lag {
-                effect = effect.with_lag(lag, motion.tick)?;
+                effect = effect.with_lag(lag, tick)?;
             }
-            if let Some(saturation) = saturation {
-                effect = effect.with_saturation(saturation)?;
+            match saturation {
+                Some(saturation) => effect.with_saturation(saturation),
+                None => Ok(effect),
             }
-            Ok(run(&effect, motion))
         };
-        Ok(vec![of(1.0, 0.0)?, of(0.0, 1.0)?])
+        let sizes = [(1.0, 0.0), (0.0, 1.0)].into_iter();
+        let each =
+            sizes.map(|(stiffness, viscosity)| run_at(|tick| of(stiffness, viscosity, tick), path));
+        each.collect()
     }
 
     fn elements(value: &TermValue) -> Vec<Element> {

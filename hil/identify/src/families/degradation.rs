@@ -55,9 +55,9 @@ pub const FORMS: [Form; 3] = [
         special_cases: &["stick_slip"],
         refines: true,
         shapes: slider_shapes,
-        unit_forces: |shapes, motion| {
-            let slider = Weakening::new(1.0, shapes[0], shapes[1], shapes[2])?;
-            Ok(vec![run(&slider, motion)])
+        unit_forces: |shapes, path| {
+            let slider = Weakening::new(1.0, shapes[0], shapes[1], shapes[2]);
+            Ok(vec![run(slider, path)?])
         },
         // The energy is proportional to the stiffness: the search uses that for a stiffness of 1.
         elements: |value| {
@@ -87,10 +87,10 @@ const DEGRADATION: FormSpec = FormSpec {
 
 const SPRING: FormSpec = FormSpec {
     rank: 1,
-    unit_forces: |shapes, motion| {
+    unit_forces: |shapes, path| {
         let pinching = shapes.get(1).copied().unwrap_or_default();
-        let spring = Degradation::new(1.0, shapes[0], pinching)?;
-        Ok(vec![run(&spring, motion)])
+        let spring = Degradation::new(1.0, shapes[0], pinching);
+        Ok(vec![run(spring, path)?])
     },
     elements: |value| {
         one(vec![

@@ -11,7 +11,7 @@ use crate::shape::ShapePolicy;
 pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "drift",
-        unit_forces: |shapes, motion| Ok(vec![run(&Drift::new(1.0, shapes[0])?, motion)]),
+        unit_forces: |shapes, path| Ok(vec![run(Drift::new(1.0, shapes[0]), path)?]),
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),

@@ -8,7 +8,7 @@ use super::{Form, FormSpec, one, run};
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
     name: "hardening",
     family: "hardening",
-    unit_forces: |_, motion| Ok(vec![run(&Hardening::new(1.0)?, motion)]),
+    unit_forces: |_, path| Ok(vec![run(Hardening::new(1.0), path)?]),
     elements: |value| one(vec![("k5", value.size(0))]),
     ..FormSpec::PLAIN
 })];

@@ -8,7 +8,7 @@ use super::{Form, FormSpec, one, run};
 pub const FORMS: [Form; 1] = [Form(&FormSpec {
     name: "inertia",
     family: "inertia",
-    unit_forces: |_, motion| Ok(vec![run(&Inertia::new(1.0)?, motion)]),
+    unit_forces: |_, path| Ok(vec![run(Inertia::new(1.0), path)?]),
     elements: |value| one(vec![("mass", value.size(0))]),
     ..FormSpec::PLAIN
 })];

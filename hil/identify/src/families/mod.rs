@@ -3,6 +3,7 @@
 //! The crate defines the effects. This module adds the parts that identification needs: the linear parameters, the searched ones,
 //! and the starts of the search.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -17,6 +18,7 @@ use mesh_damper_tables::control::ControlChannel;
 
 use crate::shape::{Extent, Shape};
 use crate::solution::Deflection;
+use crate::strides::Path;
 use crate::term::TermValue;
 
 /// Makes the module of each family in the list, and the list of all their forms.
@@ -104,8 +106,11 @@ pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option
 /// The readings of forces in kN by a form that [`Entry::Moves`], at every sample, for a tick in s and its shape.
 pub(crate) type Showing = fn(&mut [f64], f64, f64);
 
-/// Forces in kN at every sample, one for each size, for shapes and a motion.
-pub type UnitForces = fn(&[f64], &Trajectory) -> Result<Vec<Vec<f64>>, ConfigError>;
+/// A force in kN at every sample of a path; 0 at the samples that it passes over.
+type UnitForce = Result<Vec<f64>, ConfigError>;
+
+/// Such forces for shapes, one for each size.
+pub(crate) type UnitForces = fn(&[f64], &Path) -> Result<Vec<Vec<f64>>, ConfigError>;
 
 /// A form in which an effect is fitted. Most families have one.
 pub struct FormSpec {
@@ -139,7 +144,7 @@ pub struct FormSpec {
     /// Ranges and starts of its shapes.
     pub shapes: fn(&Extent) -> Vec<Shape>,
     /// The forces in kN with each size 1 and these shapes at every sample.
-    pub unit_forces: UnitForces,
+    pub(crate) unit_forces: UnitForces,
     /// Relative change of the law's elastic and damping force for these sizes and shapes.
     pub gains: fn(&[f64], &[f64], &Moment) -> [f64; 2],
     /// Its change of the motion.
@@ -300,14 +305,36 @@ impl fmt::Debug for Form {
     }
 }
 
-/// The force of `effect` at every sample, from rest.
-fn run<E: Equations<f64>>(effect: &E, motion: &Trajectory) -> Vec<f64> {
+/// The force of `effect` along a path, from rest, kN; 0 at the samples that the path passes over.
+fn run<E: Equations<f64>>(effect: Result<E, ConfigError>, path: &Path) -> UnitForce {
+    let effect = effect?;
+    run_by::<E, &E>(|_| Ok(&effect), path)
+}
+
+/// The same for an effect that depends on the tick, `of` a tick in s.
+fn run_at<E: Equations<f64>>(of: impl Fn(f64) -> Result<E, ConfigError>, path: &Path) -> UnitForce {
+    run_by::<E, E>(of, path)
+}
+
+fn run_by<E: Equations<f64>, B: Borrow<E>>(
+    of: impl Fn(f64) -> Result<B, ConfigError>,
+    &Path { motion, strides }: &Path,
+) -> UnitForce {
     let mut state = E::AT_REST;
+    let mut forces = vec![0.0; motion.len()];
     // The inputs of effects are computed sample by sample: all of them would take as much memory as the trajectories.
-    (0..motion.len())
-        .map(|sample| motion_at(motion, sample).clamped())
-        .map(|motion| effect.force(&mut state, &motion, LawForce::default()))
-        .collect()
+    let mut at = |effect: &E, sample: usize| {
+        let motion = motion_at(motion, sample).clamped();
+        forces[sample] = effect.force(&mut state, &motion, LawForce::default());
+    };
+    for stride in strides {
+        let effect = of(stride.step as f64 * motion.tick)?;
+        if stride.samples.start == 0 {
+            at(effect.borrow(), 0);
+        }
+        stride.ends().for_each(|sample| at(effect.borrow(), sample));
+    }
+    Ok(forces)
 }
 
 /// The only element of a form, with its parameters.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use mesh_damper::effects::{MAX_TONES, Periodic};
 
-use super::{Entry, Form, FormSpec, Step, one, run};
+use super::{Entry, Form, FormSpec, Step, one, run_at};
 use crate::shape::Shape;
 use crate::shape::ShapePolicy;
 
@@ -25,10 +25,10 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
             )
         }]
     },
-    unit_forces: |shapes, motion| {
+    unit_forces: |shapes, path| {
         let tone = |phase| {
-            let tone = Periodic::new(&[(1.0, shapes[0], phase)], motion.tick)?;
-            Ok(run(&tone, motion))
+            let tone = |tick| Periodic::new(&[(1.0, shapes[0], phase)], tick);
+            run_at(tone, path)
         };
         Ok(vec![tone(0.0)?, tone(0.25 * TAU)?])
     },

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use mesh_damper::effects::{MAX_BRANCHES, Relaxation};
 
-use super::{Form, FormSpec, one, run};
+use super::{Form, FormSpec, one, run_at};
 use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 
@@ -16,11 +16,9 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     size_is_positive: true,
     most: MAX_BRANCHES,
     shapes,
-    unit_forces: |shapes, motion| {
-        Ok(vec![run(
-            &Relaxation::new(&[(1.0, shapes[0])], motion.tick)?,
-            motion,
-        )])
+    unit_forces: |shapes, path| {
+        let branch = |tick| Relaxation::new(&[(1.0, shapes[0])], tick);
+        Ok(vec![run_at(branch, path)?])
     },
     elements: |value| one(vec![("stiffness", value.size(0)), ("time", value.shape(0))]),
     ..FormSpec::PLAIN

@@ -23,7 +23,7 @@ pub const FORMS: [Form; 4] = [
                 ShapePolicy::in_use().slip_starts,
             )]
         },
-        unit_forces: |shapes, motion| Ok(vec![run(&StickSlip::new(&[(1.0, shapes[0])])?, motion)]),
+        unit_forces: |shapes, path| Ok(vec![run(StickSlip::new(&[(1.0, shapes[0])]), path)?]),
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),
@@ -37,9 +37,7 @@ pub const FORMS: [Form; 4] = [
         shape_names: &["slip_limit", "sharpness"],
         rank: 1,
         shapes: bouc_wen_shapes,
-        unit_forces: |shapes, motion| {
-            Ok(vec![run(&BoucWen::new(1.0, shapes[0], shapes[1])?, motion)])
-        },
+        unit_forces: |shapes, path| Ok(vec![run(BoucWen::new(1.0, shapes[0], shapes[1]), path)?]),
         elements: |value| {
             one(vec![
                 ("stiffness", value.size(0)),
@@ -64,9 +62,9 @@ pub const FORMS: [Form; 4] = [
                 ShapePolicy::in_use().iwan_starts,
             )]
         },
-        unit_forces: |shapes, motion| {
+        unit_forces: |shapes, path| {
             iwan_limits(shapes[0])
-                .map(|limit| Ok(run(&StickSlip::new(&[(1.0, limit)])?, motion)))
+                .map(|limit| run(StickSlip::new(&[(1.0, limit)]), path))
                 .collect()
         },
         elements: iwan_elements,
@@ -94,10 +92,10 @@ pub const FORMS: [Form; 4] = [
                 Shape::spread(least, most, policy.hardening_loss_starts),
             ]
         },
-        unit_forces: |shapes, motion| {
+        unit_forces: |shapes, path| {
             let hardening = ShapePolicy::in_use().hardening;
             let friction = HardeningFriction::new(1.0, shapes[0], shapes[1], hardening, shapes[2]);
-            Ok(vec![run(&friction?, motion)])
+            Ok(vec![run(friction, path)?])
         },
         elements: |value| {
             one(vec![

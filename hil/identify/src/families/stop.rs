@@ -11,14 +11,14 @@ pub const FORMS: [Form; 2] = [
     Form(&FormSpec {
         name: "stop_above",
         shapes: |extent| shapes(extent.above),
-        unit_forces: |shapes, motion| Ok(vec![run(&Stop::new(&[(1.0, shapes[0])])?, motion)]),
+        unit_forces: |shapes, path| Ok(vec![run(Stop::new(&[(1.0, shapes[0])]), path)?]),
         elements: |value| one(vec![("stiffness", value.size(0)), ("gap", value.shape(0))]),
         ..STOP
     }),
     Form(&FormSpec {
         name: "stop_below",
         shapes: |extent| shapes(extent.below),
-        unit_forces: |shapes, motion| Ok(vec![run(&Stop::new(&[(1.0, -shapes[0])])?, motion)]),
+        unit_forces: |shapes, path| Ok(vec![run(Stop::new(&[(1.0, -shapes[0])]), path)?]),
         elements: |value| one(vec![("stiffness", value.size(0)), ("gap", -value.shape(0))]),
         ..STOP
     }),

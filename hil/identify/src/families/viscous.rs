@@ -9,7 +9,7 @@ pub const FORMS: [Form; 1] = [Form(&FormSpec {
     name: "viscous",
     family: "viscous",
     size_is_positive: true,
-    unit_forces: |_, motion| Ok(vec![run(&Viscous::new(1.0)?, motion)]),
+    unit_forces: |_, path| Ok(vec![run(Viscous::new(1.0), path)?]),
     elements: |value| one(vec![("c1", value.size(0))]),
     ..FormSpec::PLAIN
 })];

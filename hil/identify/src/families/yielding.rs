@@ -2,7 +2,7 @@
 
 use mesh_damper::effects::Yielding;
 
-use super::{Form, FormSpec, one, run};
+use super::{Form, FormSpec, one, run_at};
 use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
 
@@ -42,10 +42,10 @@ const BRANCH: FormSpec = FormSpec {
     size_is_positive: true,
     rank: 1,
     special_cases: &["relaxation", "stick_slip", "viscous"],
-    unit_forces: |shapes, motion| {
+    unit_forces: |shapes, path| {
         let time = shapes.get(2).copied().unwrap_or_default();
-        let branch = Yielding::new(1.0, shapes[0], shapes[1], time, motion.tick)?;
-        Ok(vec![run(&branch, motion)])
+        let branch = |tick| Yielding::new(1.0, shapes[0], shapes[1], time, tick);
+        Ok(vec![run_at(branch, path)?])
     },
     elements: |value| {
         one(vec![

@@ -384,14 +384,16 @@ impl<'a> Closing<'a> {
         let most = IN_TURN_ROWS;
         let rows = Rows::gather(self.trajectories, self.sought.law, nodes, most, picked);
         let rows = rows.with_nodes_seen();
-        let problem = Problem::new(&rows, &self.extent, &known.terms());
-        let solution = problem.solve_near(known);
+        let solution = self.fit_near(&rows, known);
         (rows, solution)
     }
 
-    /// The model from such a fit.
+    /// The model from such a fit, of fewer samples where the motion is slow.
     pub(super) fn refit_model(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
-        self.refit(rows, known, picked).1.model()
+        let nodes = rows.nodes().to_vec();
+        let law = self.sought.law;
+        let rows = Rows::coarse(self.trajectories, law, nodes, IN_TURN_ROWS, picked);
+        self.fit_near(&rows.with_nodes_seen(), known).model()
     }
 
     /// The range of the recordings' motion.

@@ -64,8 +64,8 @@ mesh_damper_recording::numbers! {
     TracePolicy {
         /// An effect is dropped if its force is everywhere below this fraction of the largest force.
         nothing: f64 = 1e-7, Convention("rounding to 32 bits is 6e-8, so that the crate's force would not show it");
-        /// The search is repeated if its law leaves less than this fraction of what the law before left of a recording, as a variance: the
-        /// samples then have other weights.
+        /// In a search, samples get other weights if the law with another effect leaves less than this fraction of the variance that it left
+        /// of a recording before.
         same_weights: f64 = 0.5, Convention("weights within a factor of two make the same choice");
     }
 }
@@ -327,17 +327,9 @@ fn conclude(
     }
     let predicted = fitted.iter().map(|one| rough.predicted(one)).collect();
     let left = unexplained(fitted, &validation, predicted);
-    set_unexplained(fitted, left);
-    let (mut over_amplitude, mut selection) = search(fitted, &validation, sought, progress)?;
-    let predicted = selection.found.solution.predicted(fitted)?;
-    let less = unexplained(fitted, &validation, predicted);
-    let most = TracePolicy::in_use().same_weights;
-    let mut each = fitted.iter().zip(&less);
-    if each.any(|(one, less)| *less < most * one.unexplained) {
-        progress("searching again, weighted by the error that the effects found leave");
-        set_unexplained(fitted, less);
-        (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
-    }
+    set_unexplained(fitted, &left);
+    let (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
+    set_unexplained(fitted, &selection.left);
     let (fitted, held) = (&*fitted, &*held);
     progress("fitting the effects found to all data that is not held out");
     let mut nodes = vec![vec![0.0]];
@@ -358,9 +350,9 @@ fn unexplained(fitted: &[Trajectory], roles: &Roles, predicted: Vec<Vec<f64>>) -
     .collect()
 }
 
-fn set_unexplained(fitted: &mut [Trajectory], unexplained: Vec<f64>) {
+fn set_unexplained(fitted: &mut [Trajectory], unexplained: &[f64]) {
     for (trajectory, unexplained) in fitted.iter_mut().zip(unexplained) {
-        trajectory.unexplained = unexplained;
+        trajectory.unexplained = *unexplained;
     }
 }
 
@@ -382,7 +374,8 @@ fn search(
     }
     let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(progress)?;
-    let same = for_all.refit(&each.found)?;
+    // Two laws are compared by the same weights.
+    let same = for_all.beside_left(each.left.clone()).refit(&each.found)?;
     if !each.found.score.beats(&same.score) {
         // The same effects with fewer coefficients.
         let found = Selection {
@@ -391,10 +384,17 @@ fn search(
         };
         return Ok((false, found));
     }
-    if for_each.is_settled(&each.found) {
+    if for_each
+        .beside_left(each.left.clone())
+        .is_settled(&each.found)
+    {
         return Ok((true, each));
     }
     let one = for_all.run(progress)?;
+    let found = for_each
+        .beside_left(one.left.clone())
+        .rescored(&each.found)?;
+    let each = Selection { found, ..each };
     if !each.found.score.beats(&one.found.score) {
         return Ok((false, one));
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::split::{Role, Roles};
-use crate::tolerance::{certainty, expected};
+use crate::tolerance::{certainty_beside, expected_beside};
 
 mesh_damper_recording::numbers! {
     /// Whether one law predicts better than another.
@@ -33,6 +33,8 @@ pub struct ValidationSamples<'a> {
     pieces: Vec<(usize, Vec<usize>)>,
     /// Of each trajectory, the sum of the squared force there, kN².
     power: Vec<f64>,
+    /// What the law that samples are weighted for leaves of each trajectory, kN².
+    left: Vec<f64>,
 }
 
 impl<'a> ValidationSamples<'a> {
@@ -42,6 +44,7 @@ impl<'a> ValidationSamples<'a> {
             trajectories,
             pieces: Vec::new(),
             power: Vec::new(),
+            left: trajectories.iter().map(|one| one.unexplained).collect(),
         };
         for (which, trajectory) in trajectories.iter().enumerate() {
             let mut power = 0.0;
@@ -64,14 +67,24 @@ impl<'a> ValidationSamples<'a> {
         found
     }
 
-    /// The error of a perfect law there, with each sample weighted by its [`certainty`]; for several recordings, the root of the
+    /// The same samples weighted for a law that leaves another variance of each trajectory, kN².
+    #[must_use]
+    pub fn beside(&self, left: Vec<f64>) -> Self {
+        Self {
+            left,
+            ..self.clone()
+        }
+    }
+
+    /// The error of a perfect law there, with each sample weighted by its [`certainty`](crate::tolerance::certainty); for several recordings, the root of the
     /// mean square.
     pub fn noise(&self) -> f64 {
         let pieces = self.pieces.iter();
         let squares: f64 = pieces
             .map(|(which, samples)| {
                 let trajectory = &self.trajectories[*which];
-                let expected = |&sample: &usize| expected(trajectory, sample);
+                let left = self.left[*which];
+                let expected = |&sample: &usize| expected_beside(left, trajectory, sample);
                 samples.iter().map(expected).sum::<f64>() / self.power[*which]
             })
             .sum();
@@ -83,7 +96,7 @@ impl<'a> ValidationSamples<'a> {
     }
 
     /// Compares the result of `predict` for each trajectory, kN at every sample, with the measured force, with each sample weighted
-    /// by its [`certainty`].
+    /// by its [`certainty`](crate::tolerance::certainty).
     ///
     /// # Errors
     /// The first error of `predict`.
@@ -100,7 +113,7 @@ impl<'a> ValidationSamples<'a> {
             pieces.extend(of_one.iter().map(|(_, samples)| {
                 let error = |&sample: &usize| {
                     let error = predicted[sample] - trajectory.force[sample];
-                    certainty(trajectory, sample) * error * error
+                    certainty_beside(self.left[which], trajectory, sample) * error * error
                 };
                 samples.iter().map(error).sum::<f64>() / self.power[which]
             }));

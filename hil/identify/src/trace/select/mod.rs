@@ -23,6 +23,7 @@ use super::score::ValidationSamples;
 use super::sought::Sought;
 use super::split::{Role, Roles};
 use super::tones::OfMotion;
+use super::unexplained;
 use crate::families::Form;
 use crate::known_terms::KnownTerm;
 use crate::problem::Problem;
@@ -32,6 +33,7 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
 use crate::tolerance::goal;
+use crate::trace::TracePolicy;
 use crate::trace::verdict::VerdictPolicy;
 
 mesh_damper_recording::numbers! {
@@ -63,6 +65,8 @@ pub struct Selection {
     pub candidates: Vec<Candidate>,
     /// The tolerated error on the validation cycles.
     pub goal: f64,
+    /// What the law that the samples were weighted for last leaves of each recording, kN².
+    pub left: Vec<f64>,
 }
 
 /// The search over one set of data.
@@ -103,7 +107,7 @@ impl<'a> Search<'a> {
             trajectories,
             validation: ValidationSamples::of(trajectories, roles, Role::Validation),
             roles,
-            rows: Rows::gather(
+            rows: Rows::coarse(
                 trajectories,
                 sought.law,
                 nodes,
@@ -132,6 +136,36 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The same search weighted for a law that leaves another variance of each recording, kN².
+    #[must_use]
+    pub fn beside_left(&self, left: Vec<f64>) -> Self {
+        Self {
+            rows: self.rows.beside(left.clone()),
+            validation: self.validation.beside(left),
+            roles: self.roles,
+            extent: self.extent.clone(),
+            terms: self.terms.clone(),
+            known: self.known.clone(),
+            of_motion: self.of_motion.clone(),
+            trajectories: self.trajectories,
+        }
+    }
+
+    /// The same search weighted for `law`, if that leaves clearly less than the one that the samples are weighted for.
+    fn sharper(&self, law: &Fitted) -> Result<Option<Self>, ModelError> {
+        let predicted = law.solution.predicted(self.trajectories)?;
+        let less = unexplained(self.trajectories, self.roles, predicted);
+        let most = TracePolicy::in_use().same_weights;
+        let mut each = less.iter().zip(self.rows.left());
+        let is_less = each.any(|(less, left)| *less < most * left);
+        Ok(is_less.then(|| self.beside_left(less)))
+    }
+
+    /// A law with its score by this search's weights.
+    pub fn rescored(&self, law: &Fitted) -> Result<Fitted, ModelError> {
+        self.scored(law.solution.clone())
+    }
+
     /// Adds effects while one of them clearly reduces the error on the validation cycles, then drops those that became unnecessary.
     /// `progress` is called before each step with a description of it.
     ///
@@ -140,17 +174,18 @@ impl<'a> Search<'a> {
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting the law");
         let baseline = self.scored(self.without_more())?;
+        let mut search = self.with_nodes(self.rows.nodes().to_vec());
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
         for step in 1..=MOST_TERMS {
             progress(&format!(
                 "trying {} forms of effects in addition to {}",
-                self.terms.len(),
+                search.terms.len(),
                 found.named()
             ));
-            let may_add = !self.is_settled(&found);
-            let mut tried = self.step(
+            let may_add = !search.is_settled(&found);
+            let mut tried = search.step(
                 &beam,
                 step,
                 if may_add {
@@ -161,7 +196,8 @@ impl<'a> Search<'a> {
             );
             let is_mass = |one: &Candidate| one.admissible && one.fitted.is_with_mass(&found);
             let place = tried.iter().position(is_mass).filter(|_| !may_add);
-            let mass = place.and_then(|place| Some((place, self.heavier(&tried[place], &found)?)));
+            let mass =
+                place.and_then(|place| Some((place, search.heavier(&tried[place], &found)?)));
             let is_found = mass.is_some();
             if let Some((place, heavier)) = mass {
                 tried[place].fitted = heavier;
@@ -173,9 +209,20 @@ impl<'a> Search<'a> {
                     rival.distinguishable = mass[0].fitted.score.gains_throughout(score);
                 }
             }
+            let adds = |best: &Candidate, search: &Search, found: &Fitted| {
+                may_add && best.admissible && search.is_better(&best.fitted, found)
+            };
+            let first = tried.first();
+            let added = first.filter(|best| adds(best, &search, &found));
+            let sharper = added.map(|best| search.sharper(&best.fitted)).transpose()?;
+            // What the best leaves decides between it and its rivals.
+            if let Some(sharper) = sharper.flatten() {
+                search = sharper;
+                found = search.rescored(&found)?;
+                tried = search.judged_again(tried);
+            }
             let Some(best) = tried.first_mut() else { break };
-            let accepted =
-                is_found || may_add && best.admissible && self.is_better(&best.fitted, &found);
+            let accepted = is_found || adds(best, &search, &found);
             let next = best.fitted.clone();
             best.added = accepted;
             let others = &mut tried[usize::from(accepted)..];
@@ -193,18 +240,19 @@ impl<'a> Search<'a> {
                 break;
             }
             // A law near the noise is refined too: a missing term distorts its parameters.
-            found = self.refined(&next);
+            found = search.as_run(search.refined(&next))?;
             if let Some(first) = beam.first_mut() {
                 *first = found.clone();
             }
         }
-        found = self.prune(self.unrefined(found)?)?;
+        found = search.prune(search.unrefined(found)?)?;
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
-            baseline,
+            baseline: search.rescored(&baseline)?,
             found,
             candidates,
-            goal: self.goal(),
+            goal: search.goal(),
+            left: search.rows.left().to_vec(),
         })
     }
 
@@ -244,6 +292,20 @@ impl<'a> Search<'a> {
     pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
         let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
         self.scored(problem.solve_near(&law.solution))
+    }
+
+    /// The same law with a spring in series that deflects as the crate computes it.
+    fn as_run(&self, law: Fitted) -> Result<Fitted, ModelError> {
+        if !law
+            .solution
+            .terms
+            .iter()
+            .any(|value| value.term.form.gives_way)
+        {
+            return Ok(law);
+        }
+        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
+        self.scored(problem.as_run(law.solution))
     }
 
     fn scored(&self, solution: Solution) -> Result<Fitted, ModelError> {

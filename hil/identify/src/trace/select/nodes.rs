@@ -35,7 +35,7 @@ pub fn error_between(
             .copied()
             .filter(|&node| node != amplitude)
             .collect();
-        let rows = Rows::gather(trajectories, law, others, SEARCH_ROWS, |which, sample| {
+        let rows = Rows::coarse(trajectories, law, others, SEARCH_ROWS, |which, sample| {
             roles.is_open(which, sample) && !is_left_out(which, sample)
         });
         let model = Problem::new(&rows, &extent, &found.terms())
