@@ -7,14 +7,14 @@ use std::sync::Arc;
 use mesh_damper::limits::COEFFICIENT;
 use mesh_damper_model::LawNode;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::Stride;
 
-use super::families::{Entry, Form, Moment, Step};
+use super::families::{Entry, Form, Moment, Path, Step};
 use super::known_forces::UnitForces;
 use super::moved::{delayed, moved};
 use super::rows::{RowMotion, Rows};
 use super::shape::{Extent, Shape};
 use super::solution::{Deflection, Solution};
-use super::strides::{Path, Stride};
 use super::term::{Term, TermValue};
 
 /// Step of a finite difference for a derivative.

@@ -5,9 +5,7 @@
 //! crate's force. A change of one node's coefficients affects only the rows of that node, except for a short time after a change of
 //! amplitude, so one pair of runs serves all nodes.
 
-use mesh_damper_model::predict::{predict, predict_in_half_steps};
-use mesh_damper_model::{Model, ModelError};
-use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_model::predict::predict_in_half_steps;
 use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -74,7 +72,9 @@ pub(super) fn refined(basis: &Basis, solution: Solution) -> Solution {
 
 /// The crate's force in kN at every row; `None` if the crate refuses the law.
 pub(super) fn force(basis: &Basis, solution: &Solution) -> Option<Vec<f64>> {
-    force_by(predict, basis, solution)
+    let rows = basis.rows;
+    let forces = solution.predicted_along(rows.trajectories, &rows.strides);
+    Some(rows.pick(&forces.ok()?))
 }
 
 /// The error of that `force`, in kN, due to the length of the recording's steps: four thirds of the change with half the step,
@@ -85,22 +85,14 @@ pub(super) fn error_of_steps(
     solution: &Solution,
     force: &[f64],
 ) -> Option<Vec<f64>> {
-    let halved = force_by(predict_in_half_steps, basis, solution)?;
+    let model = solution.model();
+    let trajectories = basis.rows.trajectories.iter();
+    let halved = trajectories.map(|trajectory| predict_in_half_steps(&model, trajectory));
+    let halved: Vec<Vec<f64>> = halved.collect::<Result<_, _>>().ok()?;
+    let halved = basis.rows.pick(&halved);
     let both = force.iter().zip(&halved);
     let errors = both.map(|(force, halved)| (force - halved) * (4.0 / 3.0));
     Some(errors.collect())
-}
-
-fn force_by(
-    predict: impl Fn(&Model, &Trajectory) -> Result<Vec<f64>, ModelError>,
-    basis: &Basis,
-    solution: &Solution,
-) -> Option<Vec<f64>> {
-    let model = solution.model();
-    let trajectories = basis.rows.trajectories.iter();
-    let forces = trajectories.map(|trajectory| predict(&model, trajectory));
-    let forces: Vec<Vec<f64>> = forces.collect::<Result<_, _>>().ok()?;
-    Some(basis.rows.pick(&forces))
 }
 
 /// The derivatives of that force; `None` as above.

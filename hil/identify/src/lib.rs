@@ -54,7 +54,6 @@ pub mod screen;
 pub mod shape;
 pub mod solution;
 pub mod staged;
-mod strides;
 mod tangent;
 pub mod term;
 pub mod tolerance;

@@ -89,20 +89,9 @@ impl<'r, 'a> Problem<'r, 'a> {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
-            // Of the many fits of a search only the one that is accepted goes to the end.
-            if !self.rows.are_coarse {
-                solution = self.as_run(solution);
-            }
+            solution = exact::refined(&self.basis(), solution);
         }
         solution
-    }
-
-    /// A fit of a law with a spring in series, taken to the smallest error of the force that the crate computes; another stays as it is.
-    pub fn as_run(&self, solution: Solution) -> Solution {
-        match self.terms.iter().any(|term| term.form.gives_way) {
-            true => exact::refined(&self.basis(), solution),
-            false => solution,
-        }
     }
 
     /// The fit from `known`, a solution with these terms, possibly with nodes at other amplitudes.

@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::{Stride, strides};
 
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
-use super::strides::{Stride, strides};
 use super::tolerance::certainty_beside;
 
 /// A fit in the search for effects, or for a residual table, uses at most about this many samples. Convention: a fit then takes a
@@ -20,7 +20,7 @@ pub struct Rows<'a> {
     /// Trajectory and sample of each row.
     pub(super) origin: Vec<(usize, usize)>,
     /// The samples of each trajectory at which effects are computed.
-    pub(super) strides: Arc<Vec<Vec<Stride>>>,
+    pub(crate) strides: Arc<Vec<Vec<Stride>>>,
     /// Whether those are not all of them.
     pub(super) are_coarse: bool,
     /// As recorded.

@@ -1,9 +1,11 @@
 //! The result of a fit.
 
-use mesh_damper_model::predict::{predict, run};
+use mesh_damper_model::predict::{predict, predict_along, run};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::Stride;
 
+use super::families::Form;
 use super::term::{Term, TermValue, added_effects};
 
 /// The result of a fit.
@@ -40,6 +42,29 @@ impl Solution {
         let model = self.model();
         let each = trajectories.iter();
         each.map(|trajectory| predict(&model, trajectory)).collect()
+    }
+
+    /// The same at the samples that `strides` over each trajectory visit, at least.
+    ///
+    /// # Errors
+    /// As [`predicted`](Self::predicted).
+    pub fn predicted_along(
+        &self,
+        trajectories: &[Trajectory],
+        strides: &[Vec<Stride>],
+    ) -> Result<Vec<Vec<f64>>, ModelError> {
+        let mut terms = self.terms.iter().map(|value| value.term.form);
+        let counts_ticks = terms.any(Form::counts_ticks);
+        let model = self.model();
+        let each = trajectories.iter().zip(strides);
+        let each = each.map(|(trajectory, strides)| {
+            if counts_ticks || trajectory.average.is_some() {
+                return predict(&model, trajectory);
+            }
+            // A long step may be too long for a fast effect.
+            predict_along(&model, trajectory, strides).or_else(|_| predict(&model, trajectory))
+        });
+        each.collect()
     }
 
     /// The added terms, whatever their values.

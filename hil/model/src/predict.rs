@@ -4,6 +4,7 @@ use mesh_damper::effects::{AugmentedState, CONTROLS, Motion};
 use mesh_damper::fast_law::{FastLaw, RunningLaw};
 use mesh_damper::real::Real;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::Stride;
 
 use crate::file::Elsewhere;
 use crate::{Model, ModelError};
@@ -15,6 +16,36 @@ use crate::{Model, ModelError};
 /// A model that the crate refuses.
 pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, ModelError> {
     Ok(trajectory.shown(run(model, trajectory, |force, _| force)?))
+}
+
+/// As [`predict`], at the samples that `strides` visit, in steps from one to the next; 0 elsewhere. No effect of the model counts
+/// ticks, and the force channel shows no averages.
+///
+/// # Errors
+/// A model that the crate refuses at the tick of one of the strides.
+pub fn predict_along(
+    model: &Model,
+    trajectory: &Trajectory,
+    strides: &[Stride],
+) -> Result<Vec<f64>, ModelError> {
+    let mut force = vec![0.0; trajectory.len()];
+    let mut state = None;
+    for stride in strides {
+        let start = stride.samples.start;
+        let mut amplitude = trajectory.amplitude[start];
+        let tick = stride.step as f64 * trajectory.tick;
+        let mut law = model.augmented::<f64>(amplitude, tick)?;
+        let state = state.get_or_insert_with(|| law.at_rest());
+        let first = (start == 0).then_some(0);
+        for sample in first.into_iter().chain(stride.ends()) {
+            if trajectory.amplitude[sample] != amplitude {
+                amplitude = trajectory.amplitude[sample];
+                law.set_law(model.law_at(amplitude)?);
+            }
+            force[sample] = law.force(state, &motion_at(trajectory, sample));
+        }
+    }
+    Ok(force)
 }
 
 /// As [`predict`], with twice as many steps, at the interpolated motion. The error of the steps is the difference from [`predict`]

@@ -5,10 +5,9 @@ use mesh_damper::effects::{CONTROLS, ControlInput, Yielding};
 use mesh_damper::error::ConfigError;
 
 use super::yielding::stretch_and_rate;
-use super::{Element, Entry, Form, FormSpec, Input, run_at};
+use super::{Element, Entry, Form, FormSpec, Input, Path, run_at};
 use crate::shape::ShapePolicy;
 use crate::shape::{Extent, Shape};
-use crate::strides::Path;
 use crate::term::TermValue;
 
 /// Number of starting values of the saturation of a control input. Convention: one below and one above the largest input.

@@ -14,11 +14,11 @@ use mesh_damper::error::ConfigError;
 use mesh_damper_model::Family;
 use mesh_damper_model::predict::motion_at;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::Stride;
 use mesh_damper_tables::control::ControlChannel;
 
 use crate::shape::{Extent, Shape};
 use crate::solution::Deflection;
-use crate::strides::Path;
 use crate::term::TermValue;
 
 /// Makes the module of each family in the list, and the list of all their forms.
@@ -105,6 +105,12 @@ pub(crate) type Moving = fn(&mut Trajectory, f64, Option<&Deflection>) -> Option
 
 /// The readings of forces in kN by a form that [`Entry::Moves`], at every sample, for a tick in s and its shape.
 pub(crate) type Showing = fn(&mut [f64], f64, f64);
+
+/// A motion, and the samples at which a force along it is computed.
+pub(crate) struct Path<'a> {
+    pub motion: &'a Trajectory,
+    pub strides: &'a [Stride],
+}
 
 /// A force in kN at every sample of a path; 0 at the samples that it passes over.
 type UnitForce = Result<Vec<f64>, ConfigError>;
@@ -218,6 +224,11 @@ impl Form {
     /// The form with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|form| form.name == name)
+    }
+
+    /// Whether its effect counts ticks, or follows a clock: it has to be run at every sample.
+    pub fn counts_ticks(self) -> bool {
+        self.follows_clock || self.entry == Entry::Moves && !self.gives_way
     }
 
     /// Its index in [`Form::all`].
@@ -344,7 +355,11 @@ fn one(parameters: Vec<(&'static str, f64)>) -> Vec<Element> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use mesh_damper::effects::DESCRIPTIONS;
+
+    use mesh_damper_recording::trajectory::strides::strides;
 
     use super::*;
     use crate::term::{Term, added_effects};
@@ -381,6 +396,40 @@ mod tests {
                 effects.any(|effect| effect.parameters.iter().any(|p| p.name == *name))
             });
             assert!(names, "{form:?}");
+        }
+    }
+
+    #[test]
+    fn forces_with_a_memory_are_those_of_every_sample() {
+        // A slow sine and a fast one.
+        let sine = |frequency: f64, samples: i32| {
+            (0..samples).map(move |n| 0.5 * (TAU * frequency * 5e-4 * f64::from(n)).sin())
+        };
+        let displacement: Vec<f64> = sine(0.5, 8000).chain(sine(40.0, 1000)).collect();
+        let force = displacement.clone();
+        let trajectory = Trajectory::new("sines", 5e-4, &displacement, force, None, None);
+        let few = strides(&trajectory);
+        let each = Stride::each(trajectory.len());
+        for (name, shapes) in [
+            ("yielding", &[0.05, 0.4][..]),
+            ("relaxation", &[0.02]),
+            ("stick_slip", &[0.03]),
+            ("bouc_wen", &[0.05, 2.0]),
+            ("backlash", &[0.05, 0.1]),
+        ] {
+            let form = Form::named(name).unwrap();
+            let [coarse, fine] = [&few, &each].map(|strides| {
+                let motion = &trajectory;
+                (form.unit_forces)(shapes, &Path { motion, strides }).unwrap()
+            });
+            let largest = fine[0].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+            for sample in few.iter().flat_map(Stride::ends) {
+                let off = (coarse[0][sample] - fine[0][sample]).abs();
+                assert!(
+                    off < 0.02 * largest,
+                    "{name} at {sample}: {off} of {largest}"
+                );
+            }
         }
     }
 }

@@ -382,18 +382,15 @@ impl<'a> Closing<'a> {
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
         let most = IN_TURN_ROWS;
-        let rows = Rows::gather(self.trajectories, self.sought.law, nodes, most, picked);
+        let rows = Rows::coarse(self.trajectories, self.sought.law, nodes, most, picked);
         let rows = rows.with_nodes_seen();
         let solution = self.fit_near(&rows, known);
         (rows, solution)
     }
 
-    /// The model from such a fit, of fewer samples where the motion is slow.
+    /// The model from such a fit.
     pub(super) fn refit_model(&self, rows: &Rows, known: &Solution, picked: Picked) -> Model {
-        let nodes = rows.nodes().to_vec();
-        let law = self.sought.law;
-        let rows = Rows::coarse(self.trajectories, law, nodes, IN_TURN_ROWS, picked);
-        self.fit_near(&rows.with_nodes_seen(), known).model()
+        self.refit(rows, known, picked).1.model()
     }
 
     /// The range of the recordings' motion.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::Stride;
 
 use super::split::{Role, Roles};
 use crate::tolerance::{certainty_beside, expected_beside};
@@ -29,8 +30,8 @@ mesh_damper_recording::numbers! {
 #[derive(Clone)]
 pub struct ValidationSamples<'a> {
     trajectories: &'a [Trajectory],
-    /// Trajectory and samples of each piece.
-    pieces: Vec<(usize, Vec<usize>)>,
+    /// Trajectory and samples of each piece, each sample with the number of those that it stands for.
+    pieces: Vec<(usize, Vec<(usize, f64)>)>,
     /// Of each trajectory, the sum of the squared force there, kN².
     power: Vec<f64>,
     /// What the law that samples are weighted for leaves of each trajectory, kN².
@@ -38,8 +39,13 @@ pub struct ValidationSamples<'a> {
 }
 
 impl<'a> ValidationSamples<'a> {
-    /// The samples of `role` that are [telling](Trajectory::is_telling).
-    pub fn of(trajectories: &'a [Trajectory], roles: &Roles, role: Role) -> Self {
+    /// The samples of `role` that are [telling](Trajectory::is_telling), of those that the `strides` over each trajectory visit.
+    pub fn of(
+        trajectories: &'a [Trajectory],
+        strides: &[Vec<Stride>],
+        roles: &Roles,
+        role: Role,
+    ) -> Self {
         let mut found = Self {
             trajectories,
             pieces: Vec::new(),
@@ -48,15 +54,24 @@ impl<'a> ValidationSamples<'a> {
         };
         for (which, trajectory) in trajectories.iter().enumerate() {
             let mut power = 0.0;
+            let visited = strides[which].iter().flat_map(|stride| {
+                let first = (stride.samples.start == 0).then_some(0);
+                let each = first.into_iter().chain(stride.ends());
+                each.map(|sample| (sample, stride.step as f64))
+            });
+            let mut visited = visited.peekable();
             for piece in pieces(trajectory) {
-                let samples: Vec<usize> = piece
-                    .filter(|&sample| {
-                        roles.of(which, sample) == role && trajectory.is_telling(sample)
-                    })
-                    .collect();
+                let is_within = |(sample, _): &(usize, f64)| *sample < piece.end;
+                let within = std::iter::from_fn(|| visited.next_if(is_within));
+                let counts = |&(sample, _): &(usize, f64)| {
+                    sample >= piece.start
+                        && roles.of(which, sample) == role
+                        && trajectory.is_telling(sample)
+                };
+                let samples: Vec<(usize, f64)> = within.filter(counts).collect();
                 power += samples
                     .iter()
-                    .map(|&sample| trajectory.force[sample].powi(2))
+                    .map(|&(sample, count)| count * trajectory.force[sample].powi(2))
                     .sum::<f64>();
                 if !samples.is_empty() {
                     found.pieces.push((which, samples));
@@ -84,7 +99,9 @@ impl<'a> ValidationSamples<'a> {
             .map(|(which, samples)| {
                 let trajectory = &self.trajectories[*which];
                 let left = self.left[*which];
-                let expected = |&sample: &usize| expected_beside(left, trajectory, sample);
+                let expected = |&(sample, count): &(usize, f64)| {
+                    count * expected_beside(left, trajectory, sample)
+                };
                 samples.iter().map(expected).sum::<f64>() / self.power[*which]
             })
             .sum();
@@ -95,33 +112,28 @@ impl<'a> ValidationSamples<'a> {
         self.power.iter().filter(|&&power| power > 0.0).count()
     }
 
-    /// Compares the result of `predict` for each trajectory, kN at every sample, with the measured force, with each sample weighted
+    /// Compares the force that is `predicted` on each trajectory, kN at every sample visited, with the measured force, with each sample weighted
     /// by its [`certainty`](crate::tolerance::certainty).
-    ///
-    /// # Errors
-    /// The first error of `predict`.
-    pub fn score<E>(
-        &self,
-        predict: impl Fn(&Trajectory) -> Result<Vec<f64>, E>,
-    ) -> Result<Score, E> {
+    pub fn score(&self, predicted: &[Vec<f64>]) -> Score {
         let mut pieces = Vec::with_capacity(self.pieces.len());
         // The pieces of one trajectory follow each other.
         for of_one in self.pieces.chunk_by(|a, b| a.0 == b.0) {
             let which = of_one[0].0;
             let trajectory = &self.trajectories[which];
-            let predicted = predict(trajectory)?;
+            let predicted = &predicted[which];
             pieces.extend(of_one.iter().map(|(_, samples)| {
-                let error = |&sample: &usize| {
+                let error = |&(sample, count): &(usize, f64)| {
                     let error = predicted[sample] - trajectory.force[sample];
-                    certainty_beside(self.left[which], trajectory, sample) * error * error
+                    let certainty = certainty_beside(self.left[which], trajectory, sample);
+                    count * certainty * error * error
                 };
                 samples.iter().map(error).sum::<f64>() / self.power[which]
             }));
         }
-        Ok(Score {
+        Score {
             pieces,
             recordings: self.recordings(),
-        })
+        }
     }
 }
 

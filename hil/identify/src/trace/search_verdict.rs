@@ -2,6 +2,7 @@
 
 use mesh_damper_model::predict::{NINETY_PERCENT, predict};
 use mesh_damper_model::{Model, ModelError};
+use mesh_damper_recording::trajectory::strides::Stride;
 use rayon::prelude::*;
 
 use super::adopt::clearly_best;
@@ -98,9 +99,12 @@ impl Closing<'_> {
         let model = self.refit_model(&self.rows[0], law, &|which, sample| {
             self.validation.of(which, sample) == Role::Fit
         });
-        let samples = ValidationSamples::of(self.trajectories, self.validation, Role::Validation);
-        let score = samples.score(|trajectory| predict(&model, trajectory))?;
-        let error = score.nrmse().powi(2);
+        let all = self.trajectories;
+        let each: Vec<Vec<Stride>> = all.iter().map(|one| Stride::each(one.len())).collect();
+        let samples = ValidationSamples::of(all, &each, self.validation, Role::Validation);
+        let predicted = all.iter().map(|trajectory| predict(&model, trajectory));
+        let predicted = predicted.collect::<Result<Vec<_>, ModelError>>()?;
+        let error = samples.score(&predicted).nrmse().powi(2);
         Ok(vec![RelativeError {
             error,
             noise: goal(samples.noise()).powi(2),

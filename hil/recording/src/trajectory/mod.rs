@@ -2,6 +2,7 @@
 
 mod centre;
 pub(crate) mod settled;
+pub mod strides;
 mod uncertainty;
 
 use std::ops::Range;

@@ -14,7 +14,6 @@ pub use step::Candidate;
 use std::sync::{Arc, OnceLock};
 
 use mesh_damper_model::ModelError;
-use mesh_damper_model::predict::predict;
 use mesh_damper_recording::trajectory::Trajectory;
 
 use super::fitted::Fitted;
@@ -103,17 +102,16 @@ impl<'a> Search<'a> {
                 held: None,
             })
             .collect();
+        let law = sought.law;
+        let rows = Rows::coarse(trajectories, law, nodes, SEARCH_ROWS, |which, sample| {
+            roles.of(which, sample) == Role::Fit
+        });
+        let strides = &rows.strides;
         Self {
             trajectories,
-            validation: ValidationSamples::of(trajectories, roles, Role::Validation),
+            validation: ValidationSamples::of(trajectories, strides, roles, Role::Validation),
             roles,
-            rows: Rows::coarse(
-                trajectories,
-                sought.law,
-                nodes,
-                SEARCH_ROWS,
-                |which, sample| roles.of(which, sample) == Role::Fit,
-            ),
+            rows,
             extent: Extent::of(trajectories),
             terms,
             known: sought.known.clone(),
@@ -240,7 +238,7 @@ impl<'a> Search<'a> {
                 break;
             }
             // A law near the noise is refined too: a missing term distorts its parameters.
-            found = search.as_run(search.refined(&next))?;
+            found = search.refined(&next);
             if let Some(first) = beam.first_mut() {
                 *first = found.clone();
             }
@@ -294,25 +292,9 @@ impl<'a> Search<'a> {
         self.scored(problem.solve_near(&law.solution))
     }
 
-    /// The same law with a spring in series that deflects as the crate computes it.
-    fn as_run(&self, law: Fitted) -> Result<Fitted, ModelError> {
-        if !law
-            .solution
-            .terms
-            .iter()
-            .any(|value| value.term.form.gives_way)
-        {
-            return Ok(law);
-        }
-        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
-        self.scored(problem.as_run(law.solution))
-    }
-
     fn scored(&self, solution: Solution) -> Result<Fitted, ModelError> {
-        let model = solution.model();
-        let score = self
-            .validation
-            .score(|trajectory| predict(&model, trajectory))?;
+        let predicted = solution.predicted_along(self.trajectories, &self.rows.strides)?;
+        let score = self.validation.score(&predicted);
         Ok(Fitted { solution, score })
     }
 }

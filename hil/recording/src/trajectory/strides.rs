@@ -1,17 +1,16 @@
-//! The samples at which a fit computes the forces of effects: fewer where the motion is slow.
+//! The samples at which a search computes forces: fewer where the motion is slow.
 
 use std::ops::Range;
 
-use mesh_damper_recording::trajectory::Trajectory;
+use super::Trajectory;
+use crate::noise::rms;
 
-mesh_damper_recording::numbers! {
-    /// The samples at which a fit computes the forces of effects.
-    StridesPolicy {
-        /// Between two of these samples, the displacement differs from a straight line by at most this fraction of its amplitude, or they
-        /// are neighbours.
-        bent: f64 = 1e-3, Derived("70 samples in the period of a sine, more than most recordings have at their fastest");
-    }
-}
+/// Between two samples of a stride, the displacement differs from a straight line by at most this fraction of its amplitude, or by its own
+/// error, or they are neighbours. Derived: 70 samples in the period of a sine, more than most recordings have at their fastest.
+const BENT: f64 = 1e-3;
+
+/// The error of the displacement is at most this many of its deviations. Convention: nearly all are.
+const DEVIATIONS: f64 = 3.0;
 
 /// A change of the distance between samples happens at multiples of this, which is also the largest distance. Convention: a power of two,
 /// so that every smaller one divides it.
@@ -19,7 +18,7 @@ const LARGEST: usize = 64;
 
 /// Samples at equal distances, each the end of a step from the one before.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Stride {
+pub struct Stride {
     /// Where its first step begins, and where its last one ends.
     pub samples: Range<usize>,
     /// Samples in a step; divides the length of `samples`.
@@ -43,27 +42,32 @@ impl Stride {
 }
 
 /// Strides over a trajectory, as long as its motion permits.
-pub(crate) fn strides(trajectory: &Trajectory) -> Vec<Stride> {
+pub fn strides(trajectory: &Trajectory) -> Vec<Stride> {
     let last = trajectory.len().saturating_sub(1);
     let moving = trajectory.blocks.iter();
     let moving = moving.filter(|block| !block.cycles.is_empty());
     let least = moving.map(|block| block.amplitude).reduce(f64::min);
+    let displacement = &trajectory.motion.displacement;
+    let error = DEVIATIONS * rms(trajectory.motion_error.displacement.iter().copied());
     let mut strides: Vec<Stride> = Vec::new();
     for start in (0..last).step_by(LARGEST) {
         let end = (start + LARGEST).min(last);
-        let within = |values: &[f64]| {
-            let sizes = values[start..=end].iter().map(|value| value.abs());
-            sizes.fold(0.0, f64::max)
-        };
         // At rest the amplitude is that of noise.
         let amplitude = trajectory.amplitude[start].max(least.unwrap_or_default());
-        // A line misses a curve by its second derivative times an eighth of the squared distance.
-        let bent = StridesPolicy::in_use().bent * amplitude;
-        let longest = (8.0 * bent / within(&trajectory.motion.acceleration)).sqrt();
-        let permitted = (longest / trajectory.tick) as usize;
+        let bent = error.max(BENT * amplitude);
+        let is_straight = |step: usize| {
+            (start..end).step_by(step).all(|from| {
+                let [first, last] = [displacement[from], displacement[from + step]];
+                let off = |sample: usize| {
+                    let part = (sample - from) as f64 / step as f64;
+                    (displacement[sample] - first - part * (last - first)).abs()
+                };
+                (from + 1..from + step).all(|sample| off(sample) <= bent)
+            })
+        };
         let powers = (0..=LARGEST.ilog2()).rev().map(|power| 1 << power);
         let mut fitting =
-            powers.filter(|step| *step <= permitted && (end - start).is_multiple_of(*step));
+            powers.filter(|&step| (end - start).is_multiple_of(step) && is_straight(step));
         let step = fitting.next().unwrap_or(1);
         match strides.last_mut().filter(|stride| stride.step == step) {
             Some(stride) => stride.samples.end = end,
@@ -76,18 +80,11 @@ pub(crate) fn strides(trajectory: &Trajectory) -> Vec<Stride> {
     strides
 }
 
-/// A motion, and the samples at which a force along it is computed.
-pub(crate) struct Path<'a> {
-    pub motion: &'a Trajectory,
-    pub strides: &'a [Stride],
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::families::Form;
 
     /// A slow and a fast sine with a rest between them.
     fn slow_and_fast() -> Trajectory {
@@ -100,6 +97,21 @@ mod tests {
         let displacement: Vec<f64> = sine(0.5, 8.0).chain(rest).chain(sine(60.0, 0.5)).collect();
         let force = displacement.clone();
         Trajectory::new("sines", TICK, &displacement, force, None, None)
+    }
+
+    #[test]
+    fn no_step_passes_over_a_corner() {
+        // A triangle of 40 samples a side.
+        let triangle = |n: i32| f64::from((n % 80 - 40).abs() - 20) / 20.0;
+        let displacement: Vec<f64> = (0..4000).map(triangle).collect();
+        let force = displacement.clone();
+        let trajectory = Trajectory::new("triangle", 1e-3, &displacement, force, None, None);
+        let turns = (40..4000).step_by(40);
+        let visited: Vec<usize> = strides(&trajectory).iter().flat_map(Stride::ends).collect();
+        for turn in turns {
+            let beside = |sample: &usize| sample.abs_diff(turn) <= 1;
+            assert!(visited.iter().any(beside), "{turn}");
+        }
     }
 
     #[test]
@@ -122,30 +134,5 @@ mod tests {
         assert_eq!(step_at(17_500), 1);
         let visited: usize = strides.iter().map(|stride| stride.ends().count()).sum();
         assert!(visited < trajectory.len() / 8, "{visited}");
-    }
-
-    #[test]
-    fn forces_with_a_memory_are_those_of_every_sample() {
-        let trajectory = slow_and_fast();
-        let few = strides(&trajectory);
-        let each = Stride::each(trajectory.len());
-        for (name, shapes) in [
-            ("yielding", &[0.05, 0.4][..]),
-            ("relaxation", &[0.02]),
-            ("stick_slip", &[0.03]),
-            ("bouc_wen", &[0.05, 2.0]),
-            ("backlash", &[0.05, 0.1]),
-        ] {
-            let form = Form::named(name).unwrap();
-            let [coarse, fine] = [&few, &each].map(|strides| {
-                let motion = &trajectory;
-                (form.unit_forces)(shapes, &Path { motion, strides }).unwrap()
-            });
-            let largest = fine[0].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-            for sample in few.iter().flat_map(Stride::ends) {
-                let off = (coarse[0][sample] - fine[0][sample]).abs();
-                assert!(off < 0.02 * largest, "{name} at {sample}: {off} of {largest}");
-            }
-        }
     }
 }
