@@ -109,10 +109,10 @@ impl<'a> Rows<'a> {
         most: usize,
         included: impl Fn(usize, usize) -> bool,
     ) -> Self {
-        let each = trajectories.iter().map(strides);
+        let strides = strides(trajectories, most);
         Self {
             are_coarse: true,
-            ..Self::along(each.collect(), trajectories, law, nodes, most, included)
+            ..Self::along(strides, trajectories, law, nodes, most, included)
         }
     }
 

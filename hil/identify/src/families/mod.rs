@@ -408,7 +408,7 @@ mod tests {
         let displacement: Vec<f64> = sine(0.5, 8000).chain(sine(40.0, 1000)).collect();
         let force = displacement.clone();
         let trajectory = Trajectory::new("sines", 5e-4, &displacement, force, None, None);
-        let few = strides(&trajectory);
+        let few = strides(std::slice::from_ref(&trajectory), 100).remove(0);
         let each = Stride::each(trajectory.len());
         for (name, shapes) in [
             ("yielding", &[0.05, 0.4][..]),

@@ -41,8 +41,16 @@ impl Stride {
     }
 }
 
-/// Strides over a trajectory, as long as its motion permits.
-pub fn strides(trajectory: &Trajectory) -> Vec<Stride> {
+/// Strides over each of `trajectories`, with steps as long as the motion permits, but no longer than for about `fewest` samples at equal
+/// distances: along a straight line too the force may bend, and its noise has to be averaged.
+pub fn strides(trajectories: &[Trajectory], fewest: usize) -> Vec<Vec<Stride>> {
+    let samples: usize = trajectories.iter().map(Trajectory::len).sum();
+    let longest = (samples / fewest).clamp(1, LARGEST);
+    trajectories.iter().map(|one| over(one, longest)).collect()
+}
+
+/// Strides over a trajectory with steps of at most `longest` samples.
+fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     let last = trajectory.len().saturating_sub(1);
     let moving = trajectory.blocks.iter();
     let moving = moving.filter(|block| !block.cycles.is_empty());
@@ -65,7 +73,7 @@ pub fn strides(trajectory: &Trajectory) -> Vec<Stride> {
                 (from + 1..from + step).all(|sample| off(sample) <= bent)
             })
         };
-        let powers = (0..=LARGEST.ilog2()).rev().map(|power| 1 << power);
+        let powers = (0..=longest.ilog2()).rev().map(|power| 1 << power);
         let mut fitting =
             powers.filter(|&step| (end - start).is_multiple_of(step) && is_straight(step));
         let step = fitting.next().unwrap_or(1);
@@ -107,7 +115,10 @@ mod tests {
         let force = displacement.clone();
         let trajectory = Trajectory::new("triangle", 1e-3, &displacement, force, None, None);
         let turns = (40..4000).step_by(40);
-        let visited: Vec<usize> = strides(&trajectory).iter().flat_map(Stride::ends).collect();
+        let visited: Vec<usize> = over(&trajectory, LARGEST)
+            .iter()
+            .flat_map(Stride::ends)
+            .collect();
         for turn in turns {
             let beside = |sample: &usize| sample.abs_diff(turn) <= 1;
             assert!(visited.iter().any(beside), "{turn}");
@@ -117,7 +128,7 @@ mod tests {
     #[test]
     fn steps_are_long_where_the_motion_is_slow_and_cover_it() {
         let trajectory = slow_and_fast();
-        let strides = strides(&trajectory);
+        let strides = over(&trajectory, LARGEST);
         let mut at = 0;
         for stride in &strides {
             assert_eq!(stride.samples.start, at);

@@ -15,6 +15,7 @@ use std::sync::{Arc, OnceLock};
 
 use mesh_damper_model::ModelError;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::{Stride, strides};
 
 use super::fitted::Fitted;
 use super::ruled_out;
@@ -50,6 +51,9 @@ mesh_damper_recording::numbers! {
     }
 }
 
+/// Laws are compared on at least about this many samples, if the recordings have as many. Convention: a minute at 1 kHz.
+const SCORED: usize = 60_000;
+
 /// A search adds at most this many terms to the law. Convention: a search ends long before, when nothing is gained.
 const MOST_TERMS: usize = 6;
 
@@ -72,6 +76,8 @@ pub struct Selection {
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
     validation: ValidationSamples<'a>,
+    /// Laws are scored along these.
+    strides: Arc<Vec<Vec<Stride>>>,
     roles: &'a Roles,
     rows: Rows<'a>,
     extent: Extent,
@@ -106,10 +112,11 @@ impl<'a> Search<'a> {
         let rows = Rows::coarse(trajectories, law, nodes, SEARCH_ROWS, |which, sample| {
             roles.of(which, sample) == Role::Fit
         });
-        let strides = &rows.strides;
+        let strides = Arc::new(strides(trajectories, SCORED));
         Self {
             trajectories,
-            validation: ValidationSamples::of(trajectories, strides, roles, Role::Validation),
+            validation: ValidationSamples::of(trajectories, &strides, roles, Role::Validation),
+            strides,
             roles,
             rows,
             extent: Extent::of(trajectories),
@@ -131,6 +138,7 @@ impl<'a> Search<'a> {
             known: self.known.clone(),
             of_motion: self.of_motion.clone(),
             trajectories: self.trajectories,
+            strides: self.strides.clone(),
         }
     }
 
@@ -146,6 +154,7 @@ impl<'a> Search<'a> {
             known: self.known.clone(),
             of_motion: self.of_motion.clone(),
             trajectories: self.trajectories,
+            strides: self.strides.clone(),
         }
     }
 
@@ -293,7 +302,7 @@ impl<'a> Search<'a> {
     }
 
     fn scored(&self, solution: Solution) -> Result<Fitted, ModelError> {
-        let predicted = solution.predicted_along(self.trajectories, &self.rows.strides)?;
+        let predicted = solution.predicted_along(self.trajectories, &self.strides)?;
         let score = self.validation.score(&predicted);
         Ok(Fitted { solution, score })
     }
