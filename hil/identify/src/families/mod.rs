@@ -413,7 +413,7 @@ mod tests {
         for (name, shapes) in [
             ("yielding", &[0.05, 0.4][..]),
             ("relaxation", &[0.02]),
-            ("stick_slip", &[0.03]),
+            ("jenkins", &[0.03]),
             ("bouc_wen", &[0.05, 2.0]),
             ("backlash", &[0.05, 0.1]),
         ] {

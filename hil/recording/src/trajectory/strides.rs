@@ -140,8 +140,8 @@ mod tests {
             let stride = strides.iter().find(|one| one.samples.contains(&sample));
             stride.unwrap().step
         };
-        // A period of 4000 samples, and one of 33.
-        assert_eq!(step_at(8000), 32);
+        // At a turn of a period of 4000 samples, and in one of 33.
+        assert_eq!(step_at(9000), 32);
         assert_eq!(step_at(17_500), 1);
         let visited: usize = strides.iter().map(|stride| stride.ends().count()).sum();
         assert!(visited < trajectory.len() / 8, "{visited}");

@@ -226,7 +226,9 @@ impl<'a> Search<'a> {
             if let Some(sharper) = sharper.flatten() {
                 search = sharper;
                 found = search.rescored(&found)?;
-                tried = search.judged_again(tried);
+                let laws = beam.iter().map(|law| search.rescored(law));
+                beam = laws.collect::<Result<_, _>>()?;
+                tried = search.step(&beam, step, SelectPolicy::in_use().fitted);
             }
             let Some(best) = tried.first_mut() else { break };
             let accepted = is_found || adds(best, &search, &found);

@@ -13,7 +13,6 @@ use super::super::within_blocks::is_seen_within_blocks;
 use super::Search;
 use crate::families::drift;
 use crate::term::Term;
-use crate::trace::select::SelectPolicy;
 
 /// One effect that was tried in addition to an earlier law.
 #[derive(Clone, Debug)]
@@ -48,58 +47,32 @@ impl Search<'_> {
             !term.form.refines || term.form.special_cases.contains(&term.form.family)
         };
         let steps: Vec<Term> = self.terms.iter().filter(is_step).copied().collect();
-        let tried = beam.par_iter();
-        let tried = tried.flat_map(|law| self.beside(law, &steps, most)).map(
-            |(term, fitted, was_fitted)| {
-                self.candidate(term.form.family(), step, fitted, was_fitted)
-            },
-        );
-        self.judged(tried.collect(), most)
-    }
-
-    /// The candidates of a step under other weights than those they were fitted with, the best first again.
-    pub(super) fn judged_again(&self, tried: Vec<Candidate>) -> Vec<Candidate> {
-        let again = tried.into_par_iter().filter_map(|one| {
-            let fitted = match one.was_fitted {
-                true => self.refit(&one.fitted),
-                false => self.rescored(&one.fitted),
-            };
-            Some(self.candidate(one.family, one.step, fitted.ok()?, one.was_fitted))
-        });
-        self.judged(again.collect(), SelectPolicy::in_use().fitted)
-    }
-
-    fn candidate(
-        &self,
-        family: Family,
-        step: usize,
-        fitted: Fitted,
-        was_fitted: bool,
-    ) -> Candidate {
-        let rejected_by = if !fitted.is_admissible() {
-            Some(Rule::NotPassive)
-        } else if fitted.has_tone(self.of_motion()) {
-            Some(Rule::InStepWithMotion)
-        } else {
-            // A law that the crate refuses without its drift is inadmissible with it.
-            let stands_still = self.stands_still(&fitted).unwrap_or(true);
-            stands_still.then_some(Rule::StandsStill)
-        };
-        Candidate {
-            family,
-            step,
-            admissible: rejected_by.is_none(),
-            was_fitted,
-            degenerate: fitted.is_degenerate(&self.extent),
-            fitted,
-            distinguishable: true,
-            added: false,
-            rejected_by,
-        }
-    }
-
-    /// The candidates of a step, the best first and inadmissible ones last.
-    fn judged(&self, mut tried: Vec<Candidate>, most: usize) -> Vec<Candidate> {
+        let mut tried: Vec<Candidate> = beam
+            .par_iter()
+            .flat_map(|law| self.beside(law, &steps, most))
+            .map(|(term, fitted, was_fitted)| {
+                let rejected_by = if !fitted.is_admissible() {
+                    Some(Rule::NotPassive)
+                } else if fitted.has_tone(self.of_motion()) {
+                    Some(Rule::InStepWithMotion)
+                } else {
+                    // A law that the crate refuses without its drift is inadmissible with it.
+                    let stands_still = self.stands_still(&fitted).unwrap_or(true);
+                    stands_still.then_some(Rule::StandsStill)
+                };
+                Candidate {
+                    family: term.form.family(),
+                    step,
+                    admissible: rejected_by.is_none(),
+                    was_fitted,
+                    degenerate: fitted.is_degenerate(&self.extent),
+                    fitted,
+                    distinguishable: true,
+                    added: false,
+                    rejected_by,
+                }
+            })
+            .collect();
         tried.sort_by(|a, b| {
             let score = |candidate: &Candidate| candidate.fitted.score.nrmse();
             b.admissible
