@@ -410,11 +410,12 @@ mod tests {
         let trajectory = Trajectory::new("sines", 5e-4, &displacement, force, None, None);
         let few = strides(std::slice::from_ref(&trajectory), 100).remove(0);
         let each = Stride::each(trajectory.len());
+        // Where the motion is fastest, a step is a tenth of the amplitude: half of the limit of Bouc and Wen, which is integrated.
         for (name, shapes) in [
             ("yielding", &[0.05, 0.4][..]),
             ("relaxation", &[0.02]),
             ("jenkins", &[0.03]),
-            ("bouc_wen", &[0.05, 2.0]),
+            ("bouc_wen", &[0.1, 2.0]),
             ("backlash", &[0.05, 0.1]),
         ] {
             let form = Form::named(name).unwrap();
