@@ -35,7 +35,7 @@ mesh_damper_recording::numbers! {
 /// Convention: below any interval.
 const ENOUGH: [f64; 2] = [1e-5, 1e-7];
 
-/// The same in a search. Convention: below any gain that counts.
+/// The same in a search, and for a fold. Convention: below any gain that counts.
 const ENOUGH_IN_SEARCH: [f64; 2] = [1e-3, 1e-4];
 
 /// Eq 13 and terms, to be fitted to rows.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use mesh_damper_recording::trajectory::Trajectory;
-use mesh_damper_recording::trajectory::strides::{Stride, strides};
+use mesh_damper_recording::trajectory::strides::Stride;
 
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
@@ -15,6 +15,7 @@ use super::tolerance::certainty_beside;
 pub(crate) const SEARCH_ROWS: usize = 4_000;
 
 /// The samples of a fit, from several trajectories.
+#[derive(Clone)]
 pub struct Rows<'a> {
     pub(super) trajectories: &'a [Trajectory],
     /// Trajectory and sample of each row.
@@ -29,7 +30,7 @@ pub struct Rows<'a> {
     /// What the best law so far [leaves](Trajectory::left_beyond_tolerance) of each recording, kN².
     left: Vec<f64>,
     /// Square root of a row's weight. Every recording counts equally, whatever its length and strength, and each sample by its
-    /// [`certainty`].
+    /// [`certainty`](super::tolerance::certainty).
     pub(super) weight: Vec<f64>,
     /// Amplitudes of the law's nodes, mm.
     pub(super) nodes: Vec<f64>,
@@ -98,26 +99,16 @@ impl<'a> Rows<'a> {
         included: impl Fn(usize, usize) -> bool,
     ) -> Self {
         let each = trajectories.iter().map(|one| Stride::each(one.len()));
-        Self::along(each.collect(), trajectories, law, nodes, most, included)
-    }
-
-    /// The same of few samples where the motion is slow, for a fit that takes less time.
-    pub fn coarse(
-        trajectories: &'a [Trajectory],
-        law: BaseLaw,
-        nodes: Vec<f64>,
-        most: usize,
-        included: impl Fn(usize, usize) -> bool,
-    ) -> Self {
-        let strides = strides(trajectories, most);
+        let strides = Arc::new(each.collect());
         Self {
-            are_coarse: true,
-            ..Self::along(strides, trajectories, law, nodes, most, included)
+            are_coarse: false,
+            ..Self::along(&strides, trajectories, law, nodes, most, included)
         }
     }
 
-    fn along(
-        strides: Vec<Vec<Stride>>,
+    /// The same from the samples that `strides` over each trajectory visit, for a fit that takes less time.
+    pub(crate) fn along(
+        strides: &Arc<Vec<Vec<Stride>>>,
         trajectories: &'a [Trajectory],
         law: BaseLaw,
         nodes: Vec<f64>,
@@ -126,16 +117,12 @@ impl<'a> Rows<'a> {
     ) -> Self {
         // With the number of samples that each stands for.
         let mut origin: Vec<((usize, usize), usize)> = Vec::new();
-        for (which, (trajectory, strides)) in trajectories.iter().zip(&strides).enumerate() {
-            let ends = strides
+        for (which, (trajectory, strides)) in trajectories.iter().zip(strides.iter()).enumerate() {
+            let telling = strides
                 .iter()
-                .flat_map(|stride| stride.ends().map(|end| (end, stride.step)));
-            let telling = std::iter::once((0, 1)).chain(ends).filter(|&(sample, _)| {
-                sample < trajectory.len()
-                    && included(which, sample)
-                    && trajectory.is_telling(sample)
-            });
-            origin.extend(telling.map(|(sample, step)| ((which, sample), step)));
+                .flat_map(Stride::counted)
+                .filter(|&(sample, _)| included(which, sample) && trajectory.is_telling(sample));
+            origin.extend(telling.map(|(sample, count)| ((which, sample), count)));
         }
         let every = origin.len().div_ceil(most).max(1);
         let (origin, steps): (Vec<(usize, usize)>, Vec<usize>) =
@@ -166,8 +153,8 @@ impl<'a> Rows<'a> {
         });
         Self {
             trajectories,
-            strides: Arc::new(strides),
-            are_coarse: false,
+            strides: strides.clone(),
+            are_coarse: true,
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             origin,
             force,
@@ -197,17 +184,9 @@ impl<'a> Rows<'a> {
     #[must_use]
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
-            trajectories: self.trajectories,
-            strides: self.strides.clone(),
-            are_coarse: self.are_coarse,
             motion: RowMotion::gather(self.trajectories, &self.origin, &nodes),
-            origin: self.origin.clone(),
-            force: self.force.clone(),
-            left: self.left.clone(),
-            weight: self.weight.clone(),
-            law: self.law,
-            known_forces: self.known_forces.clone(),
             nodes,
+            ..self.clone()
         }
     }
 
@@ -219,7 +198,7 @@ impl<'a> Rows<'a> {
     /// The same rows weighed for a law that leaves another variance of each recording, kN².
     #[must_use]
     pub fn beside(&self, left: Vec<f64>) -> Self {
-        let mut rows = self.with_nodes(self.nodes.clone());
+        let mut rows = self.clone();
         let before = std::mem::replace(&mut rows.left, left);
         let certainty = |left: &[f64], which: usize, sample: usize| {
             certainty_beside(left[which], &self.trajectories[which], sample)

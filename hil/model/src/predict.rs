@@ -31,13 +31,11 @@ pub fn predict_along(
     let mut force = vec![0.0; trajectory.len()];
     let mut state = None;
     for stride in strides {
-        let start = stride.samples.start;
-        let mut amplitude = trajectory.amplitude[start];
+        let mut amplitude = trajectory.amplitude[stride.samples.start];
         let tick = stride.step as f64 * trajectory.tick;
         let mut law = model.augmented::<f64>(amplitude, tick)?;
         let state = state.get_or_insert_with(|| law.at_rest());
-        let first = (start == 0).then_some(0);
-        for sample in first.into_iter().chain(stride.ends()) {
+        for sample in stride.visits() {
             if trajectory.amplitude[sample] != amplitude {
                 amplitude = trajectory.amplitude[sample];
                 law.set_law(model.law_at(amplitude)?);

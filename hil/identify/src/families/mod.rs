@@ -3,7 +3,6 @@
 //! The crate defines the effects. This module adds the parts that identification needs: the linear parameters, the searched ones,
 //! and the starts of the search.
 
-use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -149,7 +148,7 @@ pub struct FormSpec {
     pub scale_range: [f64; 2],
     /// Ranges and starts of its shapes.
     pub shapes: fn(&Extent) -> Vec<Shape>,
-    /// The forces in kN with each size 1 and these shapes at every sample.
+    /// The forces in kN with each size 1 and these shapes along a path.
     pub(crate) unit_forces: UnitForces,
     /// Relative change of the law's elastic and damping force for these sizes and shapes.
     pub gains: fn(&[f64], &[f64], &Moment) -> [f64; 2],
@@ -226,7 +225,8 @@ impl Form {
         Self::all().find(|form| form.name == name)
     }
 
-    /// Whether its effect counts ticks, or follows a clock: it has to be run at every sample.
+    /// Whether a law with its effect has to be run at every sample: the effect follows a clock, or changes the motion other than a spring
+    /// in series does.
     pub fn counts_ticks(self) -> bool {
         self.follows_clock || self.entry == Entry::Moves && !self.gives_way
     }
@@ -317,33 +317,25 @@ impl fmt::Debug for Form {
 }
 
 /// The force of `effect` along a path, from rest, kN; 0 at the samples that the path passes over.
-fn run<E: Equations<f64>>(effect: Result<E, ConfigError>, path: &Path) -> UnitForce {
+fn run<E: Equations<f64> + Copy>(effect: Result<E, ConfigError>, path: &Path) -> UnitForce {
     let effect = effect?;
-    run_by::<E, &E>(|_| Ok(&effect), path)
+    run_at(|_| Ok(effect), path)
 }
 
 /// The same for an effect that depends on the tick, `of` a tick in s.
-fn run_at<E: Equations<f64>>(of: impl Fn(f64) -> Result<E, ConfigError>, path: &Path) -> UnitForce {
-    run_by::<E, E>(of, path)
-}
-
-fn run_by<E: Equations<f64>, B: Borrow<E>>(
-    of: impl Fn(f64) -> Result<B, ConfigError>,
+fn run_at<E: Equations<f64>>(
+    of: impl Fn(f64) -> Result<E, ConfigError>,
     &Path { motion, strides }: &Path,
 ) -> UnitForce {
     let mut state = E::AT_REST;
     let mut forces = vec![0.0; motion.len()];
     // The inputs of effects are computed sample by sample: all of them would take as much memory as the trajectories.
-    let mut at = |effect: &E, sample: usize| {
-        let motion = motion_at(motion, sample).clamped();
-        forces[sample] = effect.force(&mut state, &motion, LawForce::default());
-    };
     for stride in strides {
         let effect = of(stride.step as f64 * motion.tick)?;
-        if stride.samples.start == 0 {
-            at(effect.borrow(), 0);
+        for sample in stride.visits() {
+            let motion = motion_at(motion, sample).clamped();
+            forces[sample] = effect.force(&mut state, &motion, LawForce::default());
         }
-        stride.ends().for_each(|sample| at(effect.borrow(), sample));
     }
     Ok(forces)
 }
@@ -424,7 +416,7 @@ mod tests {
                 (form.unit_forces)(shapes, &Path { motion, strides }).unwrap()
             });
             let largest = fine[0].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-            for sample in few.iter().flat_map(Stride::ends) {
+            for sample in few.iter().flat_map(Stride::visits) {
                 let off = (coarse[0][sample] - fine[0][sample]).abs();
                 assert!(
                     off < 0.02 * largest,

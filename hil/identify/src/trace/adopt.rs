@@ -40,8 +40,8 @@ pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
 type OfLaw = (usize, (f64, f64));
 
 /// From the errors of laws on the same conditions, the simplest law first: index of the one to write, and of the best of the others. The
-/// first is the law alone. The best takes its place if it [gains](gains()) over it by more than one standard error; or the simplest that
-/// does, and that is within one standard error of the best.
+/// first is the law alone. The best of those that [gain](gains()) over it by more than one standard error takes its place; or the simplest
+/// of them that is within one standard error of that one.
 ///
 /// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
 /// over the conditions. A law that gains while a device is nearly at rest and fails while it moves gains nothing in total.

@@ -1,11 +1,13 @@
 //! The end of a trace: fits the result to all open samples, and computes its error on the held-out ones.
 
 use std::cell::LazyCell;
+use std::sync::Arc;
 
 use mesh_damper_model::file::Elsewhere;
 use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Family, Model, ModelError};
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::{Stride, strides};
 
 use super::confirm::Confirmed;
 use super::estimates::law_estimates;
@@ -74,6 +76,8 @@ pub(super) struct Closing<'a> {
     roles: &'a Roles,
     /// With the preferred nodes, then with others.
     pub(super) rows: Vec<Rows<'a>>,
+    /// The samples that the fits of folds use.
+    strides: Arc<Vec<Vec<Stride>>>,
     extent: Extent,
     noise_floor: f64,
     pub(super) sought: &'a Sought,
@@ -113,6 +117,7 @@ impl<'a> Closing<'a> {
                     })
                 })
                 .collect(),
+            strides: Arc::new(strides(fitted, IN_TURN_ROWS)),
             extent: Extent::of(fitted),
             sought,
         }
@@ -382,7 +387,8 @@ impl<'a> Closing<'a> {
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
         let most = IN_TURN_ROWS;
-        let rows = Rows::coarse(self.trajectories, self.sought.law, nodes, most, picked);
+        let (all, law) = (self.trajectories, self.sought.law);
+        let rows = Rows::along(&self.strides, all, law, nodes, most, picked);
         let rows = rows.with_nodes_seen();
         let solution = self.fit_near(&rows, known);
         (rows, solution)

@@ -209,7 +209,7 @@ impl<'a> LeftOut<'a> {
     }
 
     /// The error of a law on each open condition when that condition is held out, with the further results of its fit, in the order
-    /// of [`conditions`](Self::conditions).
+    /// of [`conditions`](Self::conditions). The error of a law that the crate refuses is infinite.
     pub fn each_in_turn<T: Send>(&self, fit: FitWith<T>) -> Vec<Option<(RelativeError, T)>> {
         let each = self.conditions.par_iter();
         each.map(|one| self.held_out(one, Samples::Telling, fit))

@@ -54,11 +54,8 @@ impl<'a> ValidationSamples<'a> {
         };
         for (which, trajectory) in trajectories.iter().enumerate() {
             let mut power = 0.0;
-            let visited = strides[which].iter().flat_map(|stride| {
-                let first = (stride.samples.start == 0).then_some(0);
-                let each = first.into_iter().chain(stride.ends());
-                each.map(|sample| (sample, stride.step as f64))
-            });
+            let visited = strides[which].iter().flat_map(Stride::counted);
+            let visited = visited.map(|(sample, count)| (sample, count as f64));
             let mut visited = visited.peekable();
             for piece in pieces(trajectory) {
                 let is_within = |(sample, _): &(usize, f64)| *sample < piece.end;
@@ -91,8 +88,8 @@ impl<'a> ValidationSamples<'a> {
         }
     }
 
-    /// The error of a perfect law there, with each sample weighted by its [`certainty`](crate::tolerance::certainty); for several recordings, the root of the
-    /// mean square.
+    /// The error of a perfect law there, with each sample weighted by its [`certainty`](crate::tolerance::certainty); for several
+    /// recordings, the root of the mean square.
     pub fn noise(&self) -> f64 {
         let pieces = self.pieces.iter();
         let squares: f64 = pieces
@@ -112,8 +109,8 @@ impl<'a> ValidationSamples<'a> {
         self.power.iter().filter(|&&power| power > 0.0).count()
     }
 
-    /// Compares the force that is `predicted` on each trajectory, kN at every sample visited, with the measured force, with each sample weighted
-    /// by its [`certainty`](crate::tolerance::certainty).
+    /// Compares the force that is `predicted` on each trajectory, kN at every sample visited, with the measured force. Each sample is
+    /// weighted by its [`certainty`](crate::tolerance::certainty).
     pub fn score(&self, predicted: &[Vec<f64>]) -> Score {
         let mut pieces = Vec::with_capacity(self.pieces.len());
         // The pieces of one trajectory follow each other.

@@ -34,10 +34,19 @@ impl Stride {
         }]
     }
 
-    /// The samples at which its steps end.
-    pub fn ends(&self) -> impl Iterator<Item = usize> + use<> {
+    /// The samples at which its steps end, after the first sample of the recording if it begins there.
+    pub fn visits(&self) -> impl Iterator<Item = usize> + use<> {
         let Range { start, end } = self.samples;
-        (start + self.step..=end).step_by(self.step)
+        let first = (start == 0).then_some(0);
+        let ends = (start + self.step..=end).step_by(self.step);
+        first.into_iter().chain(ends)
+    }
+
+    /// The same, each with the number of samples that it stands for: those of its step; the first one ends no step.
+    pub fn counted(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (start, step) = (self.samples.start, self.step);
+        self.visits()
+            .map(move |sample| (sample, if sample == start { 1 } else { step }))
     }
 }
 
@@ -117,7 +126,7 @@ mod tests {
         let turns = (40..4000).step_by(40);
         let visited: Vec<usize> = over(&trajectory, LARGEST)
             .iter()
-            .flat_map(Stride::ends)
+            .flat_map(Stride::visits)
             .collect();
         for turn in turns {
             let beside = |sample: &usize| sample.abs_diff(turn) <= 1;
@@ -133,7 +142,7 @@ mod tests {
         for stride in &strides {
             assert_eq!(stride.samples.start, at);
             at = stride.samples.end;
-            assert_eq!(stride.ends().last(), Some(at));
+            assert_eq!(stride.visits().last(), Some(at));
         }
         assert_eq!(at + 1, trajectory.len());
         let step_at = |sample: usize| {
@@ -143,7 +152,7 @@ mod tests {
         // At a turn of a period of 4000 samples, and in one of 33.
         assert_eq!(step_at(9000), 32);
         assert_eq!(step_at(17_500), 1);
-        let visited: usize = strides.iter().map(|stride| stride.ends().count()).sum();
+        let visited: usize = strides.iter().map(|stride| stride.visits().count()).sum();
         assert!(visited < trajectory.len() / 8, "{visited}");
     }
 }

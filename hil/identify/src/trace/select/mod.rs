@@ -73,6 +73,7 @@ pub struct Selection {
 }
 
 /// The search over one set of data.
+#[derive(Clone)]
 pub struct Search<'a> {
     trajectories: &'a [Trajectory],
     validation: ValidationSamples<'a>,
@@ -109,9 +110,9 @@ impl<'a> Search<'a> {
             })
             .collect();
         let law = sought.law;
-        let rows = Rows::coarse(trajectories, law, nodes, SEARCH_ROWS, |which, sample| {
-            roles.of(which, sample) == Role::Fit
-        });
+        let fitted = Arc::new(strides(trajectories, SEARCH_ROWS));
+        let is_fitted = |which, sample| roles.of(which, sample) == Role::Fit;
+        let rows = Rows::along(&fitted, trajectories, law, nodes, SEARCH_ROWS, is_fitted);
         let strides = Arc::new(strides(trajectories, SCORED));
         Self {
             trajectories,
@@ -131,14 +132,7 @@ impl<'a> Search<'a> {
     pub fn with_nodes(&self, nodes: Vec<f64>) -> Self {
         Self {
             rows: self.rows.with_nodes(nodes),
-            validation: self.validation.clone(),
-            roles: self.roles,
-            extent: self.extent.clone(),
-            terms: self.terms.clone(),
-            known: self.known.clone(),
-            of_motion: self.of_motion.clone(),
-            trajectories: self.trajectories,
-            strides: self.strides.clone(),
+            ..self.clone()
         }
     }
 
@@ -148,13 +142,7 @@ impl<'a> Search<'a> {
         Self {
             rows: self.rows.beside(left.clone()),
             validation: self.validation.beside(left),
-            roles: self.roles,
-            extent: self.extent.clone(),
-            terms: self.terms.clone(),
-            known: self.known.clone(),
-            of_motion: self.of_motion.clone(),
-            trajectories: self.trajectories,
-            strides: self.strides.clone(),
+            ..self.clone()
         }
     }
 
@@ -181,7 +169,7 @@ impl<'a> Search<'a> {
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting the law");
         let baseline = self.scored(self.without_more())?;
-        let mut search = self.with_nodes(self.rows.nodes().to_vec());
+        let mut search = self.clone();
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();

@@ -1,10 +1,13 @@
 //! Eq 13 has coefficients at the amplitudes of the blocks: these nodes, and the error between them.
 
+use std::sync::Arc;
+
 use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
 use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::strides;
 
 use super::super::split::{Role, Roles};
 use crate::base_law::BaseLaw;
@@ -24,6 +27,7 @@ pub fn error_between(
     (found, law): (&Solution, BaseLaw),
 ) -> Result<f64, ModelError> {
     let extent = Extent::of(trajectories);
+    let strides = Arc::new(strides(trajectories, SEARCH_ROWS));
     let mut error = 0.0;
     for &amplitude in left_out {
         let is_left_out = |which: usize, sample: usize| {
@@ -35,9 +39,8 @@ pub fn error_between(
             .copied()
             .filter(|&node| node != amplitude)
             .collect();
-        let rows = Rows::coarse(trajectories, law, others, SEARCH_ROWS, |which, sample| {
-            roles.is_open(which, sample) && !is_left_out(which, sample)
-        });
+        let is_fitted = |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample);
+        let rows = Rows::along(&strides, trajectories, law, others, SEARCH_ROWS, is_fitted);
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();
