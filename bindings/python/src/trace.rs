@@ -86,7 +86,7 @@ fn array<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
 
 /// Finds effects that the law does not contain in `recordings`, without the interpreter's lock.
 #[pyfunction]
-#[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, rig=None, progress=None))]
+#[pyo3(signature = (title, recordings, held_out, families, exclude, baseline, law=None, rig=None, progress=None, adopt=false))]
 #[expect(
     clippy::too_many_arguments,
     reason = "the Python function before it names them"
@@ -102,9 +102,13 @@ fn trace(
     law: Option<PyRef<'_, Model>>,
     rig: Option<StatedRig>,
     progress: Option<Bound<'_, PyAny>>,
+    adopt: bool,
 ) -> PyResult<Trace> {
     let rig = rig_facts(rig)?;
-    let sought = sought(&families, &exclude, baseline, law.as_deref(), rig)?;
+    let sought = Sought {
+        adopt,
+        ..sought(&families, &exclude, baseline, law.as_deref(), rig)?
+    };
     let copied = |all: &[PyRef<'_, Recording>]| -> Vec<recording::Recording> {
         all.iter().map(|each| (*each.inner).clone()).collect()
     };

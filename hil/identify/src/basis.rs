@@ -543,11 +543,8 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        let shows = |moved: &Moved| moved.by.iter().any(|(form, _)| form.shows.is_some());
-        // The channel shows more than a row's sample, or a clock stands behind the force.
-        let needs_all = self.rows.are_averaged()
-            || form.follows_clock
-            || moved.as_ref().is_some_and(|moved| shows(moved));
+        // The channel shows more than a row's sample, a clock stands behind the force, or the motion is another.
+        let needs_all = self.rows.are_averaged() || form.follows_clock || moved.is_some();
         let work = || {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, recorded) in self.rows.trajectories.iter().enumerate() {

@@ -13,7 +13,7 @@ use super::basis::{Basis, Columns};
 use super::exact;
 use super::families::Form;
 use super::normal::{Factor, Normal};
-use super::rows::Rows;
+use super::rows::{Purpose, Rows};
 use super::shape::Extent;
 use super::solution::Solution;
 use super::term::Term;
@@ -31,12 +31,16 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// A fit ends when a step changes its parameters by less than this fraction, or saves less than this fraction of the squared error.
-/// Convention: below any interval.
-const ENOUGH: [f64; 2] = [1e-5, 1e-7];
-
-/// The same in a search, and for a fold. Convention: below any gain that counts.
-const ENOUGH_IN_SEARCH: [f64; 2] = [1e-3, 1e-4];
+/// A fit for this purpose ends when a step changes its parameters by less than this fraction, or saves less than this fraction of the
+/// squared error. Convention: in a search less than any gain that counts; in turn a third of a deviation of a parameter, as its
+/// rows determine it; in the result less than any interval.
+const fn enough(purpose: Purpose) -> [f64; 2] {
+    match purpose {
+        Purpose::Search => [1e-3, 1e-4],
+        Purpose::InTurn => [1e-4, 1e-5],
+        Purpose::Result => [1e-5, 1e-7],
+    }
+}
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -135,10 +139,7 @@ impl<'r, 'a> Problem<'r, 'a> {
 
     fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
         let search = Search::new(&basis, DVector::from_vec(start));
-        let [changed, saved] = match self.rows.are_coarse {
-            true => ENOUGH_IN_SEARCH,
-            false => ENOUGH,
-        };
+        let [changed, saved] = enough(self.rows.purpose);
         LevenbergMarquardt::new()
             .with_ftol(saved)
             .with_xtol(changed)

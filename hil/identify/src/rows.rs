@@ -10,9 +10,28 @@ use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
 use super::tolerance::certainty_beside;
 
-/// A fit in the search for effects, or for a residual table, uses at most about this many samples. Convention: a fit then takes a
-/// second.
-pub(crate) const SEARCH_ROWS: usize = 4_000;
+/// What a fit is for: how exact it has to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// One of many in a search for effects.
+    Search,
+    /// Without one block or condition.
+    InTurn,
+    /// The result.
+    Result,
+}
+
+impl Purpose {
+    /// Such a fit uses at most about this many samples. Convention: a fit of a search takes a second then, all of those in turn take a few,
+    /// and the result has a minute at 1 kHz.
+    pub const fn rows(self) -> usize {
+        match self {
+            Self::Search => 4_000,
+            Self::InTurn => 8_000,
+            Self::Result => 60_000,
+        }
+    }
+}
 
 /// The samples of a fit, from several trajectories.
 #[derive(Clone)]
@@ -22,8 +41,7 @@ pub struct Rows<'a> {
     pub(super) origin: Vec<(usize, usize)>,
     /// The samples of each trajectory at which effects are computed.
     pub(crate) strides: Arc<Vec<Vec<Stride>>>,
-    /// Whether those are not all of them.
-    pub(super) are_coarse: bool,
+    pub(super) purpose: Purpose,
     /// As recorded.
     pub(super) motion: RowMotion,
     pub(super) force: Vec<f64>,
@@ -100,10 +118,7 @@ impl<'a> Rows<'a> {
     ) -> Self {
         let each = trajectories.iter().map(|one| Stride::each(one.len()));
         let strides = Arc::new(each.collect());
-        Self {
-            are_coarse: false,
-            ..Self::along(&strides, trajectories, law, nodes, most, included)
-        }
+        Self::visited(&strides, trajectories, law, nodes, most, included)
     }
 
     /// The same from the samples that `strides` over each trajectory visit, for a fit that takes less time.
@@ -112,21 +127,34 @@ impl<'a> Rows<'a> {
         trajectories: &'a [Trajectory],
         law: BaseLaw,
         nodes: Vec<f64>,
+        purpose: Purpose,
+        included: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let most = purpose.rows();
+        Self {
+            purpose,
+            ..Self::visited(strides, trajectories, law, nodes, most, included)
+        }
+    }
+
+    fn visited(
+        strides: &Arc<Vec<Vec<Stride>>>,
+        trajectories: &'a [Trajectory],
+        law: BaseLaw,
+        nodes: Vec<f64>,
         most: usize,
         included: impl Fn(usize, usize) -> bool,
     ) -> Self {
         // With the number of samples that each stands for.
-        let mut origin: Vec<((usize, usize), usize)> = Vec::new();
+        let mut visited: Vec<((usize, usize), usize)> = Vec::new();
         for (which, (trajectory, strides)) in trajectories.iter().zip(strides.iter()).enumerate() {
             let telling = strides
                 .iter()
                 .flat_map(Stride::counted)
                 .filter(|&(sample, _)| included(which, sample) && trajectory.is_telling(sample));
-            origin.extend(telling.map(|(sample, count)| ((which, sample), count)));
+            visited.extend(telling.map(|(sample, count)| ((which, sample), count)));
         }
-        let every = origin.len().div_ceil(most).max(1);
-        let (origin, steps): (Vec<(usize, usize)>, Vec<usize>) =
-            origin.into_iter().step_by(every).unzip();
+        let (origin, steps) = thinned(&visited, most);
         let force: Vec<f64> = origin
             .iter()
             .map(|&(which, sample)| trajectories[which].force[sample])
@@ -154,7 +182,7 @@ impl<'a> Rows<'a> {
         Self {
             trajectories,
             strides: strides.clone(),
-            are_coarse: true,
+            purpose: Purpose::Result,
             motion: RowMotion::gather(trajectories, &origin, &nodes),
             origin,
             force,
@@ -264,6 +292,28 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// At most about `most` rows of those `visited`, at equal distances in time where the steps to them are shorter, each with the number of
+/// samples that it then stands for.
+fn thinned(visited: &[((usize, usize), usize)], most: usize) -> (Vec<(usize, usize)>, Vec<usize>) {
+    let samples: usize = visited.iter().map(|(_, count)| count).sum();
+    let every = samples.div_ceil(most).max(1);
+    let (mut origin, mut steps): (Vec<(usize, usize)>, Vec<usize>) = Default::default();
+    // Those before the next row.
+    let (mut before, mut next) = (0, 0);
+    for &(row, count) in visited {
+        if before >= next {
+            origin.push(row);
+            steps.push(0);
+            next = before - before % every + every;
+        }
+        if let Some(stands_for) = steps.last_mut() {
+            *stands_for += count;
+        }
+        before += count;
+    }
+    (origin, steps)
+}
+
 /// Multiplies the squares of weights by `factor`, then all so that they are 1 on average and residuals stay in kN.
 fn weigh(weight: &mut [f64], origin: &[(usize, usize)], factor: impl Fn(usize, usize) -> f64) {
     for (weight, &(which, sample)) in weight.iter_mut().zip(origin) {
@@ -282,4 +332,110 @@ fn nearest(nodes: &[f64], amplitude: f64) -> usize {
                 .total_cmp(&(nodes[b] - amplitude).abs())
         })
         .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::trajectory::strides::strides;
+
+    use super::*;
+
+    /// Steps of 16 samples, then of one.
+    fn slow_then_fast() -> Vec<((usize, usize), usize)> {
+        let slow = (0..100).map(|n| ((0, 16 * n), 16));
+        slow.chain((1600..3200).map(|n| ((0, n), 1))).collect()
+    }
+
+    #[test]
+    fn rows_are_thinned_by_time_and_none_is_lost() {
+        let visited = slow_then_fast();
+        let samples: usize = visited.iter().map(|(_, count)| count).sum();
+        for most in [3200, 400, 200, 100, 7] {
+            let (origin, steps) = thinned(&visited, most);
+            assert_eq!(steps.iter().sum::<usize>(), samples, "{most}");
+            let every = samples.div_ceil(most).max(16);
+            let slow = origin.iter().filter(|(_, sample)| *sample < 1600).count();
+            assert_eq!(slow, 1600_usize.div_ceil(every), "{most}");
+            assert!(origin.len() <= most);
+            let longest = steps.iter().max().unwrap();
+            assert!(*longest < every + 16, "{most}: {longest}");
+        }
+        let each: Vec<((usize, usize), usize)> = (0..10).map(|n| ((0, n), 1)).collect();
+        let (origin, steps) = thinned(&each, 4);
+        let samples: Vec<usize> = origin.iter().map(|(_, sample)| *sample).collect();
+        assert_eq!((samples, steps), (vec![0, 3, 6, 9], vec![3, 3, 3, 1]));
+    }
+
+    /// A slow and a fast sine of equal length, each sample of which counts the same along strides.
+    #[test]
+    fn along_strides_each_stretch_of_time_has_its_weight() {
+        const TICK: f64 = 5e-4;
+        let displacement: Vec<f64> = (0..32_000)
+            .map(|n| {
+                let hertz = if n < 16_000 { 0.5 } else { 25.0 };
+                0.5 * (TAU * hertz * TICK * f64::from(n)).sin()
+            })
+            .collect();
+        let force = displacement.clone();
+        let trajectories = [Trajectory::new(
+            "two",
+            TICK,
+            &displacement,
+            force,
+            None,
+            None,
+        )];
+        let along = Arc::new(strides(&trajectories, 1000, |_, _| true));
+        let fast = |stride: &Stride| stride.samples.start >= 16_000 && stride.step == 1;
+        assert!(along[0].iter().any(fast) && along[0].iter().any(|stride| stride.step == 32));
+        let rows = Rows::along(
+            &along,
+            &trajectories,
+            BaseLaw::Mixed,
+            vec![0.5],
+            Purpose::Search,
+            |_, _| true,
+        );
+        let weight = |is_slow: bool| -> f64 {
+            let rows = rows.origin.iter().zip(&rows.weight);
+            let some = rows.filter(|((_, sample), _)| (*sample < 16_000) == is_slow);
+            some.map(|(_, weight)| weight * weight).sum()
+        };
+        assert!((weight(true) / weight(false) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn weights_beside_another_law_are_those_of_rows_gathered_for_it() {
+        let noise = |n: i32, seed: f64| 2e-3 * (seed * f64::from(n)).sin();
+        let moved = |n: i32| (0.01 * f64::from(n)).sin() + noise(n, 1.1e3);
+        let displacement: Vec<f64> = (0..4000).map(moved).collect();
+        let force = (0..4000).map(|n| (0.01 * f64::from(n)).sin() + noise(n, 1.3e3));
+        let force = force.collect();
+        let mut trajectory = Trajectory::new("sine", 1e-3, &displacement, force, None, None);
+        // Steep where it turns.
+        trajectory.carry_motion_error(|_, v, _| v.signum() * v.abs().powf(0.2));
+        let gathered = |trajectories: &[Trajectory], left: Option<f64>| {
+            let rows = Rows::gather(trajectories, BaseLaw::Mixed, vec![1.0], 500, |_, _| true);
+            let rows = left.map_or(rows.clone(), |left| rows.beside(vec![left]));
+            rows.weight
+        };
+        let mut lacks = trajectory.clone();
+        lacks.unexplained = 0.3;
+        let (before, after) = (
+            gathered(&[trajectory.clone()], None),
+            gathered(&[lacks], None),
+        );
+        assert!(
+            before
+                .iter()
+                .zip(&after)
+                .any(|(a, b)| (a / b - 1.0).abs() > 0.01)
+        );
+        let beside = gathered(&[trajectory], Some(0.3));
+        for (beside, after) in beside.iter().zip(&after) {
+            assert!((beside / after - 1.0).abs() < 1e-12, "{beside} {after}");
+        }
+    }
 }

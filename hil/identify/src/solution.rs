@@ -61,8 +61,7 @@ impl Solution {
             if counts_ticks || trajectory.average.is_some() {
                 return predict(&model, trajectory);
             }
-            // A long step may be too long for a fast effect.
-            predict_along(&model, trajectory, strides).or_else(|_| predict(&model, trajectory))
+            predict_along(&model, trajectory, strides)
         });
         each.collect()
     }

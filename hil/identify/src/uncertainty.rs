@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::basis::Basis;
 use super::exact;
-use super::rows::Rows;
+use super::rows::{Purpose, Rows};
 use super::shape::Extent;
 use super::solution::Solution;
 use super::tangent::Tangent;
@@ -169,7 +169,11 @@ impl Uncertainty {
         let columns = basis.columns(&solution.search, None);
         let as_run = exact::force(&basis, solution);
         let as_run = as_run.and_then(|force| {
-            let of_steps = exact::error_of_steps(&basis, solution, &force)?;
+            let of_steps = match rows.purpose {
+                Purpose::Result => exact::error_of_steps(&basis, solution, &force)?,
+                // The intervals of folds are compared with each other, and this error is that of all.
+                _ => vec![0.0; rows.len()],
+            };
             Some((force, of_steps))
         });
         // Behind a spring in series, whose deflection they change, the derivatives are those of the force as it is run.

@@ -22,12 +22,14 @@ pub fn predict(model: &Model, trajectory: &Trajectory) -> Result<Vec<f64>, Model
 /// ticks, and the force channel shows no averages.
 ///
 /// # Errors
-/// A model that the crate refuses at the tick of one of the strides.
+/// A model that the crate refuses at the trajectory's tick or at that of one of the strides.
 pub fn predict_along(
     model: &Model,
     trajectory: &Trajectory,
     strides: &[Stride],
 ) -> Result<Vec<f64>, ModelError> {
+    // An effect that is too slow for the recorded steps may run in long ones.
+    model.augmented::<f64>(trajectory.amplitude[0], trajectory.tick)?;
     let mut force = vec![0.0; trajectory.len()];
     let mut state = None;
     for stride in strides {
@@ -284,11 +286,55 @@ pub fn nrmse(predicted: &[f64], measured: &[f64], included: impl Fn(usize) -> bo
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
     use std::f64::consts::TAU;
 
     use mesh_damper_recording::Recording;
+    use mesh_damper_recording::trajectory::strides::strides;
 
     use super::*;
+    use crate::{AddedEffect, Family, LawNode};
+
+    /// A branch behind a law of two amplitudes, along steps of different lengths.
+    #[test]
+    fn a_prediction_along_strides_is_that_of_every_sample() {
+        let branch = AddedEffect {
+            family: Family::named("relaxation").unwrap(),
+            parameters: BTreeMap::from([("stiffness".to_owned(), 1.5), ("time".to_owned(), 0.05)]),
+        };
+        let node = |amplitude: f64, k1: f64| LawNode {
+            amplitude,
+            k1,
+            k3: 2.0,
+            c: 0.05,
+            alpha: 0.4,
+        };
+        let model = Model {
+            law: vec![node(0.1, 3.0), node(0.3, 2.0)],
+            effects: vec![branch],
+            correction: None,
+            controls: Vec::new(),
+        };
+        let displacement: Vec<f64> = (0..16_000)
+            .map(|n| {
+                let (amplitude, hertz) = if n < 8000 { (0.1, 0.5) } else { (0.3, 2.0) };
+                amplitude * (TAU * hertz * f64::from(n) / 1000.0).sin()
+            })
+            .collect();
+        let force = displacement.clone();
+        let trajectory = Trajectory::new("two", 1e-3, &displacement, force, None, None);
+        let few = strides(std::slice::from_ref(&trajectory), 1, |_, _| true).remove(0);
+        let visited: Vec<usize> = few.iter().flat_map(Stride::visits).collect();
+        assert!(visited.len() < trajectory.len() / 4);
+        let each = predict(&model, &trajectory).unwrap();
+        let along = predict_along(&model, &trajectory, &few).unwrap();
+        for &sample in &visited {
+            let off = (along[sample] - each[sample]).abs();
+            assert!(off < 2e-3, "{sample}: {off} kN of 0.7 kN");
+        }
+        let whole = Stride::each(trajectory.len());
+        assert_eq!(predict_along(&model, &trajectory, &whole).unwrap(), each);
+    }
 
     /// Two blocks of sines: the band is the same part of each block's force.
     #[test]

@@ -128,6 +128,7 @@ def trace(
     law: Model | None = None,
     rig: tuple[float | None, float | None, str | None] | None = None,
     progress: Callable[[str], object] | None = None,
+    adopt: bool = False,
 ) -> Trace: ...
 def write_files(files: Sequence[tuple[str | PathLike[str], str]]) -> None: ...
 def characterize(

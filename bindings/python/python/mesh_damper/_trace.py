@@ -297,6 +297,7 @@ def trace(
     fixture_mass: float | None = None,
     force_delay: float | None = None,
     zero: Zero | None = None,
+    adopt: bool = False,
     title: str | None = None,
     max_read: int | None = None,
     progress: Callable[[str], object] | None = None,
@@ -324,6 +325,8 @@ def trace(
     `fixture_mass` is the mass in kg that moves between the specimen and the load cell, and `force_delay` the time in s by which the
     recorded force is late, negative if it is early. `zero` says where the displacement of the specimen is 0: at the `mean` of the recorded
     displacement, at its value at the `start`, or at the recorded zero (`none`). What is given is known, and is not fitted.
+
+    `adopt` puts the effects found into the model even if they are no better than the law alone on conditions left out.
 
     `progress` is called with a sentence at each step. Ctrl-C ends a trace.
 
@@ -355,6 +358,7 @@ def trace(
         None if law is None else model_of(law),
         (fixture_mass, force_delay, zero),
         progress,
+        adopt,
     )
     return Trace(core, given.notes(), given.library)
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 
 use clap::Args;
-use mesh_damper_identify::trace::trace_for;
+use mesh_damper_identify::trace::{Sought, trace_for};
 use mesh_damper_output::Plan;
 use mesh_damper_recording::notes::shared;
 use mesh_damper_recording::{Recording, refuse_repeats};
@@ -39,6 +39,11 @@ pub struct TraceCommand {
     out: PathBuf,
     #[command(flatten)]
     seeking: Seeking,
+    /// Write the effects found into model.json even if they are no better on conditions left out
+    ///
+    /// Without this option, the law alone is written then, and where there are too few conditions to tell.
+    #[arg(long)]
+    adopt: bool,
     /// Write trace.json to this file too; `-` is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -59,7 +64,10 @@ impl TraceCommand {
             .writes(&self.json)
             .begin()?;
         refuse_repeats(self.recordings.iter().chain(&self.held_out))?;
-        let sought = self.seeking.sought(self.files.reading.limit)?;
+        let sought = Sought {
+            adopt: self.adopt,
+            ..self.seeking.sought(self.files.reading.limit)?
+        };
         let [recordings, held_out] =
             (self.files).channels_of([&self.recordings, &self.held_out])?;
         let progress = Progress::steps();

@@ -10,7 +10,7 @@ use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use crate::rows::SEARCH_ROWS;
+use crate::rows::Purpose;
 
 mesh_damper_recording::numbers! {
     /// The samples that a residual table is fitted to.
@@ -161,7 +161,7 @@ impl<'a> Design<'a> {
             })
             .collect();
         let nodes: Vec<f64> = model.law.iter().map(|node| node.amplitude).collect();
-        let every = picked.len().div_ceil(SEARCH_ROWS).max(1);
+        let every = picked.len().div_ceil(Purpose::Search.rows()).max(1);
         let rows: Vec<Row> = picked
             .iter()
             .step_by(every)

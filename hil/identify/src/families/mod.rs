@@ -225,10 +225,10 @@ impl Form {
         Self::all().find(|form| form.name == name)
     }
 
-    /// Whether a law with its effect has to be run at every sample: the effect follows a clock, or changes the motion other than a spring
-    /// in series does.
+    /// Whether a law with its effect has to be run at every sample: the effect follows a clock, or changes the motion or the readings,
+    /// for which it may hold earlier samples.
     pub fn counts_ticks(self) -> bool {
-        self.follows_clock || self.entry == Entry::Moves && !self.gives_way
+        self.follows_clock || self.entry == Entry::Moves
     }
 
     /// Its index in [`Form::all`].
@@ -348,6 +348,7 @@ fn one(parameters: Vec<(&'static str, f64)>) -> Vec<Element> {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+    use std::sync::Arc;
 
     use mesh_damper::effects::DESCRIPTIONS;
 
@@ -391,37 +392,66 @@ mod tests {
         }
     }
 
-    #[test]
-    fn forces_with_a_memory_are_those_of_every_sample() {
-        // A slow sine and a fast one.
+    /// A slow sine and a fast one, and ramps with a pause at each turn.
+    fn motions() -> [Trajectory; 2] {
         let sine = |frequency: f64, samples: i32| {
             (0..samples).map(move |n| 0.5 * (TAU * frequency * 5e-4 * f64::from(n)).sin())
         };
-        let displacement: Vec<f64> = sine(0.5, 8000).chain(sine(40.0, 1000)).collect();
-        let force = displacement.clone();
-        let trajectory = Trajectory::new("sines", 5e-4, &displacement, force, None, None);
-        let few = strides(std::slice::from_ref(&trajectory), 100).remove(0);
-        let each = Stride::each(trajectory.len());
-        // Where the motion is fastest, a step is a tenth of the amplitude: half of the limit of Bouc and Wen, which is integrated.
-        for (name, shapes) in [
-            ("yielding", &[0.05, 0.4][..]),
-            ("relaxation", &[0.02]),
-            ("jenkins", &[0.03]),
-            ("bouc_wen", &[0.1, 2.0]),
-            ("backlash", &[0.05, 0.1]),
-        ] {
-            let form = Form::named(name).unwrap();
-            let [coarse, fine] = [&few, &each].map(|strides| {
-                let motion = &trajectory;
-                (form.unit_forces)(shapes, &Path { motion, strides }).unwrap()
-            });
-            let largest = fine[0].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-            for sample in few.iter().flat_map(Stride::visits) {
-                let off = (coarse[0][sample] - fine[0][sample]).abs();
-                assert!(
-                    off < 0.02 * largest,
-                    "{name} at {sample}: {off} of {largest}"
-                );
+        let sines: Vec<f64> = sine(0.5, 8000).chain(sine(40.0, 1000)).collect();
+        let ramp =
+            |n: i32| 0.5 * f64::from((n % 2000 - 1000).abs() - 500).clamp(-450.0, 450.0) / 450.0;
+        let ramps: Vec<f64> = (500..8500).map(ramp).collect();
+        [sines, ramps].map(|displacement| {
+            let force = displacement.clone();
+            let mut motion = Trajectory::new("motion", 5e-4, &displacement, force, None, None);
+            // It jumps within a step of the slow sine, and as the ramp turns.
+            let current = (0..displacement.len()).map(|n| if n < 4011 { 0.2 } else { 1.0 });
+            motion.controls = Arc::new(vec![ControlChannel {
+                name: "current_A".into(),
+                values: current.collect(),
+            }]);
+            motion
+        })
+    }
+
+    /// Where a motion is fastest, a step is a tenth of the amplitude: half of the limit of Bouc and Wen, which is integrated.
+    #[test]
+    fn forces_with_a_memory_are_those_of_every_sample() {
+        let late = Form::all().find(|form| {
+            form.input
+                .is_some_and(|input| input.is_late && input.place == 0)
+        });
+        let late = late.unwrap();
+        for motion in &motions() {
+            let few = strides(std::slice::from_ref(motion), 100, |_, _| true).remove(0);
+            let each = Stride::each(motion.len());
+            let visits = || few.iter().flat_map(Stride::visits);
+            assert!(visits().count() < motion.len() / 4);
+            for (name, shapes) in [
+                ("yielding", &[0.05, 0.4][..]),
+                ("relaxation", &[0.02]),
+                ("jenkins", &[0.03]),
+                ("iwan", &[0.2]),
+                ("bouc_wen", &[0.1, 2.0]),
+                ("hardening_friction", &[0.4, 1.0, 0.3]),
+                ("backlash", &[0.05, 0.1]),
+                ("degradation", &[0.3]),
+                ("weakening", &[0.05, 0.5, 0.1]),
+                (late.name, &[0.02][..late.shape_names.len().min(1)]),
+            ] {
+                let form = Form::named(name).unwrap();
+                let [coarse, fine] = [&few, &each]
+                    .map(|strides| (form.unit_forces)(shapes, &Path { motion, strides }).unwrap());
+                for (coarse, fine) in coarse.iter().zip(&fine) {
+                    let largest = fine.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+                    for sample in visits() {
+                        let off = (coarse[sample] - fine[sample]).abs();
+                        assert!(
+                            off <= 0.02 * largest,
+                            "{name} at {sample}: {off} of {largest}"
+                        );
+                    }
+                }
             }
         }
     }

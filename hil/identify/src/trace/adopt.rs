@@ -6,7 +6,7 @@ mesh_damper_recording::numbers! {
     /// When a law with effects or a table is adopted in place of the law alone.
     AdoptPolicy {
         /// Effects or a table are adopted only if they leave less than this fraction of the law's error beyond the noise, on conditions
-        /// held out in turn, as a geometric mean; an effect helps only if they do so as an RMS too.
+        /// held out in turn, as a geometric mean and as an RMS.
         gain: f64 = 0.98, Convention("two per cent is no gain");
         /// A law is clearly better than another if its error beyond the noise is below this fraction of the other's.
         better: f64 = 0.95, Tuned("the blind trial");
@@ -49,6 +49,8 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
     // Mean and its standard error.
     let log_ratio = |a: usize, b: usize| {
         let pairs = laws[a].iter().zip(laws[b]);
+        // Where the other cannot be run, its error has no size to compare with.
+        let pairs = pairs.filter(|(_, b)| b.error.is_finite());
         let logs = pairs.map(|(a, b)| (a.beyond_noise() / b.beyond_noise()).ln());
         let logs: Vec<f64> = logs.collect();
         let count = logs.len() as f64;
@@ -158,6 +160,12 @@ mod tests {
         let fails_in_motion = errors(&[0.02, 0.04, 0.9, 0.02]);
         assert_eq!(chosen(&[&alone, &fails_in_motion]), (0, 1));
         assert_eq!(chosen(&[&alone, &simple, &fails_in_motion]).0, 1);
+        // Where the law alone cannot be run, it has no error to gain over, and the others decide.
+        let refused = [&alone[..3], &[RelativeError::NONE]].concat();
+        assert_eq!(chosen(&[&refused, &better]).0, 1);
+        assert_eq!(chosen(&[&refused, &no_use]), (0, 1));
+        let cannot_be_run = [&better[..3], &[RelativeError::NONE]].concat();
+        assert_eq!(chosen(&[&alone, &cannot_be_run]), (0, 0));
         // One condition says nothing of the next.
         assert_eq!(chosen(&[&errors(&[0.2]), &errors(&[0.1])]).0, 0);
     }

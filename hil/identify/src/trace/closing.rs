@@ -29,7 +29,7 @@ use crate::base_law::BaseLaw;
 use crate::basis::Basis;
 use crate::families::asymmetry;
 use crate::problem::Problem;
-use crate::rows::Rows;
+use crate::rows::{Purpose, Rows};
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
@@ -38,13 +38,6 @@ use crate::tolerance::noise_floor;
 use crate::trace::TracePolicy;
 use crate::trace::verdict::VerdictPolicy;
 use crate::uncertainty::Uncertainty;
-
-/// A fit that leaves out one block or condition uses at most about this many samples. Convention: all of these fits then take a few
-/// seconds.
-const IN_TURN_ROWS: usize = 8_000;
-
-/// The final fit uses at most about this many samples. Convention: a minute at 1 kHz.
-const CLOSING_ROWS: usize = 60_000;
 
 /// A trace without the trajectories that it was made of; the caller has those.
 pub(super) struct Closed {
@@ -112,12 +105,18 @@ impl<'a> Closing<'a> {
             rows: nodes
                 .into_iter()
                 .map(|nodes| {
-                    Rows::gather(fitted, sought.law, nodes, CLOSING_ROWS, |which, sample| {
-                        roles.is_open(which, sample)
-                    })
+                    Rows::gather(
+                        fitted,
+                        sought.law,
+                        nodes,
+                        Purpose::Result.rows(),
+                        |which, sample| roles.is_open(which, sample),
+                    )
                 })
                 .collect(),
-            strides: Arc::new(strides(fitted, IN_TURN_ROWS)),
+            strides: Arc::new(strides(fitted, Purpose::InTurn.rows(), |which, sample| {
+                roles.is_open(which, sample)
+            })),
             extent: Extent::of(fitted),
             sought,
         }
@@ -386,9 +385,8 @@ impl<'a> Closing<'a> {
         picked: Picked,
     ) -> (Rows<'_>, Solution) {
         let nodes = rows.nodes().to_vec();
-        let most = IN_TURN_ROWS;
         let (all, law) = (self.trajectories, self.sought.law);
-        let rows = Rows::along(&self.strides, all, law, nodes, most, picked);
+        let rows = Rows::along(&self.strides, all, law, nodes, Purpose::InTurn, picked);
         let rows = rows.with_nodes_seen();
         let solution = self.fit_near(&rows, known);
         (rows, solution)
@@ -446,7 +444,7 @@ impl<'a> Closing<'a> {
             &moved,
             self.sought.law,
             nodes,
-            CLOSING_ROWS,
+            Purpose::Result.rows(),
             |which, sample| self.roles.is_open(which, sample),
         );
         self.fit_near(&rows, known)

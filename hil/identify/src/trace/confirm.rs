@@ -86,13 +86,14 @@ impl Confirmed {
     pub fn conditions(&self, left_out: &LeftOut) -> Vec<HeldCondition> {
         let each = left_out.conditions().iter().enumerate();
         let each = each.filter_map(|(number, condition)| {
-            let nrmse = |left: RelativeError| left.error.sqrt();
+            // A law that the crate refuses without this condition has no error there.
+            let nrmse = |left: RelativeError| Some(left.error.sqrt()).filter(|it| it.is_finite());
             let left = |one: &Confirmation| Some(one.left.get(number)?.as_ref()?.map(nrmse));
             let each = self.families.iter();
             let nrmse_without: BTreeMap<String, f64> = each
-                .filter_map(|one| Some((one.family.name().to_owned(), left(one)?[0])))
+                .filter_map(|one| Some((one.family.name().to_owned(), left(one)?[0]?)))
                 .collect();
-            let [_, nrmse_with] = self.families.first().and_then(left)?;
+            let nrmse_with = self.families.first().and_then(left)?[1]?;
             let (part, repeats) = condition.parts.split_first()?;
             let trajectory = left_out.trajectory(part);
             let seconds = |sample: usize| sample as f64 * trajectory.tick;
@@ -126,10 +127,15 @@ pub(super) struct Confirmation {
 }
 
 impl Confirmation {
-    /// By how much the family reduces the error, as the mean logarithm.
+    /// By how much the family reduces the error, as the mean logarithm: without bound if only with it the law can be run, and the same
+    /// negative if it cannot with it.
     fn gain(&self) -> f64 {
-        let left = self.left.iter().flatten();
-        let logs = left.map(|[without, with]| (without.beyond_noise() / with.beyond_noise()).ln());
+        let left = || self.left.iter().flatten();
+        if left().any(|[_, with]| !with.error.is_finite()) {
+            return f64::NEG_INFINITY;
+        }
+        let logs =
+            left().map(|[without, with]| (without.beyond_noise() / with.beyond_noise()).ln());
         logs.sum::<f64>() / self.left.len() as f64
     }
 
@@ -395,6 +401,24 @@ mod tests {
             !helps_everywhere(&[left(0.012, 0.005); 4]),
             "nothing shows it"
         );
+    }
+
+    #[test]
+    fn a_law_that_cannot_be_run_gains_nothing_and_one_that_alone_can_gains_all() {
+        let of = |left: &[Option<[RelativeError; 2]>]| Confirmation {
+            family: Family::all().next().unwrap(),
+            rejected_by: None,
+            rivals: Vec::new(),
+            left: left.to_vec(),
+        };
+        let fine = left(0.1, 0.05);
+        let [refused, saved] =
+            [[0.1, f64::INFINITY], [f64::INFINITY, 0.1]].map(|[a, b]| left(a, b));
+        let gain = of(&[fine; 3]).gain();
+        assert!((gain - 2.0_f64.ln()).abs() < 0.02, "{gain}");
+        assert_eq!(of(&[fine, refused, saved]).gain(), f64::NEG_INFINITY);
+        assert_eq!(of(&[fine, saved]).gain(), f64::INFINITY);
+        assert!(!of(&[fine, refused]).gains() && of(&[fine, saved]).gains());
     }
 
     #[test]

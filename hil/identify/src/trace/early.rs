@@ -17,7 +17,7 @@ use super::split::Role;
 use crate::families::{delay, inertia, viscous};
 use crate::known_terms::{KnownTerm, known_terms};
 use crate::problem::Problem;
-use crate::rows::{Rows, SEARCH_ROWS};
+use crate::rows::{Purpose, Rows};
 use crate::shape::Extent;
 use crate::term::Term;
 
@@ -139,7 +139,7 @@ fn left_at(
         &moved,
         sought.law,
         vec![0.0],
-        SEARCH_ROWS,
+        Purpose::Search.rows(),
         |which, sample| closed.forces[which].roles[sample] != Role::HeldOut,
     );
     let extent = Extent::of(&moved);

@@ -391,11 +391,9 @@ fn search(
         return Ok((true, each));
     }
     let one = for_all.run(progress)?;
-    let found = for_each
-        .beside_left(one.left.clone())
-        .rescored(&each.found)?;
-    let each = Selection { found, ..each };
-    if !each.found.score.beats(&one.found.score) {
+    let by_one = for_each.beside_left(one.left.clone());
+    let by_one = by_one.reweighed(&each.found)?.score;
+    if !by_one.beats(&one.found.score) {
         return Ok((false, one));
     }
     progress("testing amplitudes between the fitted ones");
@@ -405,7 +403,7 @@ fn search(
         error_between(fitted, validation, nodes, inner, law)
     };
     let (between_of_each, between_of_one) = (between(&nodes, &each)?, between(&[0.0], &one)?);
-    let gain = one.found.score.nrmse() / each.found.score.nrmse();
+    let gain = one.found.score.nrmse() / by_one.nrmse();
     Ok(if between_of_each <= gain * between_of_one {
         (true, each)
     } else {

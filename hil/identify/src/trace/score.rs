@@ -194,3 +194,45 @@ fn pieces(trajectory: &Trajectory) -> impl Iterator<Item = Range<usize>> + '_ {
             .map(move |start| start..(start + length).min(end))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper_recording::trajectory::strides::strides;
+
+    use super::*;
+
+    #[test]
+    fn a_score_along_strides_is_that_of_every_sample() {
+        let displacement: Vec<f64> = (0..40_000)
+            .map(|n| (f64::from(n) / if n < 30_000 { 500.0 } else { 15.0 }).sin())
+            .collect();
+        let force: Vec<f64> = displacement.iter().map(|y| y + 0.2 * y.powi(3)).collect();
+        let predicted = [displacement.clone()];
+        let trajectories = [Trajectory::new(
+            "two",
+            1e-3,
+            &displacement,
+            force,
+            None,
+            None,
+        )];
+        let mut roles = Roles::all_fit(&trajectories);
+        roles.keep_apart(&trajectories, Role::Validation);
+        let few = strides(&trajectories, 100, |_, _| true);
+        let each = [Stride::each(40_000)];
+        let [few, each] = [&few[..], &each].map(|strides| {
+            let samples = ValidationSamples::of(&trajectories, strides, &roles, Role::Validation);
+            let count: usize = samples
+                .pieces
+                .iter()
+                .map(|(_, samples)| samples.len())
+                .sum();
+            let score = samples.score(&predicted);
+            (count, score.pieces.len(), score.nrmse(), samples.noise())
+        });
+        // A piece of few samples, cut by a role, may have none.
+        assert!(few.0 < each.0 / 2 && few.1 + 2 > each.1, "{few:?} {each:?}");
+        assert!((few.2 / each.2 - 1.0).abs() < 0.01, "{few:?} {each:?}");
+        assert!((few.3 / each.3 - 1.0).abs() < 0.01, "{few:?} {each:?}");
+    }
+}

@@ -124,6 +124,12 @@ impl Closing<'_> {
         };
         let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
         let (chosen, best) = simplest_of_best(&errors);
+        let chosen = match self.sought.adopt && chosen == 0 {
+            // The law with the effects found follows the law alone.
+            true if !found.is_alone() => 1,
+            true => best,
+            false => chosen,
+        };
         let laws = self.completed(left_out, &alone, &candidates[chosen])?;
         // What did best although it is no better than the law alone.
         let rejected = match chosen == 0 && best > 0 {

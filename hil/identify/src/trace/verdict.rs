@@ -253,8 +253,8 @@ pub(super) fn warnings<'t>(
     }
     if !model.effects.is_empty() && errors.1.nrmse_held_out > errors.0.nrmse_held_out {
         warnings.push(format!(
-            "on the held-out data, the error of the augmented law ({:.3} %) is larger than that of the law alone ({:.3} %): do not use the \
-             augmented law under the held-out conditions",
+            "on the held-out data, the error of the augmented law ({:.3} %) is larger than that of the law alone ({:.3} %): what was \
+             fitted does not tell what happens there; fit conditions like those held out too",
             100.0 * errors.1.nrmse_held_out,
             100.0 * errors.0.nrmse_held_out
         ));

@@ -3,11 +3,16 @@
 use std::ops::Range;
 
 use super::Trajectory;
+use crate::extremes::least_and_largest;
 use crate::noise::rms;
 
 /// Between two samples of a stride, the displacement differs from a straight line by at most this fraction of its amplitude, or by its own
 /// error, or they are neighbours. Derived: 70 samples in the period of a sine, more than most recordings have at their fastest.
 const BENT: f64 = 1e-3;
+
+/// A step is at most this fraction of the amplitude long. Derived: as far as [`BENT`] lets a sine go at its fastest, √(8·BENT); along a
+/// ramp, which is straight, an effect that is integrated over its own deflection needs the same.
+const FAR: f64 = 0.09;
 
 /// The error of the displacement is at most this many of its deviations. Convention: nearly all are.
 const DEVIATIONS: f64 = 3.0;
@@ -51,9 +56,21 @@ impl Stride {
 }
 
 /// Strides over each of `trajectories`, with steps as long as the motion permits, but no longer than for about `fewest` samples at equal
-/// distances: along a straight line too the force may bend, and its noise has to be averaged.
-pub fn strides(trajectories: &[Trajectory], fewest: usize) -> Vec<Vec<Stride>> {
-    let samples: usize = trajectories.iter().map(Trajectory::len).sum();
+/// distances of those that `included(trajectory, sample)` picks: along a straight line too the force may bend, and its noise has to be
+/// averaged.
+pub fn strides(
+    trajectories: &[Trajectory],
+    fewest: usize,
+    included: impl Fn(usize, usize) -> bool,
+) -> Vec<Vec<Stride>> {
+    let all = trajectories.iter().enumerate();
+    let samples: usize = all
+        .map(|(which, one)| {
+            (0..one.len())
+                .filter(|&sample| included(which, sample))
+                .count()
+        })
+        .sum();
     let longest = (samples / fewest).clamp(1, LARGEST);
     trajectories.iter().map(|one| over(one, longest)).collect()
 }
@@ -66,25 +83,31 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     let least = moving.map(|block| block.amplitude).reduce(f64::min);
     let displacement = &trajectory.motion.displacement;
     let error = DEVIATIONS * rms(trajectory.motion_error.displacement.iter().copied());
+    // An effect may follow a control input with a lag.
+    let controls: Vec<(&[f64], f64)> = (trajectory.controls.iter())
+        .map(|control| {
+            let (low, high) = least_and_largest(&control.values);
+            (&control.values[..], BENT * (high - low))
+        })
+        .collect();
     let mut strides: Vec<Stride> = Vec::new();
     for start in (0..last).step_by(LARGEST) {
         let end = (start + LARGEST).min(last);
         // At rest the amplitude is that of noise.
         let amplitude = trajectory.amplitude[start].max(least.unwrap_or_default());
         let bent = error.max(BENT * amplitude);
-        let is_straight = |step: usize| {
+        let far = error.max(FAR * amplitude);
+        let permits = |step: usize| {
             (start..end).step_by(step).all(|from| {
-                let [first, last] = [displacement[from], displacement[from + step]];
-                let off = |sample: usize| {
-                    let part = (sample - from) as f64 / step as f64;
-                    (displacement[sample] - first - part * (last - first)).abs()
-                };
-                (from + 1..from + step).all(|sample| off(sample) <= bent)
+                let to = from + step;
+                (displacement[to] - displacement[from]).abs() <= far
+                    && is_straight(displacement, from..to, bent)
+                    && (controls.iter()).all(|(values, bent)| is_straight(values, from..to, *bent))
             })
         };
         let powers = (0..=longest.ilog2()).rev().map(|power| 1 << power);
-        let mut fitting =
-            powers.filter(|&step| (end - start).is_multiple_of(step) && is_straight(step));
+        let mut fitting = powers
+            .filter(|&step| (end - start).is_multiple_of(step) && (step == 1 || permits(step)));
         let step = fitting.next().unwrap_or(1);
         match strides.last_mut().filter(|stride| stride.step == step) {
             Some(stride) => stride.samples.end = end,
@@ -97,9 +120,22 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     strides
 }
 
+/// Whether the values within a step differ by at most `bent` from the line between those at its ends.
+fn is_straight(values: &[f64], step: Range<usize>, bent: f64) -> bool {
+    let [first, last] = [values[step.start], values[step.end]];
+    let length = step.len() as f64;
+    (step.start + 1..step.end).all(|sample| {
+        let part = (sample - step.start) as f64 / length;
+        (values[sample] - first - part * (last - first)).abs() <= bent
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use mesh_damper_tables::control::ControlChannel;
 
     use super::*;
 
@@ -132,6 +168,56 @@ mod tests {
             let beside = |sample: &usize| sample.abs_diff(turn) <= 1;
             assert!(visited.iter().any(beside), "{turn}");
         }
+    }
+
+    #[test]
+    fn along_a_ramp_a_step_is_a_small_part_of_the_amplitude() {
+        let ramps = |n: i32| f64::from((n % 400 - 200).abs() - 100) / 100.0;
+        let displacement: Vec<f64> = (0..4000).map(ramps).collect();
+        let force = displacement.clone();
+        let trajectory = Trajectory::new("ramps", 1e-3, &displacement, force, None, None);
+        let strides = over(&trajectory, LARGEST);
+        let steps = strides.iter().map(|stride| stride.step);
+        // A sample is a hundredth of the amplitude.
+        assert_eq!(steps.max(), Some(8));
+    }
+
+    #[test]
+    fn no_step_passes_over_a_jump_of_a_control_input() {
+        let displacement: Vec<f64> = (0..8000)
+            .map(|n| (TAU * f64::from(n) / 4000.0).sin())
+            .collect();
+        let force = displacement.clone();
+        let mut trajectory = Trajectory::new("sine", 1e-3, &displacement, force, None, None);
+        let jumps = [1000, 5003];
+        let values =
+            (0..8000).map(|n| f64::from(jumps.iter().filter(|&&jump| n >= jump).count() as u32));
+        trajectory.controls = Arc::new(vec![ControlChannel {
+            name: "current_A".into(),
+            values: values.collect(),
+        }]);
+        let strides = over(&trajectory, LARGEST);
+        for jump in jumps {
+            let stride = strides
+                .iter()
+                .find(|one| one.samples.contains(&(jump as usize)));
+            assert_eq!(stride.unwrap().step, 1, "{jump}");
+        }
+        assert!(strides.iter().any(|stride| stride.step == 32));
+    }
+
+    #[test]
+    fn steps_leave_as_many_samples_as_were_asked_for() {
+        let trajectories = [slow_and_fast()];
+        let samples = trajectories[0].len();
+        let longest = |fewest: usize, included: usize| {
+            let strides = strides(&trajectories, fewest, |_, sample| sample < included);
+            strides[0].iter().map(|stride| stride.step).max().unwrap()
+        };
+        assert_eq!(longest(100, samples), 64);
+        assert_eq!(longest(samples / 8, samples), 8);
+        assert_eq!(longest(samples / 8, samples / 4), 2);
+        assert_eq!(longest(samples, samples), 1);
     }
 
     #[test]

@@ -27,8 +27,7 @@ use super::unexplained;
 use crate::families::Form;
 use crate::known_terms::KnownTerm;
 use crate::problem::Problem;
-use crate::rows::Rows;
-use crate::rows::SEARCH_ROWS;
+use crate::rows::{Purpose, Rows};
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
@@ -51,8 +50,9 @@ mesh_damper_recording::numbers! {
     }
 }
 
-/// Laws are compared on at least about this many samples, if the recordings have as many. Convention: a minute at 1 kHz.
-const SCORED: usize = 60_000;
+/// Laws are compared on at least about this many validation samples, if the recordings have as many. Convention: those of a minute or two
+/// at 1 kHz.
+const SCORED: usize = 20_000;
 
 /// A search adds at most this many terms to the law. Convention: a search ends long before, when nothing is gained.
 const MOST_TERMS: usize = 6;
@@ -110,10 +110,21 @@ impl<'a> Search<'a> {
             })
             .collect();
         let law = sought.law;
-        let fitted = Arc::new(strides(trajectories, SEARCH_ROWS));
-        let is_fitted = |which, sample| roles.of(which, sample) == Role::Fit;
-        let rows = Rows::along(&fitted, trajectories, law, nodes, SEARCH_ROWS, is_fitted);
-        let strides = Arc::new(strides(trajectories, SCORED));
+        let has = |role: Role| move |which, sample| roles.of(which, sample) == role;
+        let fitted = Arc::new(strides(
+            trajectories,
+            Purpose::Search.rows(),
+            has(Role::Fit),
+        ));
+        let rows = Rows::along(
+            &fitted,
+            trajectories,
+            law,
+            nodes,
+            Purpose::Search,
+            has(Role::Fit),
+        );
+        let strides = Arc::new(strides(trajectories, SCORED, has(Role::Validation)));
         Self {
             trajectories,
             validation: ValidationSamples::of(trajectories, &strides, roles, Role::Validation),
@@ -146,19 +157,26 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same search weighted for `law`, if that leaves clearly less than the one that the samples are weighted for.
+    /// The same search weighted for `law`, if that leaves clearly less of some recording than the one that the samples are weighted for.
+    /// Where it leaves more, the weights stay.
     fn sharper(&self, law: &Fitted) -> Result<Option<Self>, ModelError> {
         let predicted = law.solution.predicted(self.trajectories)?;
-        let less = unexplained(self.trajectories, self.roles, predicted);
+        let left = unexplained(self.trajectories, self.roles, predicted);
         let most = TracePolicy::in_use().same_weights;
-        let mut each = less.iter().zip(self.rows.left());
-        let is_less = each.any(|(less, left)| *less < most * left);
-        Ok(is_less.then(|| self.beside_left(less)))
+        let is_less = |(left, before): (&f64, &f64)| *left < most * before;
+        let before = self.rows.left();
+        let least = left.iter().zip(before).map(|(a, b)| a.min(*b)).collect();
+        let mut each = left.iter().zip(before);
+        Ok(each.any(is_less).then(|| self.beside_left(least)))
     }
 
-    /// A law with its score by this search's weights.
-    pub fn rescored(&self, law: &Fitted) -> Result<Fitted, ModelError> {
-        self.scored(law.solution.clone())
+    /// A law of a search with other weights, fitted again with this one's; with its parameters as they are if the crate refuses that.
+    ///
+    /// # Errors
+    /// The crate refuses the law as it is.
+    pub fn reweighed(&self, law: &Fitted) -> Result<Fitted, ModelError> {
+        let again = self.refit(law);
+        again.or_else(|_| self.scored(law.solution.clone()))
     }
 
     /// Adds effects while one of them clearly reduces the error on the validation cycles, then drops those that became unnecessary.
@@ -168,8 +186,12 @@ impl<'a> Search<'a> {
     /// The crate refuses a fitted law.
     pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
         progress("fitting the law");
-        let baseline = self.scored(self.without_more())?;
         let mut search = self.clone();
+        let mut baseline = self.scored(self.without_more())?;
+        if let Some(sharper) = self.sharper(&baseline)? {
+            baseline = sharper.reweighed(&baseline)?;
+            search = sharper;
+        }
         let mut found = baseline.clone();
         let mut beam = vec![baseline.clone()];
         let mut candidates = Vec::new();
@@ -211,15 +233,17 @@ impl<'a> Search<'a> {
             let added = first.filter(|best| adds(best, &search, &found));
             let sharper = added.map(|best| search.sharper(&best.fitted)).transpose()?;
             // What the best leaves decides between it and its rivals.
+            let mut again = None;
             if let Some(sharper) = sharper.flatten() {
-                search = sharper;
-                found = search.rescored(&found)?;
-                let laws = beam.iter().map(|law| search.rescored(law));
-                beam = laws.collect::<Result<_, _>>()?;
-                tried = search.step(&beam, step, SelectPolicy::in_use().fitted);
+                let before = sharper.reweighed(&found)?;
+                let laws = beam.iter().map(|law| sharper.reweighed(law));
+                let beam = laws.collect::<Result<Vec<_>, _>>()?;
+                tried = sharper.step(&beam, step, SelectPolicy::in_use().fitted);
+                again = Some((sharper, before));
             }
             let Some(best) = tried.first_mut() else { break };
-            let accepted = is_found || adds(best, &search, &found);
+            let (by, before) = again.as_ref().map_or((&search, &found), |(a, b)| (a, b));
+            let accepted = is_found || adds(best, by, before);
             let next = best.fitted.clone();
             best.added = accepted;
             let others = &mut tried[usize::from(accepted)..];
@@ -233,9 +257,11 @@ impl<'a> Search<'a> {
                 .take(SelectPolicy::in_use().beam)
                 .collect();
             candidates.extend(tried);
+            // Weights for a law that is not accepted are those of no law.
             if !accepted {
                 break;
             }
+            search = again.map_or(search, |(sharper, _)| sharper);
             // A law near the noise is refined too: a missing term distorts its parameters.
             found = search.refined(&next);
             if let Some(first) = beam.first_mut() {
@@ -245,7 +271,7 @@ impl<'a> Search<'a> {
         found = search.prune(search.unrefined(found)?)?;
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
-            baseline: search.rescored(&baseline)?,
+            baseline: search.reweighed(&baseline)?,
             found,
             candidates,
             goal: search.goal(),
@@ -282,7 +308,7 @@ impl<'a> Search<'a> {
         goal(self.validation.noise())
     }
 
-    /// The same terms with coefficients of other nodes.
+    /// The same terms fitted to this search's samples, with coefficients of its nodes.
     ///
     /// # Errors
     /// The crate refuses a fitted law.
@@ -295,5 +321,79 @@ impl<'a> Search<'a> {
         let predicted = solution.predicted_along(self.trajectories, &self.strides)?;
         let score = self.validation.score(&predicted);
         Ok(Fitted { solution, score })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mesh_damper::effects::Inertia;
+
+    use super::super::set_unexplained;
+    use super::*;
+
+    /// Two recordings of a spring, of which the second has a mass too, with noise.
+    fn recordings() -> [Trajectory; 2] {
+        [0.0, 20.0].map(|mass| {
+            let inertia = Inertia::new(mass).unwrap();
+            let rate = std::f64::consts::TAU * 10.0;
+            let noise = |n: i32| {
+                1e-3 * (1..9)
+                    .map(|k| (f64::from(n * k) * 1.234_567).sin())
+                    .sum::<f64>()
+            };
+            let moved = |n: i32| 0.2 * (rate * 1e-3 * f64::from(n)).sin();
+            let displacement: Vec<f64> = (0..4000).map(moved).collect();
+            let force = (0..4000).map(|n| {
+                let y = moved(n);
+                2.0 * y + inertia.force_at(-rate * rate * y) + noise(n)
+            });
+            Trajectory::new("sine", 1e-3, &displacement, force.collect(), None, None)
+        })
+    }
+
+    fn roles(trajectories: &[Trajectory]) -> Roles {
+        let mut roles = Roles::all_fit(trajectories);
+        roles.keep_apart(trajectories, Role::Validation);
+        roles
+    }
+
+    #[test]
+    fn weights_follow_a_law_where_it_leaves_less() {
+        let mut trajectories = recordings();
+        let roles = roles(&trajectories);
+        set_unexplained(&mut trajectories, &[1.0, 1e-12]);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        let law = search.scored(search.without_more()).unwrap();
+        let sharper = search
+            .sharper(&law)
+            .unwrap()
+            .expect("the first is explained");
+        let [first, second] = sharper.rows.left() else {
+            panic!()
+        };
+        assert!(*first < 1e-3, "{first}");
+        assert_eq!(*second, 1e-12, "one law for both leaves more there");
+        let again = sharper.reweighed(&law).unwrap();
+        assert!(sharper.sharper(&again).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_selection_is_weighted_for_its_own_law() {
+        let mut trajectories = recordings();
+        trajectories[0] = trajectories[1].clone();
+        let roles = roles(&trajectories);
+        set_unexplained(&mut trajectories, &[1.0; 2]);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        let selection = search.run(&|_| ()).unwrap();
+        let left = &selection.left;
+        let predicted = selection.found.solution.predicted(&trajectories).unwrap();
+        let by_found = unexplained(&trajectories, &roles, predicted);
+        for (left, by_found) in left.iter().zip(&by_found) {
+            assert!(*left < 1e-2 && *by_found > 0.4 * left, "{left} {by_found}");
+        }
+        let same = search.beside_left(left.clone());
+        let scored = same.scored(selection.found.solution.clone()).unwrap();
+        assert_eq!(scored.score.nrmse(), selection.found.score.nrmse());
+        assert_eq!(same.goal(), selection.goal);
     }
 }

@@ -12,8 +12,7 @@ use mesh_damper_recording::trajectory::strides::strides;
 use super::super::split::{Role, Roles};
 use crate::base_law::BaseLaw;
 use crate::problem::Problem;
-use crate::rows::Rows;
-use crate::rows::SEARCH_ROWS;
+use crate::rows::{Purpose, Rows};
 use crate::shape::Extent;
 use crate::solution::Solution;
 
@@ -27,7 +26,8 @@ pub fn error_between(
     (found, law): (&Solution, BaseLaw),
 ) -> Result<f64, ModelError> {
     let extent = Extent::of(trajectories);
-    let strides = Arc::new(strides(trajectories, SEARCH_ROWS));
+    let is_open = |which, sample| roles.is_open(which, sample);
+    let strides = Arc::new(strides(trajectories, Purpose::Search.rows(), is_open));
     let mut error = 0.0;
     for &amplitude in left_out {
         let is_left_out = |which: usize, sample: usize| {
@@ -40,7 +40,14 @@ pub fn error_between(
             .filter(|&node| node != amplitude)
             .collect();
         let is_fitted = |which, sample| roles.is_open(which, sample) && !is_left_out(which, sample);
-        let rows = Rows::along(&strides, trajectories, law, others, SEARCH_ROWS, is_fitted);
+        let rows = Rows::along(
+            &strides,
+            trajectories,
+            law,
+            others,
+            Purpose::Search,
+            is_fitted,
+        );
         let model = Problem::new(&rows, &extent, &found.terms())
             .solve_near(found)
             .model();
