@@ -85,3 +85,39 @@ fn only_what_is_sought_is_tried() {
     assert!(tried(&alone, "stick_slip") && !tried(&alone, "relaxation"));
     assert_eq!(alone.verdict, Verdict::Found);
 }
+
+/// A force that is another in each block: what fits the others says little of the one left out, and the law alone is written
+/// unless told otherwise.
+#[test]
+fn what_no_condition_confirms_is_written_only_if_insisted_on() {
+    const FORCES: [[f64; 2]; 6] = [
+        [0.3, 30.0],
+        [-0.2, 60.0],
+        [0.4, 40.0],
+        [0.2, 90.0],
+        [-0.3, 50.0],
+        [0.3, 70.0],
+    ];
+    let ends = [6.0, 8.0, 14.0, 16.0, 22.0, f64::INFINITY];
+    let unlisted = |&(time, y, v, _): &super::Sample| {
+        let block = ends.iter().position(|&end| time < end).unwrap();
+        let [strength, waves] = FORCES[block];
+        strength * (waves * y).sin() * (v / 3.0).tanh()
+    };
+    let of = |adopt: bool| {
+        let recording = super::record("blocks", &super::BLOCKS, 0.004, 3, unlisted);
+        let sought = Sought {
+            adopt,
+            ..Sought::default()
+        };
+        trace_for(&sought, &[recording], &[], &|_| ()).unwrap()
+    };
+    let [kept, adopted] = [false, true].map(of);
+    for trace in [&kept, &adopted] {
+        assert_eq!(trace.result.verdict, Verdict::Unlisted);
+    }
+    assert!(!kept.result.adopted && kept.result.rejected.is_some());
+    assert!(kept.model.effects.is_empty() && kept.model.correction.is_none());
+    assert!(adopted.result.adopted && adopted.result.rejected.is_none());
+    assert!(!adopted.model.effects.is_empty() || adopted.model.correction.is_some());
+}
