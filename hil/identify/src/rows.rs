@@ -298,18 +298,20 @@ fn thinned(visited: &[((usize, usize), usize)], most: usize) -> (Vec<(usize, usi
     let samples: usize = visited.iter().map(|(_, count)| count).sum();
     let every = samples.div_ceil(most).max(1);
     let (mut origin, mut steps): (Vec<(usize, usize)>, Vec<usize>) = Default::default();
-    // Those before the next row.
-    let (mut before, mut next) = (0, 0);
-    for &(row, count) in visited {
-        if before >= next {
-            origin.push(row);
-            steps.push(0);
-            next = before - before % every + every;
+    for of_one in visited.chunk_by(|(a, _), (b, _)| a.0 == b.0) {
+        // Samples of the recording before this row, and before the next one that is kept.
+        let (mut before, mut next) = (0, 0);
+        for &(row, count) in of_one {
+            if before >= next {
+                origin.push(row);
+                steps.push(0);
+                next = before - before % every + every;
+            }
+            if let Some(stands_for) = steps.last_mut() {
+                *stands_for += count;
+            }
+            before += count;
         }
-        if let Some(stands_for) = steps.last_mut() {
-            *stands_for += count;
-        }
-        before += count;
     }
     (origin, steps)
 }
@@ -362,10 +364,12 @@ mod tests {
             let longest = steps.iter().max().unwrap();
             assert!(*longest < every + 16, "{most}: {longest}");
         }
-        let each: Vec<((usize, usize), usize)> = (0..10).map(|n| ((0, n), 1)).collect();
-        let (origin, steps) = thinned(&each, 4);
-        let samples: Vec<usize> = origin.iter().map(|(_, sample)| *sample).collect();
-        assert_eq!((samples, steps), (vec![0, 3, 6, 9], vec![3, 3, 3, 1]));
+        let two = [0, 1]
+            .into_iter()
+            .flat_map(|which| (0..5).map(move |n| ((which, n), 1)));
+        let (origin, steps) = thinned(&two.collect::<Vec<_>>(), 4);
+        assert_eq!(origin, [(0, 0), (0, 3), (1, 0), (1, 3)]);
+        assert_eq!(steps, [3, 2, 3, 2], "each recording keeps its samples");
     }
 
     /// A slow and a fast sine of equal length, each sample of which counts the same along strides.

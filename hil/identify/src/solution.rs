@@ -184,3 +184,64 @@ fn with_rates(values: &[f64], tick: f64) -> Vec<(f64, f64)> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use mesh_damper_recording::trajectory::strides::strides;
+
+    use super::*;
+
+    /// A spring in series holds deflections of earlier ticks, and a delay counts them.
+    #[test]
+    fn a_law_that_counts_ticks_is_run_at_every_sample() {
+        let moved =
+            |n: i32| 0.2 * (TAU * f64::from(n) / if n < 4000 { 1000.0 } else { 50.0 }).sin();
+        let displacement: Vec<f64> = (0..5000).map(moved).collect();
+        let force = displacement.clone();
+        let all = [Trajectory::new(
+            "two",
+            1e-3,
+            &displacement,
+            force,
+            None,
+            None,
+        )];
+        let few = strides(&all, 1, |_, _| true);
+        let law = |form: &str, shapes: &[f64], sizes: &[f64]| Solution {
+            law: vec![LawNode {
+                amplitude: 0.0,
+                k1: 2.0,
+                k3: 1.0,
+                c: 0.05,
+                alpha: 0.5,
+            }],
+            terms: vec![TermValue {
+                term: Term {
+                    form: Form::named(form).unwrap(),
+                    reference: 0.0,
+                    is_known: false,
+                    held: None,
+                },
+                sizes: sizes.to_vec(),
+                shapes: shapes.to_vec(),
+            }],
+            search: Vec::new(),
+            squares: 0.0,
+        };
+        for (form, shapes, sizes) in [
+            ("compliance", &[5.0][..], &[][..]),
+            ("delay", &[2.5e-3], &[]),
+            ("force_filter", &[30.0], &[]),
+            ("periodic", &[7.0], &[0.1, 0.05]),
+        ] {
+            let law = law(form, shapes, sizes);
+            let along = law.predicted_along(&all, &few).unwrap();
+            assert_eq!(along, law.predicted(&all).unwrap(), "{form}");
+        }
+        let slides = law("jenkins", &[0.05], &[1.0]);
+        let along = slides.predicted_along(&all, &few).unwrap();
+        assert_ne!(along, slides.predicted(&all).unwrap());
+    }
+}

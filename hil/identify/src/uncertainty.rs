@@ -171,7 +171,7 @@ impl Uncertainty {
         let as_run = as_run.and_then(|force| {
             let of_steps = match rows.purpose {
                 Purpose::Result => exact::error_of_steps(&basis, solution, &force)?,
-                // The intervals of folds are compared with each other, and this error is that of all.
+                // The intervals of folds are compared with each other, and this error is nearly the same in all.
                 _ => vec![0.0; rows.len()],
             };
             Some((force, of_steps))

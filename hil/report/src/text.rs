@@ -126,8 +126,8 @@ pub fn verdict(result: &TraceResult) -> (String, String) {
         return (
             format!("{heading}; the law alone is kept"),
             format!(
-                "The law lacks something. The effects found are no better on conditions held out in turn, so they were not \
-                 adopted (unless with --adopt): their error on data that was never fitted is {}, that of the law alone is {}.",
+                "The law lacks something. The effects found are not shown to be better on conditions held out in turn, so they were not \
+                 adopted: their error on data that was never fitted is {}, that of the law alone is {}.",
                 percent(rejected.augmented.nrmse_held_out),
                 percent(result.baseline.nrmse_held_out)
             ),

@@ -326,7 +326,7 @@ def trace(
     recorded force is late, negative if it is early. `zero` says where the displacement of the specimen is 0: at the `mean` of the recorded
     displacement, at its value at the `start`, or at the recorded zero (`none`). What is given is known, and is not fitted.
 
-    `adopt` puts the effects found into the model even if they are no better than the law alone on conditions left out.
+    `adopt` puts effects or a residual table into the model even if conditions left out do not show that they are better than the law alone.
 
     `progress` is called with a sentence at each step. Ctrl-C ends a trace.
 

@@ -39,9 +39,10 @@ pub struct TraceCommand {
     out: PathBuf,
     #[command(flatten)]
     seeking: Seeking,
-    /// Write the effects found into model.json even if they are no better on conditions left out
+    /// Write effects or a residual table into model.json even if they are not shown to be better
     ///
-    /// Without this option, the law alone is written then, and where there are too few conditions to tell.
+    /// If the effects found do not explain the recordings, the model is tested on conditions left out of the fit. Without this option, the
+    /// law alone is written unless they show that the model predicts better.
     #[arg(long)]
     adopt: bool,
     /// Write trace.json to this file too; `-` is standard output

@@ -417,11 +417,6 @@ mod tests {
     /// Where a motion is fastest, a step is a tenth of the amplitude: half of the limit of Bouc and Wen, which is integrated.
     #[test]
     fn forces_with_a_memory_are_those_of_every_sample() {
-        let late = Form::all().find(|form| {
-            form.input
-                .is_some_and(|input| input.is_late && input.place == 0)
-        });
-        let late = late.unwrap();
         for motion in &motions() {
             let few = strides(std::slice::from_ref(motion), 100, |_, _| true).remove(0);
             let each = Stride::each(motion.len());
@@ -437,7 +432,7 @@ mod tests {
                 ("backlash", &[0.05, 0.1]),
                 ("degradation", &[0.3]),
                 ("weakening", &[0.05, 0.5, 0.1]),
-                (late.name, &[0.02][..late.shape_names.len().min(1)]),
+                ("late_spring", &[0.02]),
             ] {
                 let form = Form::named(name).unwrap();
                 let [coarse, fine] = [&few, &each]

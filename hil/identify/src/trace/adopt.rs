@@ -83,7 +83,9 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let pairs = || {
+        // Where the law alone cannot be run, its error has no size to compare with.
         let each = alone.iter().zip(with);
+        let each = each.filter(|(alone, _)| alone.error.is_finite());
         each.map(|(alone, with)| [alone.beyond_noise(), with.beyond_noise()])
     };
     // A condition with nearly equal errors says nothing, however large they are: the coefficients of an amplitude that occurs in
@@ -94,7 +96,7 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
         [sum[0] + pair[0].powi(2), sum[1] + pair[1].powi(2)]
     });
     let logs = pairs().map(|[alone, with]| (with / alone).ln());
-    let mean_ratio = (logs.sum::<f64>() / alone.len() as f64).exp();
+    let mean_ratio = (logs.sum::<f64>() / pairs().count() as f64).exp();
     // The error beyond the noise is 0 for NaN.
     let finite = with.iter().all(|one| one.error.is_finite());
     finite && squares[1] < gain * gain * squares[0] && mean_ratio < gain
@@ -135,6 +137,13 @@ mod tests {
         assert!(!gains(&errors(&far_off), &errors(&[0.05, 0.1, 0.15, 9.5])));
         assert!(!gains(&alone, &alone));
         assert!(!gains(&alone, &errors(&[f64::NAN; 4])));
+        // Where the law alone cannot be run, the other conditions decide.
+        let refused = [&alone[..3], &[RelativeError::NONE]].concat();
+        assert!(gains(&refused, &errors(&[0.05, 0.1, 0.15, 0.9])));
+        assert!(!gains(&refused, &errors(&[0.15, 0.3, 0.4, 0.1])));
+        let cannot_be_run = [&errors(&[0.05, 0.1, 0.15])[..], &[RelativeError::NONE]].concat();
+        assert!(!gains(&alone, &cannot_be_run));
+        assert!(!gains(&[RelativeError::NONE], &errors(&[0.1])));
     }
 
     #[test]

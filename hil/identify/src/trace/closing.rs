@@ -156,6 +156,7 @@ impl<'a> Closing<'a> {
                 residual_depends_on: Vec::new(),
                 table_rejected_by: None,
                 rejected: None,
+                is_insisted: false,
                 graded: None,
                 in_turn,
             }
@@ -205,6 +206,7 @@ impl<'a> Closing<'a> {
             residual_depends_on,
             table_rejected_by,
             rejected,
+            is_insisted,
             graded,
             in_turn,
         } = laws;
@@ -292,6 +294,12 @@ impl<'a> Closing<'a> {
             &over_noise,
             noise_floor,
         );
+        if is_insisted {
+            warnings.push(
+                "the model is written because the trace was told to adopt what it found: conditions held out in turn do not show that it is \
+                 better than the law alone".to_owned(),
+            );
+        }
         if !left_out.differ() {
             warnings.push(
                 "only one amplitude and one frequency were fitted: what the model does at others is unknown; record more of them".to_owned(),

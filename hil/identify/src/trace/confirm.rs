@@ -159,7 +159,7 @@ impl Closing<'_> {
             return Ok(());
         }
         // A table was fitted together with all of them.
-        let may_drop = laws.model.correction.is_none();
+        let may_drop = laws.model.correction.is_none() && !laws.is_insisted;
         let confirmed = self.confirmed(left_out, laws.rows, &laws.solution, may_drop)?;
         if confirmed.law.terms.len() < laws.solution.terms.len() {
             laws.solution = self.fit_there(laws.rows, &confirmed.law);
@@ -267,7 +267,7 @@ impl Closing<'_> {
             } else if largest_difference(&fits) >= ConfirmPolicy::in_use().steady {
                 Some(Rule::Unsteady)
             } else {
-                for rival in search.rivals(law, &rest)? {
+                for rival in search.rivals(law, &rest) {
                     let of_rival = errors(&in_turn(&rival));
                     // A rival that contains the effect does equally well for that reason alone, so it has to be clearly better.
                     let does_as_well = match is_more_than(&rival, family) {

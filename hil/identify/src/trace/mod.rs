@@ -375,7 +375,9 @@ fn search(
     let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(progress)?;
     // Two laws are compared by the same weights.
-    let same = for_all.beside_left(each.left.clone()).refit(&each.found)?;
+    let same = for_all
+        .beside_left(each.left.clone())
+        .reweighed(&each.found)?;
     if !each.found.score.beats(&same.score) {
         // The same effects with fewer coefficients.
         let found = Selection {
@@ -402,7 +404,7 @@ fn search(
         let law = (&found.found.solution, sought.law);
         error_between(fitted, validation, nodes, inner, law)
     };
-    let (between_of_each, between_of_one) = (between(&nodes, &each)?, between(&[0.0], &one)?);
+    let (between_of_each, between_of_one) = (between(&nodes, &each), between(&[0.0], &one));
     let gain = one.found.score.nrmse() / by_one.nrmse();
     Ok(if between_of_each <= gain * between_of_one {
         (true, each)

@@ -26,8 +26,8 @@ pub struct Sought {
     pub known: Vec<KnownTerm>,
     /// Facts about the rig. Its mass is a known effect; see [`Sought::on_rig`].
     pub rig: RigFacts,
-    /// Whether the effects found are written even if conditions that were left out do not show that they predict better than the law
-    /// alone.
+    /// Whether effects or a residual table are written even if conditions that were left out do not show that they predict better than the
+    /// law alone.
     pub adopt: bool,
 }
 

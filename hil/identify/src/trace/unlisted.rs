@@ -33,6 +33,8 @@ pub(super) struct Laws<'c> {
     pub table_rejected_by: Option<Rule>,
     /// The law that was no better than eq 13 on conditions held out in turn.
     pub rejected: Option<Rejected>,
+    /// Whether the model is written because the caller [insists](super::sought::Sought::adopt).
+    pub is_insisted: bool,
     /// The confirmed effects, as far as they are known.
     pub graded: Option<Confirmed>,
     /// The errors of `model` on conditions left out of its fit, one after the other.
@@ -124,12 +126,8 @@ impl Closing<'_> {
         };
         let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
         let (chosen, best) = simplest_of_best(&errors);
-        let chosen = match self.sought.adopt && chosen == 0 {
-            // The law with the effects found follows the law alone.
-            true if !found.is_alone() => 1,
-            true => best,
-            false => chosen,
-        };
+        let is_insisted = self.sought.adopt && chosen == 0 && best > 0;
+        let chosen = if is_insisted { best } else { chosen };
         let laws = self.completed(left_out, &alone, &candidates[chosen])?;
         // What did best although it is no better than the law alone.
         let rejected = match chosen == 0 && best > 0 {
@@ -141,6 +139,7 @@ impl Closing<'_> {
         };
         let has_no_table = candidates[chosen].choice.is_none();
         Ok(Laws {
+            is_insisted,
             table_rejected_by: has_no_table.then_some(without_table),
             rejected,
             ..laws
@@ -174,6 +173,7 @@ impl Closing<'_> {
             residual_depends_on,
             table_rejected_by: None,
             rejected: None,
+            is_insisted: false,
             graded: None,
             in_turn: candidate.errors.clone(),
         })

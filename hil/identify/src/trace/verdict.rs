@@ -72,7 +72,12 @@ impl OverNoise {
 /// Whether effects that change the errors on conditions held out in turn from `without` to `with` describe conditions other than those
 /// they were fitted to.
 pub(super) fn generalises(without: &[RelativeError], with: &[RelativeError]) -> bool {
-    let [all_without, all_with] = [without, with].map(RelativeError::mean);
+    // Where the law alone cannot be run, its error has no size to compare with.
+    let pairs = without.iter().zip(with);
+    let (of_without, of_with): (Vec<RelativeError>, Vec<RelativeError>) = pairs
+        .filter(|(without, _)| without.error.is_finite())
+        .unzip();
+    let [all_without, all_with] = [of_without, of_with].map(|each| RelativeError::mean(&each));
     let is_noise_limited =
         all_with.error <= VerdictPolicy::in_use().noise_limited.powi(2) * all_with.noise;
     let least = 1.0 - VerdictPolicy::in_use().least_taken;
@@ -134,7 +139,11 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
         .candidates
         .iter()
         .filter(|candidate| candidate.step == last)
-        .filter(|candidate| candidate.added || !(candidate.distinguishable || candidate.degenerate))
+        // One that was added and has a simpler one in its place at the end is no rival of that.
+        .filter(|candidate| match candidate.added {
+            true => candidate.fitted.families() == families,
+            false => !(candidate.distinguishable || candidate.degenerate),
+        })
         // A law that replaced others at a later step, or was refined, may be better than all candidates of that step.
         .filter(|candidate| {
             candidate.fitted.families() == families || !found.score.beats(&candidate.fitted.score)

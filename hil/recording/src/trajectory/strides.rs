@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Trajectory;
 use crate::extremes::least_and_largest;
-use crate::noise::rms;
+use crate::noise::{noise_deviation, rms};
 
 /// Between two samples of a stride, the displacement differs from a straight line by at most this fraction of its amplitude, or by its own
 /// error, or they are neighbours. Derived: 70 samples in the period of a sine, more than most recordings have at their fastest.
@@ -84,25 +84,25 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     let displacement = &trajectory.motion.displacement;
     let error = DEVIATIONS * rms(trajectory.motion_error.displacement.iter().copied());
     // An effect may follow a control input with a lag.
-    let controls: Vec<(&[f64], f64)> = (trajectory.controls.iter())
-        .map(|control| {
-            let (low, high) = least_and_largest(&control.values);
-            (&control.values[..], BENT * (high - low))
-        })
-        .collect();
+    let controls = trajectory.controls.iter().map(|control| {
+        let (low, high) = least_and_largest(&control.values);
+        let error = DEVIATIONS * noise_deviation(&control.values);
+        let limits = [BENT, FAR].map(|part| error.max(part * (high - low)));
+        (&control.values[..], limits)
+    });
+    let controls: Vec<(&[f64], [f64; 2])> = controls.collect();
     let mut strides: Vec<Stride> = Vec::new();
     for start in (0..last).step_by(LARGEST) {
         let end = (start + LARGEST).min(last);
         // At rest the amplitude is that of noise.
         let amplitude = trajectory.amplitude[start].max(least.unwrap_or_default());
-        let bent = error.max(BENT * amplitude);
-        let far = error.max(FAR * amplitude);
+        let limits = [BENT, FAR].map(|part| error.max(part * amplitude));
         let permits = |step: usize| {
             (start..end).step_by(step).all(|from| {
-                let to = from + step;
-                (displacement[to] - displacement[from]).abs() <= far
-                    && is_straight(displacement, from..to, bent)
-                    && (controls.iter()).all(|(values, bent)| is_straight(values, from..to, *bent))
+                let step = from..from + step;
+                let mut controls = controls.iter();
+                is_straight(displacement, &step, limits)
+                    && controls.all(|&(values, limits)| is_straight(values, &step, limits))
             })
         };
         let powers = (0..=longest.ilog2()).rev().map(|power| 1 << power);
@@ -120,14 +120,15 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     strides
 }
 
-/// Whether the values within a step differ by at most `bent` from the line between those at its ends.
-fn is_straight(values: &[f64], step: Range<usize>, bent: f64) -> bool {
+/// Whether the values at the ends of a step differ by at most `far`, and those between by at most `bent` from the line between the ends.
+fn is_straight(values: &[f64], step: &Range<usize>, [bent, far]: [f64; 2]) -> bool {
     let [first, last] = [values[step.start], values[step.end]];
     let length = step.len() as f64;
-    (step.start + 1..step.end).all(|sample| {
+    let is_near = |sample: usize| {
         let part = (sample - step.start) as f64 / length;
         (values[sample] - first - part * (last - first)).abs() <= bent
-    })
+    };
+    (last - first).abs() <= far && (step.start + 1..step.end).all(is_near)
 }
 
 #[cfg(test)]

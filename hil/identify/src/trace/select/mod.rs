@@ -68,7 +68,7 @@ pub struct Selection {
     pub candidates: Vec<Candidate>,
     /// The tolerated error on the validation cycles.
     pub goal: f64,
-    /// What the law that the samples were weighted for last leaves of each recording, kN².
+    /// The least that a law which the samples were weighted for leaves of each recording, kN².
     pub left: Vec<f64>,
 }
 
@@ -232,18 +232,21 @@ impl<'a> Search<'a> {
             let first = tried.first();
             let added = first.filter(|best| adds(best, &search, &found));
             let sharper = added.map(|best| search.sharper(&best.fitted)).transpose()?;
-            // What the best leaves decides between it and its rivals.
-            let mut again = None;
+            // What the best leaves decides between it and its rivals. If nothing is added then, the weights stay those of the law before.
+            let mut is_added = added.is_some();
             if let Some(sharper) = sharper.flatten() {
                 let before = sharper.reweighed(&found)?;
                 let laws = beam.iter().map(|law| sharper.reweighed(law));
                 let beam = laws.collect::<Result<Vec<_>, _>>()?;
-                tried = sharper.step(&beam, step, SelectPolicy::in_use().fitted);
-                again = Some((sharper, before));
+                let again = sharper.step(&beam, step, SelectPolicy::in_use().fitted);
+                let first = again.first();
+                is_added = first.is_some_and(|best| adds(best, &sharper, &before));
+                if is_added {
+                    (search, tried) = (sharper, again);
+                }
             }
             let Some(best) = tried.first_mut() else { break };
-            let (by, before) = again.as_ref().map_or((&search, &found), |(a, b)| (a, b));
-            let accepted = is_found || adds(best, by, before);
+            let accepted = is_found || is_added;
             let next = best.fitted.clone();
             best.added = accepted;
             let others = &mut tried[usize::from(accepted)..];
@@ -257,18 +260,16 @@ impl<'a> Search<'a> {
                 .take(SelectPolicy::in_use().beam)
                 .collect();
             candidates.extend(tried);
-            // Weights for a law that is not accepted are those of no law.
             if !accepted {
                 break;
             }
-            search = again.map_or(search, |(sharper, _)| sharper);
             // A law near the noise is refined too: a missing term distorts its parameters.
             found = search.refined(&next);
             if let Some(first) = beam.first_mut() {
                 *first = found.clone();
             }
         }
-        found = search.prune(search.unrefined(found)?)?;
+        found = search.prune(search.unrefined(found)?);
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
             baseline: search.reweighed(&baseline)?,
@@ -327,6 +328,9 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use mesh_damper::effects::Inertia;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, Normal};
 
     use super::super::set_unexplained;
     use super::*;
@@ -335,17 +339,14 @@ mod tests {
     fn recordings() -> [Trajectory; 2] {
         [0.0, 20.0].map(|mass| {
             let inertia = Inertia::new(mass).unwrap();
-            let rate = std::f64::consts::TAU * 10.0;
-            let noise = |n: i32| {
-                1e-3 * (1..9)
-                    .map(|k| (f64::from(n * k) * 1.234_567).sin())
-                    .sum::<f64>()
-            };
-            let moved = |n: i32| 0.2 * (rate * 1e-3 * f64::from(n)).sin();
+            let rate = |n: i32| std::f64::consts::TAU * if n < 2000 { 10.0 } else { 4.0 };
+            let mut random = ChaCha8Rng::seed_from_u64(1);
+            let mut noise = || Normal::new(0.0, 2e-3).unwrap().sample(&mut random);
+            let moved = |n: i32| 0.2 * (rate(n) * 1e-3 * f64::from(n)).sin();
             let displacement: Vec<f64> = (0..4000).map(moved).collect();
             let force = (0..4000).map(|n| {
                 let y = moved(n);
-                2.0 * y + inertia.force_at(-rate * rate * y) + noise(n)
+                2.0 * y + inertia.force_at(-rate(n).powi(2) * y) + noise()
             });
             Trajectory::new("sine", 1e-3, &displacement, force.collect(), None, None)
         })
@@ -377,10 +378,16 @@ mod tests {
         assert!(sharper.sharper(&again).unwrap().is_none());
     }
 
+    /// Of the law alone, and of a law with a mass.
     #[test]
     fn a_selection_is_weighted_for_its_own_law() {
-        let mut trajectories = recordings();
-        trajectories[0] = trajectories[1].clone();
+        for (which, recording) in recordings().iter().enumerate() {
+            let selection = selected_from([recording.clone(), recording.clone()]);
+            assert_eq!(selection.found.solution.terms.len(), which);
+        }
+    }
+
+    fn selected_from(mut trajectories: [Trajectory; 2]) -> Selection {
         let roles = roles(&trajectories);
         set_unexplained(&mut trajectories, &[1.0; 2]);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
@@ -395,5 +402,6 @@ mod tests {
         let scored = same.scored(selection.found.solution.clone()).unwrap();
         assert_eq!(scored.score.nrmse(), selection.found.score.nrmse());
         assert_eq!(same.goal(), selection.goal);
+        selection
     }
 }

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use mesh_damper_model::ModelError;
 use mesh_damper_model::predict::predict;
 use mesh_damper_recording::cycles::{FoundBlock, levels, same_amplitude};
 use mesh_damper_recording::extremes::least_and_largest;
@@ -17,14 +16,15 @@ use crate::shape::Extent;
 use crate::solution::Solution;
 
 /// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to. Each inner node in
-/// turn is left out; returns the root of the summed squared error there, kN. Samples that `roles` hold out are not used.
+/// turn is left out; returns the root of the summed squared error there, kN, or infinity if the crate refuses a law that was fitted so.
+/// Samples that `roles` hold out are not used.
 pub fn error_between(
     trajectories: &[Trajectory],
     roles: &Roles,
     nodes: &[f64],
     left_out: &[f64],
     (found, law): (&Solution, BaseLaw),
-) -> Result<f64, ModelError> {
+) -> f64 {
     let extent = Extent::of(trajectories);
     let is_open = |which, sample| roles.is_open(which, sample);
     let strides = Arc::new(strides(trajectories, Purpose::Search.rows(), is_open));
@@ -52,14 +52,16 @@ pub fn error_between(
             .solve_near(found)
             .model();
         for (which, trajectory) in trajectories.iter().enumerate() {
-            let predicted = predict(&model, trajectory)?;
+            let Ok(predicted) = predict(&model, trajectory) else {
+                return f64::INFINITY;
+            };
             error += (0..trajectory.len())
                 .filter(|&sample| roles.is_open(which, sample) && is_left_out(which, sample))
                 .map(|sample| (predicted[sample] - trajectory.force[sample]).powi(2))
                 .sum::<f64>();
         }
     }
-    Ok(error.sqrt())
+    error.sqrt()
 }
 
 /// The levels of amplitude in mm of the fitted blocks. What is fitted of a block must move as far as its amplitude, or as the

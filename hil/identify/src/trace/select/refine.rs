@@ -91,7 +91,7 @@ impl Search<'_> {
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.
-    pub(super) fn prune(&self, found: Fitted) -> Result<Fitted, ModelError> {
+    pub(super) fn prune(&self, found: Fitted) -> Fitted {
         let mut found = found;
         let mut index = 0;
         while found.solution.found().count() > 1 && index < found.solution.terms.len() {
@@ -101,15 +101,15 @@ impl Search<'_> {
             }
             let rest = found.solution.without(index);
             let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
-            let without = self.scored(problem.solve_near(&rest))?;
-            if self.is_better(&found, &without) {
-                index += 1;
-            } else {
-                found = without;
-                index = 0;
+            match self.scored(problem.solve_near(&rest)) {
+                Ok(without) if !self.is_better(&found, &without) => {
+                    found = without;
+                    index = 0;
+                }
+                _ => index += 1,
             }
         }
-        Ok(found)
+        found
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rivals are effects of other families that explain the same cycles as well.
 
-use mesh_damper_model::{Family, ModelError};
+use mesh_damper_model::Family;
 
 use super::Search;
 use crate::problem::Problem;
@@ -10,16 +10,15 @@ use crate::trace::select::SelectPolicy;
 
 impl Search<'_> {
     /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the validation cycles
-    /// as well as `law`: the best for each family.
-    ///
-    /// # Errors
-    /// The crate refuses a fitted law.
-    pub fn rivals(&self, law: &Solution, rest: &Solution) -> Result<Vec<Solution>, ModelError> {
+    /// as well as `law`: the best for each family. None if the crate refuses one of the two as it is fitted here.
+    pub fn rivals(&self, law: &Solution, rest: &Solution) -> Vec<Solution> {
         let refit = |known: &Solution| {
             let problem = Problem::new(&self.rows, &self.extent, &known.terms());
             self.scored(problem.solve_near(known))
         };
-        let (law, rest) = (refit(law)?, refit(rest)?);
+        let (Ok(law), Ok(rest)) = (refit(law), refit(rest)) else {
+            return Vec::new();
+        };
         let families = law.families();
         let is_other = |term: &&Term| !families.contains(&term.form.family());
         let others: Vec<Term> = self.terms.iter().filter(is_other).copied().collect();
@@ -32,9 +31,7 @@ impl Search<'_> {
             known.push(term.form.family());
             is_new
         });
-        Ok(beside
-            .into_iter()
-            .map(|(_, rival, _)| rival.solution)
-            .collect())
+        let rivals = beside.into_iter().map(|(_, rival, _)| rival.solution);
+        rivals.collect()
     }
 }
