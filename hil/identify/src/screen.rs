@@ -178,7 +178,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let known = self.solution.search.iter().copied();
         let at: Vec<f64> = known.chain(shapes.iter().map(|shape| shape.ln())).collect();
         let columns = basis.columns(&at, None);
-        let tangent = Tangent::of(&basis, &columns, self.solution);
+        let tangent = self.tangent.moved(&basis, &columns, self.solution);
         let to_explain = basis.to_explain(&columns);
         let (normal, factor) = normal_of(self.basis.rows, &to_explain, &tangent);
         Some(factor?.left(&normal))

@@ -1,12 +1,14 @@
-//! A law gets one more term: the screen rates every term, and the promising ones are fitted.
+//! A law gets one more term: the screen rates every term, the promising ones are fitted roughly, and the best of those in full.
 
 use rayon::prelude::*;
 
 use super::super::fitted::Fitted;
+use super::super::score::Score;
 use super::super::tones::tones;
 use super::Search;
 use crate::problem::Problem;
 use crate::screen::{Screen, Start};
+use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
 use crate::trace::select::SelectPolicy;
@@ -59,7 +61,7 @@ impl Search<'_> {
         rated.sort_by(|a, b| b.2[0].gain.total_cmp(&a.2[0].gain));
         let promising = SelectPolicy::in_use().promising
             * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
-        rated
+        let mut laws: Vec<(Term, Fitted, bool)> = rated
             .into_par_iter()
             .with_max_len(1)
             .enumerate()
@@ -70,7 +72,7 @@ impl Search<'_> {
                 let solution = if is_fitted {
                     starts[..SelectPolicy::in_use().starts.min(starts.len())]
                         .par_iter()
-                        .map(|start| problem.solve_from(&base, &start.shapes))
+                        .map(|start| problem.solve_last(&base, &start.shapes))
                         .min_by(|a, b| a.squares.total_cmp(&b.squares))?
                 } else {
                     problem.solve_at(&base, &starts[0].shapes)
@@ -78,7 +80,29 @@ impl Search<'_> {
                 // A fit with coefficients that the crate refuses is no candidate.
                 Some((term, self.scored(solution).ok()?, is_fitted))
             })
-            .collect()
+            .collect();
+        self.complete(&extent, &mut laws);
+        laws
+    }
+
+    /// Fits all parameters of those laws that were fitted roughly, the best first, as long as none of those is clearly better than the next.
+    fn complete(&self, extent: &Extent, laws: &mut [(Term, Fitted, bool)]) {
+        laws.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        let mut best: Option<Score> = None;
+        for (_, law, _) in laws.iter_mut().filter(|(_, _, is_fitted)| *is_fitted) {
+            if best.as_ref().is_some_and(|best| best.beats(&law.score)) {
+                continue;
+            }
+            let problem = Problem::new(&self.rows, extent, &law.solution.terms());
+            let complete = problem.solve_from(&law.solution, &[]);
+            if let Ok(complete) = self.scored(complete) {
+                *law = complete;
+            }
+            let is_best = |best: &Score| law.score.nrmse() < best.nrmse();
+            if law.is_admissible() && best.as_ref().is_none_or(is_best) {
+                best = Some(law.score.clone());
+            }
+        }
     }
 }
 
