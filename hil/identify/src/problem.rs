@@ -79,7 +79,7 @@ impl<'r, 'a> Problem<'r, 'a> {
         });
         starts
             .into_par_iter()
-            .map(|start| self.minimized(self.basis(), start, 0))
+            .map(|start| self.minimized(self.basis(), start))
             .min_by(|a, b| a.squares.total_cmp(&b.squares))
             .expect("there is at least one start")
     }
@@ -87,21 +87,15 @@ impl<'r, 'a> Problem<'r, 'a> {
     /// The fit from `start`, a solution with these terms or with all but the last, whose shapes then are `shapes`.
     pub fn solve_from(&self, start: &Solution, shapes: &[f64]) -> Solution {
         let at = self.start(start, shapes);
-        let mut solution = self.minimized(self.basis().around(start), at, 0);
+        let mut solution = self.minimized(self.basis().around(start), at);
         if self.terms.iter().any(|term| term.form.gives_way) {
             for _ in 1..ProblemPolicy::in_use().series_rounds {
                 let at = solution.search.clone();
-                solution = self.minimized(self.basis().around(&solution), at, 0);
+                solution = self.minimized(self.basis().around(&solution), at);
             }
             solution = exact::refined(&self.basis(), solution);
         }
         solution
-    }
-
-    /// The same while the exponents and the other terms' searched parameters stay: a rough fit, which runs the last term only.
-    pub fn solve_last(&self, start: &Solution, shapes: &[f64]) -> Solution {
-        let at = self.start(start, shapes);
-        self.minimized(self.basis().around(start), at, start.search.len())
     }
 
     /// The fit from `known`, a solution with these terms, possibly with nodes at other amplitudes.
@@ -125,7 +119,8 @@ impl<'r, 'a> Problem<'r, 'a> {
     /// The linear part alone, at the exponents of `start` and these `shapes` of the last term.
     pub fn solve_at(&self, start: &Solution, shapes: &[f64]) -> Solution {
         let basis = self.basis().around(start);
-        Search::new(&basis, self.start(start, shapes), 0).solution()
+        let search = Search::new(&basis, DVector::from_vec(self.start(start, shapes)));
+        search.solution()
     }
 
     fn basis(&self) -> Basis<'r, 'a> {
@@ -142,12 +137,8 @@ impl<'r, 'a> Problem<'r, 'a> {
         start.search.iter().copied().chain(end).collect()
     }
 
-    /// The searched parameters before `first` stay.
-    fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>, first: usize) -> Solution {
-        let search = Search::new(&basis, start, first);
-        if search.at.len() == first {
-            return search.solution();
-        }
+    fn minimized(&self, basis: Basis<'r, 'a>, start: Vec<f64>) -> Solution {
+        let search = Search::new(&basis, DVector::from_vec(start));
         let [changed, saved] = enough(self.rows.purpose);
         LevenbergMarquardt::new()
             .with_ftol(saved)
@@ -169,9 +160,7 @@ fn searched(form: Form, shapes: impl Iterator<Item = f64>) -> Vec<f64> {
 /// A search over exponents and shapes.
 struct Search<'b, 'r, 'a> {
     basis: &'b Basis<'r, 'a>,
-    at: Vec<f64>,
-    /// Those before it stay.
-    first: usize,
+    at: DVector<f64>,
     columns: Columns,
     projected: Projected,
 }
@@ -187,12 +176,11 @@ struct Projected {
 }
 
 impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
-    fn new(basis: &'b Basis<'r, 'a>, at: Vec<f64>, first: usize) -> Self {
-        let columns = basis.columns(&at, None);
+    fn new(basis: &'b Basis<'r, 'a>, at: DVector<f64>) -> Self {
+        let columns = basis.columns(at.as_slice(), None);
         Self {
             basis,
             at,
-            first,
             projected: project(basis, &columns),
             columns,
         }
@@ -201,7 +189,7 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
     fn solution(&self) -> Solution {
         let linear = self.projected.linear.as_slice();
         let squares = self.projected.residuals.norm_squared();
-        self.basis.solution(&self.at, linear, squares)
+        self.basis.solution(self.at.as_slice(), linear, squares)
     }
 }
 
@@ -239,13 +227,13 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
     type ParameterStorage = Owned<f64, Dyn>;
 
     fn set_params(&mut self, at: &DVector<f64>) {
-        self.at[self.first..].copy_from_slice(at.as_slice());
-        self.columns = self.basis.columns(&self.at, Some(&self.columns));
+        self.columns = self.basis.columns(at.as_slice(), Some(&self.columns));
         self.projected = project(self.basis, &self.columns);
+        self.at.copy_from(at);
     }
 
     fn params(&self) -> DVector<f64> {
-        DVector::from_column_slice(&self.at[self.first..])
+        self.at.clone()
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
@@ -261,9 +249,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
         let node = &self.basis.motion(&self.columns).node;
         let (law, added) = (self.columns.law(), self.columns.added());
         let first_size = 3 * rows.nodes.len();
-        let mut jacobian = DMatrix::zeros(rows.len(), self.at.len() - self.first);
-        for (place, mut column) in jacobian.column_iter_mut().enumerate() {
-            let slope = self.basis.slope(&self.columns, linear, self.first + place);
+        let mut jacobian = DMatrix::zeros(rows.len(), self.at.len());
+        for (slot, mut column) in jacobian.column_iter_mut().enumerate() {
+            let slope = self.basis.slope(&self.columns, linear, slot);
             let mut products = vec![0.0; linear.len()];
             for (index, slope) in slope.iter().enumerate() {
                 let weighted = rows.weight[index].powi(2) * slope;

@@ -36,7 +36,13 @@ pub struct Start {
     pub shapes: Vec<f64>,
     /// The part of the squared error that it could save, to first order.
     pub gain: f64,
+    /// What would be left of it, kN².
+    pub left: f64,
 }
+
+/// First and last step of [`Screen::improved`], of the logarithm of a shape. Convention: less than the distance of two starts, and what a
+/// full fit makes up for.
+const STEPS: [f64; 2] = [0.5, 0.06];
 
 impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
     /// At `solution`, which was fitted to `rows`.
@@ -62,13 +68,36 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
     pub fn starts(&self, term: Term) -> Vec<Start> {
         let mut starts: Vec<Start> = grid(self.extent, term.form)
             .into_iter()
-            .map(|shapes| Start {
-                gain: self.gain(term, &shapes),
-                shapes,
-            })
+            .map(|shapes| self.start(term, shapes))
             .collect();
         starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         starts
+    }
+
+    /// `start` of `term`, moved to where it gains most (a pattern search, Hooke and Jeeves 1961): each step runs this term only, while the
+    /// law follows to first order.
+    pub fn improved(&self, term: Term, start: &Start) -> Start {
+        let ranges = (term.form.shapes)(self.extent);
+        let mut best = start.clone();
+        let [mut step, last] = STEPS;
+        while step > last {
+            let moves = (0..ranges.len()).flat_map(|place| [(place, step), (place, -step)]);
+            let mut is_best = true;
+            for (place, by) in moves {
+                let mut shapes = best.shapes.clone();
+                let moved = shapes[place] * f64::exp(by);
+                shapes[place] = moved.clamp(ranges[place].low, ranges[place].high);
+                let moved = self.start(term, shapes);
+                if moved.gain > best.gain {
+                    best = moved;
+                    is_best = false;
+                }
+            }
+            if is_best {
+                step *= 0.5;
+            }
+        }
+        best
     }
 
     /// The squared error that a force, in kN at every row and of any size, saves in addition to the law's, to first order.
@@ -77,9 +106,23 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
     }
 
-    fn gain(&self, term: Term, shapes: &[f64]) -> f64 {
+    fn start(&self, term: Term, shapes: Vec<f64>) -> Start {
+        let [saved, left] = self.saved_of(term, &shapes);
+        Start {
+            shapes,
+            gain: if left > 0.0 {
+                (saved / left).max(0.0)
+            } else {
+                0.0
+            },
+            left: left - saved,
+        }
+    }
+
+    /// The squared error that a term saves, and that which the law leaves without it, kN².
+    fn saved_of(&self, term: Term, shapes: &[f64]) -> [f64; 2] {
         let Some(factor) = &self.factor else {
-            return 0.0;
+            return [0.0; 2];
         };
         let left = factor.left(&self.normal);
         let saved = match term.form.entry {
@@ -101,7 +144,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
                 self.saved_by(factor, &forces, term.form.size_is_positive)
             }
         };
-        (saved / left).max(0.0)
+        [saved, left]
     }
 
     /// The force that a term which scales the law adds at every row, kN.

@@ -3,7 +3,7 @@
 use mesh_damper::effects::ResidualTable;
 use mesh_damper::effects::description::EffectKind;
 use mesh_damper::effects::residual_table::{CELLS, ResidualTableParts, ResidualTableState};
-use mesh_damper_model::correction::Remembered;
+use mesh_damper_model::correction::{MemoryAxis, Remembered};
 use mesh_damper_model::predict::{motion_at, predict};
 use mesh_damper_model::{Family, LawNode, Model, ModelError};
 use mesh_damper_recording::cycles::same_amplitude;
@@ -114,12 +114,10 @@ pub(crate) struct Recalled {
 }
 
 impl<'a> Design<'a> {
-    /// The samples that `included` picks, for a table of `reach`, or of the range of the samples. `None` if there are no samples,
-    /// or if they do not move.
+    /// The samples that `included` picks, for a table over their range. `None` if there are no samples, or if they do not move.
     pub fn new(
         trajectories: &'a [Trajectory],
         model: &Model,
-        reach: Option<Reach>,
         included: impl Fn(usize, usize) -> bool,
     ) -> Result<Option<Self>, ModelError> {
         let picked: Vec<(usize, usize)> = trajectories
@@ -137,10 +135,10 @@ impl<'a> Design<'a> {
                 most.max(channel(&trajectories[which])[sample].abs())
             })
         };
-        let reach = reach.unwrap_or_else(|| Reach {
+        let reach = Reach {
             displacement: largest(&|t| &t.motion.displacement),
             speed: largest(&|t| &t.motion.velocity),
-        });
+        };
         let Some(table) = empty(&reach, None, 1.0) else {
             return Ok(None);
         };
@@ -339,6 +337,14 @@ impl<'a> Design<'a> {
 }
 
 impl Recalled {
+    /// The axis of the table over it.
+    pub fn axis(&self) -> MemoryAxis {
+        MemoryAxis {
+            of: self.of,
+            range: self.range,
+        }
+    }
+
     /// The cells that act on the force at a row.
     pub fn cells_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let cells = &self.cells[row];

@@ -71,10 +71,18 @@ impl Choice {
         }
     }
 
-    /// The memory at each row of `design`.
-    fn recalled(&self, design: &Design) -> Option<Recalled> {
-        let memory = self.memory?;
-        design.recall_within(memory.of, memory.range)
+    /// The same for other samples, with the memory at each of their rows; `None` if that never changes there.
+    fn over(&self, design: &Design) -> Option<(Self, Option<Recalled>)> {
+        let recalled = match self.memory {
+            Some(memory) => Some(design.recall(memory.of)?),
+            None => None,
+        };
+        let choice = Self {
+            reach: design.reach,
+            memory: recalled.as_ref().map(Recalled::axis),
+            ..self.clone()
+        };
+        Some((choice, recalled))
     }
 }
 
@@ -103,7 +111,7 @@ pub fn fit(
     included: impl Fn(usize, usize) -> bool,
     is_seen: impl Fn(&Model, &Model) -> Result<bool, ModelError>,
 ) -> Result<Vec<(Model, Choice)>, ModelError> {
-    let Some(design) = Design::new(trajectories, model, None, included)? else {
+    let Some(design) = Design::new(trajectories, model, included)? else {
         return Ok(Vec::new());
     };
     let start = Coefficients::of(model);
@@ -158,7 +166,7 @@ pub fn fit(
 }
 
 /// `model` with the correction of an earlier choice, fitted to other samples; without a correction if the samples do not determine
-/// it.
+/// it. It is over the range of these samples: a fit without the largest motion knows nothing of that.
 ///
 /// # Errors
 /// A model that the crate refuses.
@@ -168,14 +176,15 @@ pub fn refit(
     model: &Model,
     included: impl Fn(usize, usize) -> bool,
 ) -> Result<Model, ModelError> {
-    let design = Design::new(trajectories, model, Some(choice.reach), included)?;
+    let design = Design::new(trajectories, model, included)?;
     let solved = design.and_then(|design| {
-        let recalled = choice.recalled(&design);
+        let (choice, recalled) = choice.over(&design)?;
         let start = Coefficients::of(model);
-        settled(&design, &start, choice.form(), recalled.as_ref())
+        let solved = settled(&design, &start, choice.form(), recalled.as_ref())?;
+        Some((choice, solved))
     });
     match solved {
-        Some(solved) => corrected(model, &solved, choice, tick_of(trajectories)),
+        Some((choice, solved)) => corrected(model, &solved, &choice, tick_of(trajectories)),
         None => Ok(model.clone()),
     }
 }
@@ -192,9 +201,11 @@ pub fn depends_on(
     included: impl Fn(usize, usize) -> bool,
 ) -> Result<Vec<&'static str>, ModelError> {
     let mut names = Vec::new();
-    let design = Design::new(trajectories, model, Some(choice.reach), included)?;
-    if let Some(design) = &design {
-        let recalled = choice.recalled(design);
+    let design = Design::new(trajectories, model, included)?;
+    let over = design
+        .as_ref()
+        .and_then(|design| Some((design, choice.over(design)?)));
+    if let Some((design, (choice, recalled))) = &over {
         let at = Coefficients::of(model);
         let rows = GramRows::over(design, &at, recalled.as_ref());
         let of = recalled.as_ref().map(|recalled| recalled.of);

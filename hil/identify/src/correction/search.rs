@@ -1,6 +1,6 @@
 //! The search for the structure of a correction: its trends, its table around them, and its memory.
 
-use mesh_damper_model::correction::{MemoryAxis, Remembered};
+use mesh_damper_model::correction::Remembered;
 use rayon::prelude::*;
 
 use super::design::{Coefficients, Design, Recalled};
@@ -80,10 +80,7 @@ fn around(
     let choice = Choice {
         reach: design.reach,
         table,
-        memory: recalled.map(|recalled| MemoryAxis {
-            of: recalled.of,
-            range: recalled.range,
-        }),
+        memory: recalled.map(Recalled::axis),
         trends,
         is_passive: false,
     };

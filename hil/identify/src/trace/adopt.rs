@@ -25,6 +25,14 @@ pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> 
     gains_by(AdoptPolicy::in_use().better, alone, with)
 }
 
+/// Whether the law `with` more is on no condition [clearly](AdoptPolicy::better) worse than the law `alone`. A table fits any force, and so
+/// may be far off beyond the motions that it was fitted to: the conditions at the ends of a range are such motions for the others.
+pub(super) fn is_nowhere_worse(alone: &[RelativeError], with: &[RelativeError]) -> bool {
+    let mut pairs = alone.iter().zip(with);
+    let better = AdoptPolicy::in_use().better;
+    pairs.all(|(alone, with)| better * with.beyond_noise() <= alone.beyond_noise())
+}
+
 /// Index of the smallest of these errors, starting with the preferred law: a later one has to be clearly smaller.
 pub(super) fn clearly_best(errors: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::INFINITY);
@@ -144,6 +152,22 @@ mod tests {
         let cannot_be_run = [&errors(&[0.05, 0.1, 0.15])[..], &[RelativeError::NONE]].concat();
         assert!(!gains(&alone, &cannot_be_run));
         assert!(!gains(&[RelativeError::NONE], &errors(&[0.1])));
+    }
+
+    #[test]
+    fn a_table_that_fails_at_an_end_is_worse_somewhere() {
+        let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
+        assert!(is_nowhere_worse(
+            &alone,
+            &errors(&[0.01, 0.204, 0.01, 0.01])
+        ));
+        assert!(!is_nowhere_worse(
+            &alone,
+            &errors(&[0.01, 0.01, 0.01, 0.11])
+        ));
+        let cannot_be_run = [&alone[..3], &[RelativeError::NONE]].concat();
+        assert!(!is_nowhere_worse(&alone, &cannot_be_run));
+        assert!(is_nowhere_worse(&cannot_be_run, &alone));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Model, ModelError};
 use rayon::prelude::*;
 
-use super::adopt::{clearly_best, simplest_of_best};
+use super::adopt::{clearly_best, is_nowhere_worse, simplest_of_best};
 use super::closing::Closing;
 use super::confirm::Confirmed;
 use super::left_out::{LeftOut, Picked, Samples};
@@ -118,12 +118,14 @@ impl Closing<'_> {
             each.collect::<Result<Vec<_>, ModelError>>()
         });
         let corrected: Vec<Vec<Candidate>> = corrected.collect::<Result<_, _>>()?;
-        candidates.extend(corrected.into_iter().flatten());
-        let has_table = candidates.iter().any(|one| one.choice.is_some());
-        let without_table = match has_table {
-            true => Rule::TableUnknownElsewhere,
-            false => Rule::TableWorthLittle,
+        let corrected: Vec<Candidate> = corrected.into_iter().flatten().collect();
+        let without_table = match corrected.is_empty() {
+            true => Rule::TableWorthLittle,
+            false => Rule::TableUnknownElsewhere,
         };
+        let is_safe = |table: &Candidate| is_nowhere_worse(&candidates[0].errors, &table.errors);
+        let safe: Vec<Candidate> = corrected.into_iter().filter(is_safe).collect();
+        candidates.extend(safe);
         let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
         let (chosen, best) = simplest_of_best(&errors);
         let is_insisted = self.sought.adopt && chosen == 0 && best > 0;

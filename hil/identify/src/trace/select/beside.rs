@@ -1,17 +1,18 @@
-//! A law gets one more term: the screen rates every term, the promising ones are fitted roughly, and the best of those in full.
+//! A law gets one more term: the screen rates every term, and the promising ones are fitted.
 
 use rayon::prelude::*;
 
 use super::super::fitted::Fitted;
-use super::super::score::Score;
 use super::super::tones::tones;
 use super::Search;
 use crate::problem::Problem;
 use crate::screen::{Screen, Start};
-use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::term::Term;
 use crate::trace::select::SelectPolicy;
+
+/// An effect is not fitted if it would leave this many times the squared error of another, to first order. Convention: twice the error.
+const FAR_MORE: f64 = 4.0;
 
 impl Search<'_> {
     /// Each of `terms` added to `law`, and whether it was fitted. At most the `most` most promising ones are fitted; the others
@@ -61,48 +62,44 @@ impl Search<'_> {
         rated.sort_by(|a, b| b.2[0].gain.total_cmp(&a.2[0].gain));
         let promising = SelectPolicy::in_use().promising
             * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
-        let mut laws: Vec<(Term, Fitted, bool)> = rated
+        let is_promising =
+            |place: usize, starts: &[Start]| place < most && starts[0].gain > promising;
+        let rated: Vec<(Term, Solution, Start, bool)> = rated
             .into_par_iter()
             .with_max_len(1)
             .enumerate()
-            .filter_map(|(place, (term, base, starts))| {
+            .map(|(place, (term, base, mut starts))| {
+                if !is_promising(place, &starts) {
+                    return (term, base, starts.swap_remove(0), false);
+                }
+                let own = (base.terms.len() < known.len())
+                    .then(|| Screen::at(&self.rows, &extent, &base));
+                let screen = own.as_ref().unwrap_or(&screen);
+                let starts = starts.iter().take(SelectPolicy::in_use().starts);
+                let best = starts.map(|start| screen.improved(term, start));
+                let best = best.min_by(|a, b| a.left.total_cmp(&b.left));
+                (term, base, best.expect("there is a start"), true)
+            })
+            .collect();
+        let least = rated.iter().filter(|(.., is_promising)| *is_promising);
+        let least = least.fold(f64::INFINITY, |least, (_, _, start, _)| {
+            least.min(start.left)
+        });
+        rated
+            .into_par_iter()
+            .with_max_len(1)
+            .filter_map(|(term, base, start, is_promising)| {
                 let terms: Vec<Term> = base.terms().into_iter().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
-                let is_fitted = place < most && starts[0].gain > promising;
-                let solution = if is_fitted {
-                    starts[..SelectPolicy::in_use().starts.min(starts.len())]
-                        .par_iter()
-                        .map(|start| problem.solve_last(&base, &start.shapes))
-                        .min_by(|a, b| a.squares.total_cmp(&b.squares))?
-                } else {
-                    problem.solve_at(&base, &starts[0].shapes)
+                let is_fitted = is_promising && start.left <= FAR_MORE * least;
+                let solution = match is_fitted {
+                    true => problem.solve_from(&base, &start.shapes),
+                    false => problem.solve_at(&base, &start.shapes),
                 };
                 // A fit with coefficients that the crate refuses is no candidate.
                 Some((term, self.scored(solution).ok()?, is_fitted))
             })
-            .collect();
-        self.complete(&extent, &mut laws);
-        laws
-    }
-
-    /// Fits all parameters of those laws that were fitted roughly, the best first, as long as none of those is clearly better than the next.
-    fn complete(&self, extent: &Extent, laws: &mut [(Term, Fitted, bool)]) {
-        laws.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
-        let mut best: Option<Score> = None;
-        for (_, law, _) in laws.iter_mut().filter(|(_, _, is_fitted)| *is_fitted) {
-            if best.as_ref().is_some_and(|best| best.beats(&law.score)) {
-                continue;
-            }
-            let problem = Problem::new(&self.rows, extent, &law.solution.terms());
-            let complete = problem.solve_from(&law.solution, &[]);
-            if let Ok(complete) = self.scored(complete) {
-                *law = complete;
-            }
-            let is_best = |best: &Score| law.score.nrmse() < best.nrmse();
-            if law.is_admissible() && best.as_ref().is_none_or(is_best) {
-                best = Some(law.score.clone());
-            }
-        }
+            .collect()
     }
 }
 
