@@ -53,7 +53,11 @@ type OfLaw = (usize, (f64, f64));
 ///
 /// Laws are compared by the mean logarithm of the ratio of their errors, in which each condition counts equally, and its standard error
 /// over the conditions. A law that gains while a device is nearly at rest and fails while it moves gains nothing in total.
-pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
+/// Only a law that `may_be_written` is.
+pub(super) fn simplest_of_best(
+    laws: &[&[RelativeError]],
+    may_be_written: impl Fn(usize) -> bool,
+) -> (usize, usize) {
     // Mean and its standard error.
     let log_ratio = |a: usize, b: usize| {
         let pairs = laws[a].iter().zip(laws[b]);
@@ -75,7 +79,9 @@ pub(super) fn simplest_of_best(laws: &[&[RelativeError]]) -> (usize, usize) {
         return (0, 0);
     };
     // NaN, as of a single condition, is no gain.
-    let is_better = |(law, (mean, error)): &&OfLaw| *mean < -*error && gains(laws[0], laws[*law]);
+    let is_better = |(law, (mean, error)): &&OfLaw| {
+        *mean < -*error && gains(laws[0], laws[*law]) && may_be_written(*law)
+    };
     let better: Vec<OfLaw> = candidates.iter().filter(is_better).copied().collect();
     let Some(&(of_better, _)) = better.iter().min_by(by_mean) else {
         return (0, best);
@@ -176,10 +182,15 @@ mod tests {
         let simple = errors(&[0.05, 0.11, 0.14, 0.052]);
         let as_good = errors(&[0.052, 0.1, 0.15, 0.048]);
         let better = errors(&[0.03, 0.06, 0.08, 0.029]);
-        let chosen = |laws: &[&[RelativeError]]| simplest_of_best(laws);
+        let chosen = |laws: &[&[RelativeError]]| simplest_of_best(laws, |_| true);
         assert_eq!(chosen(&[&alone, &simple, &as_good]).0, 1);
         assert_eq!(chosen(&[&alone, &simple, &better]), (2, 2));
         assert_eq!(chosen(&[&alone, &better, &simple]), (1, 1));
+        let but_the_best = |law: usize| law != 2;
+        assert_eq!(
+            simplest_of_best(&[&alone, &simple, &better], but_the_best),
+            (1, 2)
+        );
         assert_eq!(chosen(&[&alone]), (0, 0));
         let no_use = errors(&[0.101, 0.199, 0.3, 0.1]);
         assert_eq!(chosen(&[&alone, &no_use]), (0, 1));

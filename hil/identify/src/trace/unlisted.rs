@@ -118,16 +118,17 @@ impl Closing<'_> {
             each.collect::<Result<Vec<_>, ModelError>>()
         });
         let corrected: Vec<Vec<Candidate>> = corrected.collect::<Result<_, _>>()?;
-        let corrected: Vec<Candidate> = corrected.into_iter().flatten().collect();
-        let without_table = match corrected.is_empty() {
-            true => Rule::TableWorthLittle,
-            false => Rule::TableUnknownElsewhere,
+        candidates.extend(corrected.into_iter().flatten());
+        let has_table = candidates.iter().any(|one| one.choice.is_some());
+        let without_table = match has_table {
+            true => Rule::TableUnknownElsewhere,
+            false => Rule::TableWorthLittle,
         };
-        let is_safe = |table: &Candidate| is_nowhere_worse(&candidates[0].errors, &table.errors);
-        let safe: Vec<Candidate> = corrected.into_iter().filter(is_safe).collect();
-        candidates.extend(safe);
         let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
-        let (chosen, best) = simplest_of_best(&errors);
+        let is_safe = |number: usize| {
+            candidates[number].choice.is_none() || is_nowhere_worse(errors[0], errors[number])
+        };
+        let (chosen, best) = simplest_of_best(&errors, is_safe);
         let is_insisted = self.sought.adopt && chosen == 0 && best > 0;
         let chosen = if is_insisted { best } else { chosen };
         let laws = self.completed(left_out, &alone, &candidates[chosen])?;
