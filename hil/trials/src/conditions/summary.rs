@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::judge::Outcome;
 use crate::blind::{grouped, if_any, name};
 
-/// A written model is worse than the law alone in at most this part of the trials: the level reached, 11 of 500. The target is 2.
-const MOST_WORSE: f64 = 0.022;
+/// A written model is worse than the law alone in at most this part of the trials: the level reached, 7 of 500. The target is 2.
+const MOST_WORSE: f64 = 0.014;
 /// The part of the held-out samples in bands of nine in ten, at least and at most: the target.
 const WITHIN_BAND: [f64; 2] = [0.85, 0.95];
 
