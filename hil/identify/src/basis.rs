@@ -543,13 +543,8 @@ impl<'r, 'a> Basis<'r, 'a> {
         moved: &Option<Arc<Moved>>,
         is_start: bool,
     ) -> UnitForces {
-        // The channel shows more than a row's sample, a clock stands behind the force, or the motion depends on what is behind it.
-        let needs_each = |(form, _): &(Form, f64)| form.shows.is_some() || form.gives_way;
-        let needs_all = self.rows.are_averaged()
-            || form.follows_clock
-            || moved
-                .as_ref()
-                .is_some_and(|moved| moved.by.iter().any(needs_each));
+        // The channel shows more than a row's sample, a clock stands behind the force, or the motion is another.
+        let needs_all = self.rows.are_averaged() || form.follows_clock || moved.is_some();
         let work = || {
             let mut columns: Vec<Vec<Vec<f64>>> = Vec::new();
             for (which, recorded) in self.rows.trajectories.iter().enumerate() {

@@ -284,10 +284,11 @@ impl<'a> Design<'a> {
         (zones, power)
     }
 
-    /// The lowest and the highest frequency of the blocks, Hz.
+    /// The lowest and the highest frequency of the blocks that have rows, Hz.
     pub fn frequencies(&self) -> (f64, f64) {
         let blocks = self.trajectories.iter().flat_map(|t| &t.blocks);
-        least_and_largest(blocks.map(|block| block.frequency))
+        let frequencies: Vec<f64> = blocks.map(|block| block.frequency).collect();
+        least_and_largest(self.rows.iter().map(|row| frequencies[row.block]))
     }
 
     /// The lowest and the highest temperature of the rows, °C, at least as far apart as the crate can distinguish; `None` if all

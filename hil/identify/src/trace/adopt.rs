@@ -25,6 +25,16 @@ pub(super) fn gains_clearly(alone: &[RelativeError], with: &[RelativeError]) -> 
     gains_by(AdoptPolicy::in_use().better, alone, with)
 }
 
+/// The errors of both laws on the conditions on which the law `alone` can be run: elsewhere its error has no size to compare with.
+pub(super) fn comparable(
+    alone: &[RelativeError],
+    with: &[RelativeError],
+) -> [Vec<RelativeError>; 2] {
+    let pairs = alone.iter().zip(with);
+    let (alone, with) = pairs.filter(|(alone, _)| alone.error.is_finite()).unzip();
+    [alone, with]
+}
+
 /// Whether the law `with` more is on no condition [clearly](AdoptPolicy::better) worse than the law `alone`. A table fits any force, and so
 /// may be far off beyond the motions that it was fitted to: the conditions at the ends of a range are such motions for the others.
 pub(super) fn is_nowhere_worse(alone: &[RelativeError], with: &[RelativeError]) -> bool {
@@ -60,9 +70,8 @@ pub(super) fn simplest_of_best(
 ) -> (usize, usize) {
     // Mean and its standard error.
     let log_ratio = |a: usize, b: usize| {
-        let pairs = laws[a].iter().zip(laws[b]);
-        // Where the other cannot be run, its error has no size to compare with.
-        let pairs = pairs.filter(|(_, b)| b.error.is_finite());
+        let [of_b, of_a] = comparable(laws[b], laws[a]);
+        let pairs = of_a.iter().zip(&of_b);
         let logs = pairs.map(|(a, b)| (a.beyond_noise() / b.beyond_noise()).ln());
         let logs: Vec<f64> = logs.collect();
         let count = logs.len() as f64;
@@ -80,7 +89,8 @@ pub(super) fn simplest_of_best(
     };
     // NaN, as of a single condition, is no gain.
     let is_better = |(law, (mean, error)): &&OfLaw| {
-        *mean < -*error && gains(laws[0], laws[*law]) && may_be_written(*law)
+        let [alone, with] = comparable(laws[0], laws[*law]);
+        *mean < -*error && gains(&alone, &with) && may_be_written(*law)
     };
     let better: Vec<OfLaw> = candidates.iter().filter(is_better).copied().collect();
     let Some(&(of_better, _)) = better.iter().min_by(by_mean) else {
@@ -97,9 +107,7 @@ pub(super) fn simplest_of_best(
 
 fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool {
     let pairs = || {
-        // Where the law alone cannot be run, its error has no size to compare with.
         let each = alone.iter().zip(with);
-        let each = each.filter(|(alone, _)| alone.error.is_finite());
         each.map(|(alone, with)| [alone.beyond_noise(), with.beyond_noise()])
     };
     // A condition with nearly equal errors says nothing, however large they are: the coefficients of an amplitude that occurs in
@@ -110,7 +118,7 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
         [sum[0] + pair[0].powi(2), sum[1] + pair[1].powi(2)]
     });
     let logs = pairs().map(|[alone, with]| (with / alone).ln());
-    let mean_ratio = (logs.sum::<f64>() / pairs().count() as f64).exp();
+    let mean_ratio = (logs.sum::<f64>() / alone.len() as f64).exp();
     // The error beyond the noise is 0 for NaN.
     let finite = with.iter().all(|one| one.error.is_finite());
     finite && squares[1] < gain * gain * squares[0] && mean_ratio < gain
@@ -151,13 +159,8 @@ mod tests {
         assert!(!gains(&errors(&far_off), &errors(&[0.05, 0.1, 0.15, 9.5])));
         assert!(!gains(&alone, &alone));
         assert!(!gains(&alone, &errors(&[f64::NAN; 4])));
-        // Where the law alone cannot be run, the other conditions decide.
-        let refused = [&alone[..3], &[RelativeError::NONE]].concat();
-        assert!(gains(&refused, &errors(&[0.05, 0.1, 0.15, 0.9])));
-        assert!(!gains(&refused, &errors(&[0.15, 0.3, 0.4, 0.1])));
-        let cannot_be_run = [&errors(&[0.05, 0.1, 0.15])[..], &[RelativeError::NONE]].concat();
-        assert!(!gains(&alone, &cannot_be_run));
-        assert!(!gains(&[RelativeError::NONE], &errors(&[0.1])));
+        assert!(gains(&[RelativeError::NONE], &errors(&[0.1])));
+        assert!(!gains(&errors(&[0.1]), &[RelativeError::NONE]));
     }
 
     #[test]

@@ -189,7 +189,7 @@ impl<'a> Closing<'a> {
             Verdict::Found if !unbounded.is_empty() => {
                 let nodes = laws.rows.nodes().to_vec();
                 let search = Search::new(self.trajectories, self.validation, nodes, self.sought);
-                search.in_place_of_unbounded(&selection.found, &unbounded)?
+                search.in_place_of_unbounded(&selection.found, &unbounded)
             }
             _ => laws.graded.as_ref().and_then(Confirmed::rivals),
         };

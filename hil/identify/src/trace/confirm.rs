@@ -418,7 +418,7 @@ mod tests {
         assert!((gain - 2.0_f64.ln()).abs() < 0.02, "{gain}");
         assert_eq!(of(&[fine, refused, saved]).gain(), f64::NEG_INFINITY);
         assert_eq!(of(&[fine, saved]).gain(), f64::INFINITY);
-        assert!(!of(&[fine, refused]).gains() && of(&[fine, saved]).gains());
+        assert!(!of(&[fine, refused]).gains() && of(&[saved]).gains());
     }
 
     #[test]

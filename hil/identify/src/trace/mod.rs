@@ -375,10 +375,11 @@ fn search(
     let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(progress)?;
     // Two laws are compared by the same weights.
-    let same = for_all
-        .beside_left(each.left.clone())
-        .reweighed(&each.found)?;
-    if !each.found.score.beats(&same.score) {
+    let same = for_all.beside_left(each.left.clone()).refit(&each.found);
+    let as_good = same
+        .ok()
+        .filter(|same| !each.found.score.beats(&same.score));
+    if let Some(same) = as_good {
         // The same effects with fewer coefficients.
         let found = Selection {
             found: same,
@@ -406,7 +407,8 @@ fn search(
     };
     let (between_of_each, between_of_one) = (between(&nodes, &each), between(&[0.0], &one));
     let gain = one.found.score.nrmse() / by_one.nrmse();
-    Ok(if between_of_each <= gain * between_of_one {
+    let is_better = between_of_each.is_finite() && between_of_each <= gain * between_of_one;
+    Ok(if is_better {
         (true, each)
     } else {
         (false, one)

@@ -5,7 +5,7 @@ use mesh_damper_recording::cycles::same_amplitude;
 use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 
-use super::adopt::gains;
+use super::adopt::{comparable, gains};
 use super::relative_error::RelativeError;
 use super::result::{Errors, Verdict};
 use super::rule::Rule;
@@ -72,17 +72,16 @@ impl OverNoise {
 /// Whether effects that change the errors on conditions held out in turn from `without` to `with` describe conditions other than those
 /// they were fitted to.
 pub(super) fn generalises(without: &[RelativeError], with: &[RelativeError]) -> bool {
-    // Where the law alone cannot be run, its error has no size to compare with.
-    let pairs = without.iter().zip(with);
-    let (of_without, of_with): (Vec<RelativeError>, Vec<RelativeError>) = pairs
-        .filter(|(without, _)| without.error.is_finite())
-        .unzip();
-    let [all_without, all_with] = [of_without, of_with].map(|each| RelativeError::mean(&each));
+    if with.iter().any(|one| !one.error.is_finite()) {
+        return false;
+    }
+    let [without, with] = comparable(without, with);
+    let [all_without, all_with] = [&without, &with].map(|each| RelativeError::mean(each));
     let is_noise_limited =
         all_with.error <= VerdictPolicy::in_use().noise_limited.powi(2) * all_with.noise;
     let least = 1.0 - VerdictPolicy::in_use().least_taken;
     is_noise_limited
-        || gains(without, with) && all_with.beyond_noise() <= least * all_without.beyond_noise()
+        || gains(&without, &with) && all_with.beyond_noise() <= least * all_without.beyond_noise()
 }
 
 /// Whether effects explain the error of the law alone beyond the noise, `alone`, if their error is `left` times the noise.
@@ -134,16 +133,17 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     // A law in which one term replaced another has fewer terms than there were steps.
     let last = as_found.map(|candidate| candidate.step).max();
     let last = last.unwrap_or(found.solution.found().count());
+    let of_step = || {
+        let all = selection.candidates.iter();
+        let of_step = all.filter(|candidate| candidate.step == last);
+        of_step.filter(|one| one.added || !(one.distinguishable || one.degenerate))
+    };
+    let is_as_found = |candidate: &&Candidate| candidate.fitted.families() == families;
+    // One that was added and has a simpler one of this step in its place at the end is no rival of that.
+    let is_listed = of_step().any(|candidate| is_as_found(&candidate));
     let mut known: Vec<Vec<Family>> = Vec::new();
-    selection
-        .candidates
-        .iter()
-        .filter(|candidate| candidate.step == last)
-        // One that was added and has a simpler one in its place at the end is no rival of that.
-        .filter(|candidate| match candidate.added {
-            true => candidate.fitted.families() == families,
-            false => !(candidate.distinguishable || candidate.degenerate),
-        })
+    of_step()
+        .filter(|candidate| !(candidate.added && is_listed) || is_as_found(candidate))
         // A law that replaced others at a later step, or was refined, may be better than all candidates of that step.
         .filter(|candidate| {
             candidate.fitted.families() == families || !found.score.beats(&candidate.fitted.score)

@@ -86,7 +86,8 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
     // An effect may follow a control input with a lag.
     let controls = trajectory.controls.iter().map(|control| {
         let (low, high) = least_and_largest(&control.values);
-        let error = DEVIATIONS * noise_deviation(&control.values);
+        // An input that changes from sample to sample looks like noise.
+        let error = (DEVIATIONS * noise_deviation(&control.values)).min(FAR * (high - low));
         let limits = [BENT, FAR].map(|part| error.max(part * (high - low)));
         (&control.values[..], limits)
     });

@@ -85,6 +85,8 @@ impl Search<'_> {
         let least = least.fold(f64::INFINITY, |least, (_, _, start, _)| {
             least.min(start.left)
         });
+        // Near the noise a start has little to be better by.
+        let least = least.max(self.rows.expected());
         rated
             .into_par_iter()
             .with_max_len(1)

@@ -45,7 +45,7 @@ mesh_damper_recording::numbers! {
         fitted: usize = 4, Tuned("the blind trial");
         /// A candidate is fitted only if its predicted gain exceeds this fraction of the largest.
         promising: f64 = 0.5, Tuned("the blind trial");
-        /// A candidate is fitted from at most this many starting values.
+        /// At most this many starting values of a candidate are improved; it is fitted from the best of them.
         starts: usize = 2, Tuned("the blind trial");
     }
 }
@@ -269,7 +269,7 @@ impl<'a> Search<'a> {
                 *first = found.clone();
             }
         }
-        found = search.prune(search.unrefined(found)?);
+        found = search.prune(search.unrefined(found));
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {
             baseline: search.reweighed(&baseline)?,

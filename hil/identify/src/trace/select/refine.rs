@@ -1,6 +1,6 @@
 //! A search refines the form of an effect, and afterwards simplifies or drops what became unnecessary.
 
-use mesh_damper_model::{Family, ModelError};
+use mesh_damper_model::Family;
 
 use super::super::fitted::Fitted;
 use super::super::separating::Rivals;
@@ -35,7 +35,7 @@ impl Search<'_> {
 
     /// The law with simpler forms in place of refined ones, if they do equally well: a form that was refined while another effect
     /// was still missing may have covered for that effect.
-    pub(super) fn unrefined(&self, found: Fitted) -> Result<Fitted, ModelError> {
+    pub(super) fn unrefined(&self, found: Fitted) -> Fitted {
         let mut found = found;
         let mut index = 0;
         while let Some(term) = found.solution.terms.get(index).map(|value| value.term) {
@@ -43,12 +43,12 @@ impl Search<'_> {
             if term.is_known || !term.form.refines {
                 continue;
             }
-            if let Some((_, simpler)) = self.simpler(&found, index - 1)? {
+            if let Some((_, simpler)) = self.simpler(&found, index - 1) {
                 found = simpler;
                 index = 0;
             }
         }
-        Ok(found)
+        found
     }
 
     /// The first of the `unbounded` families of `found` that has a simpler effect in its place which does equally well, and that one: the
@@ -57,37 +57,34 @@ impl Search<'_> {
         &self,
         found: &Fitted,
         unbounded: &[Family],
-    ) -> Result<Option<Rivals>, ModelError> {
+    ) -> Option<Rivals> {
         for (index, value) in found.solution.terms.iter().enumerate() {
             let family = value.term.form.family();
             if value.term.is_known || !unbounded.contains(&family) {
                 continue;
             }
-            if let Some((simpler, law)) = self.simpler(found, index)? {
+            if let Some((simpler, law)) = self.simpler(found, index) {
                 let others = [(simpler, law.solution)];
-                return Ok(Some(Rivals::in_place_of(family, &found.solution, others)));
+                return Some(Rivals::in_place_of(family, &found.solution, others));
             }
         }
-        Ok(None)
+        None
     }
 
     /// The family of a form that the one at `index` contains, and the law with it in the place of that one, if one does equally well.
-    fn simpler(
-        &self,
-        found: &Fitted,
-        index: usize,
-    ) -> Result<Option<(Family, Fitted)>, ModelError> {
+    fn simpler(&self, found: &Fitted, index: usize) -> Option<(Family, Fitted)> {
         let form = found.solution.terms[index].term.form;
         let is_simpler =
             |other: &&Term| !other.form.refines && form.special_cases.contains(&other.form.family);
         let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
-        let rest = self.scored(found.solution.without(index))?;
+        // The crate may refuse the law without the effect.
+        let rest = self.scored(found.solution.without(index)).ok()?;
         let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
         let others = others.map(|(term, other, _)| (term.form.family(), other));
         let best = others
             .filter(|(_, other)| other.is_admissible())
             .min_by(|(_, a), (_, b)| a.score.nrmse().total_cmp(&b.score.nrmse()));
-        Ok(best.filter(|(_, best)| !found.score.beats(&best.score)))
+        best.filter(|(_, best)| !found.score.beats(&best.score))
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.
@@ -164,7 +161,7 @@ mod tests {
         let uncertainty = Uncertainty::of(&search.rows, &search.extent, &found.solution);
         let unbounded = !uncertainty.terms[0].is_bounded();
         let unbounded = Vec::from_iter(unbounded.then(|| term.form.family()));
-        let rival = search.in_place_of_unbounded(&found, &unbounded).unwrap();
+        let rival = search.in_place_of_unbounded(&found, &unbounded);
         let [(family, _), (_, simpler)] = <[_; 2]>::try_from(rival?.laws).unwrap();
         let rest = simpler.families().into_iter().map(Family::name);
         Some([family.name()].into_iter().chain(rest).collect())
