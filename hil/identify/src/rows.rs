@@ -8,7 +8,7 @@ use mesh_damper_recording::trajectory::strides::Stride;
 
 use super::base_law::BaseLaw;
 use super::known_forces::KnownForces;
-use super::tolerance::{certainty_beside, held_to};
+use super::tolerance::certainty_beside;
 
 /// What a fit is for: how exact it has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,15 +235,6 @@ impl<'a> Rows<'a> {
             certainty(&rows.left, which, sample) / certainty(&before, which, sample)
         });
         rows
-    }
-
-    /// The squared error that a perfect law is expected to leave, kN².
-    pub(crate) fn expected(&self) -> f64 {
-        let rows = self.origin.iter().zip(&self.weight);
-        rows.map(|(&(which, sample), weight)| {
-            weight * weight * held_to(&self.trajectories[which], sample)
-        })
-        .sum()
     }
 
     /// Number of samples.

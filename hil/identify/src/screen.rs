@@ -36,13 +36,7 @@ pub struct Start {
     pub shapes: Vec<f64>,
     /// The part of the squared error that it could save, to first order.
     pub gain: f64,
-    /// What would be left of it, kN².
-    pub left: f64,
 }
-
-/// First and last step of [`Screen::improved`], of the logarithm of a shape. Convention: less than the distance of two starts, and what a
-/// full fit makes up for.
-const STEPS: [f64; 2] = [0.5, 0.06];
 
 impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
     /// At `solution`, which was fitted to `rows`.
@@ -68,36 +62,13 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
     pub fn starts(&self, term: Term) -> Vec<Start> {
         let mut starts: Vec<Start> = grid(self.extent, term.form)
             .into_iter()
-            .map(|shapes| self.start(term, shapes))
+            .map(|shapes| Start {
+                gain: self.gain(term, &shapes),
+                shapes,
+            })
             .collect();
         starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         starts
-    }
-
-    /// `start` of `term`, moved to where it gains most (a pattern search, Hooke and Jeeves 1961): each step runs this term only, while the
-    /// law follows to first order.
-    pub fn improved(&self, term: Term, start: &Start) -> Start {
-        let ranges = (term.form.shapes)(self.extent);
-        let mut best = start.clone();
-        let [mut step, last] = STEPS;
-        while step > last {
-            let moves = (0..ranges.len()).flat_map(|place| [(place, step), (place, -step)]);
-            let mut is_best = true;
-            for (place, by) in moves {
-                let mut shapes = best.shapes.clone();
-                let moved = shapes[place] * f64::exp(by);
-                shapes[place] = moved.clamp(ranges[place].low, ranges[place].high);
-                let moved = self.start(term, shapes);
-                if moved.gain > best.gain {
-                    best = moved;
-                    is_best = false;
-                }
-            }
-            if is_best {
-                step *= 0.5;
-            }
-        }
-        best
     }
 
     /// The squared error that a force, in kN at every row and of any size, saves in addition to the law's, to first order.
@@ -106,23 +77,9 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
     }
 
-    fn start(&self, term: Term, shapes: Vec<f64>) -> Start {
-        let [saved, left] = self.saved_of(term, &shapes);
-        Start {
-            shapes,
-            gain: if left > 0.0 {
-                (saved / left).max(0.0)
-            } else {
-                0.0
-            },
-            left: left - saved,
-        }
-    }
-
-    /// The squared error that a term saves, and that which the law leaves without it, kN².
-    fn saved_of(&self, term: Term, shapes: &[f64]) -> [f64; 2] {
+    fn gain(&self, term: Term, shapes: &[f64]) -> f64 {
         let Some(factor) = &self.factor else {
-            return [0.0; 2];
+            return 0.0;
         };
         let left = factor.left(&self.normal);
         let saved = match term.form.entry {
@@ -144,7 +101,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
                 self.saved_by(factor, &forces, term.form.size_is_positive)
             }
         };
-        [saved, left]
+        (saved / left).max(0.0)
     }
 
     /// The force that a term which scales the law adds at every row, kN.
@@ -221,7 +178,7 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         let known = self.solution.search.iter().copied();
         let at: Vec<f64> = known.chain(shapes.iter().map(|shape| shape.ln())).collect();
         let columns = basis.columns(&at, None);
-        let tangent = self.tangent.moved(&basis, &columns, self.solution);
+        let tangent = Tangent::of(&basis, &columns, self.solution);
         let to_explain = basis.to_explain(&columns);
         let (normal, factor) = normal_of(self.basis.rows, &to_explain, &tangent);
         Some(factor?.left(&normal))

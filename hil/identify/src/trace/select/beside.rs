@@ -11,9 +11,6 @@ use crate::solution::Solution;
 use crate::term::Term;
 use crate::trace::select::SelectPolicy;
 
-/// An effect is not fitted if it would leave this many times the squared error of another, to first order. Convention: twice the error.
-const FAR_MORE: f64 = 4.0;
-
 impl Search<'_> {
     /// Each of `terms` added to `law`, and whether it was fitted. At most the `most` most promising ones are fitted; the others
     /// have their start parameters.
@@ -62,41 +59,21 @@ impl Search<'_> {
         rated.sort_by(|a, b| b.2[0].gain.total_cmp(&a.2[0].gain));
         let promising = SelectPolicy::in_use().promising
             * rated.first().map_or(0.0, |(_, _, starts)| starts[0].gain);
-        let is_promising =
-            |place: usize, starts: &[Start]| place < most && starts[0].gain > promising;
-        let rated: Vec<(Term, Solution, Start, bool)> = rated
-            .into_par_iter()
-            .with_max_len(1)
-            .enumerate()
-            .map(|(place, (term, base, mut starts))| {
-                if !is_promising(place, &starts) {
-                    return (term, base, starts.swap_remove(0), false);
-                }
-                let own = (base.terms.len() < known.len())
-                    .then(|| Screen::at(&self.rows, &extent, &base));
-                let screen = own.as_ref().unwrap_or(&screen);
-                let starts = starts.iter().take(SelectPolicy::in_use().starts);
-                let best = starts.map(|start| screen.improved(term, start));
-                let best = best.min_by(|a, b| a.left.total_cmp(&b.left));
-                (term, base, best.expect("there is a start"), true)
-            })
-            .collect();
-        let least = rated.iter().filter(|(.., is_promising)| *is_promising);
-        let least = least.fold(f64::INFINITY, |least, (_, _, start, _)| {
-            least.min(start.left)
-        });
-        // Near the noise a start has little to be better by.
-        let least = least.max(self.rows.expected());
         rated
             .into_par_iter()
             .with_max_len(1)
-            .filter_map(|(term, base, start, is_promising)| {
+            .enumerate()
+            .filter_map(|(place, (term, base, starts))| {
                 let terms: Vec<Term> = base.terms().into_iter().chain([term]).collect();
                 let problem = Problem::new(&self.rows, &extent, &terms);
-                let is_fitted = is_promising && start.left <= FAR_MORE * least;
-                let solution = match is_fitted {
-                    true => problem.solve_from(&base, &start.shapes),
-                    false => problem.solve_at(&base, &start.shapes),
+                let is_fitted = place < most && starts[0].gain > promising;
+                let solution = if is_fitted {
+                    starts[..SelectPolicy::in_use().starts.min(starts.len())]
+                        .par_iter()
+                        .map(|start| problem.solve_from(&base, &start.shapes))
+                        .min_by(|a, b| a.squares.total_cmp(&b.squares))?
+                } else {
+                    problem.solve_at(&base, &starts[0].shapes)
                 };
                 // A fit with coefficients that the crate refuses is no candidate.
                 Some((term, self.scored(solution).ok()?, is_fitted))

@@ -45,7 +45,7 @@ mesh_damper_recording::numbers! {
         fitted: usize = 4, Tuned("the blind trial");
         /// A candidate is fitted only if its predicted gain exceeds this fraction of the largest.
         promising: f64 = 0.5, Tuned("the blind trial");
-        /// At most this many starting values of a candidate are improved; it is fitted from the best of them.
+        /// A candidate is fitted from at most this many starting values.
         starts: usize = 2, Tuned("the blind trial");
     }
 }
