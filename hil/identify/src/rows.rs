@@ -41,6 +41,7 @@ pub struct Rows<'a> {
     pub(super) origin: Vec<(usize, usize)>,
     /// The samples of each trajectory at which effects are computed.
     pub(crate) strides: Arc<Vec<Vec<Stride>>>,
+    /// What they are for.
     pub(super) purpose: Purpose,
     /// As recorded.
     pub(super) motion: RowMotion,
@@ -383,14 +384,8 @@ mod tests {
             })
             .collect();
         let force = displacement.clone();
-        let trajectories = [Trajectory::new(
-            "two",
-            TICK,
-            &displacement,
-            force,
-            None,
-            None,
-        )];
+        let trajectory = Trajectory::new("two", TICK, &displacement, force, None, None);
+        let trajectories = [trajectory];
         let along = Arc::new(strides(&trajectories, 1000, |_, _| true));
         let fast = |stride: &Stride| stride.samples.start >= 16_000 && stride.step == 1;
         assert!(along[0].iter().any(fast) && along[0].iter().any(|stride| stride.step == 32));

@@ -200,14 +200,8 @@ mod tests {
             |n: i32| 0.2 * (TAU * f64::from(n) / if n < 4000 { 1000.0 } else { 50.0 }).sin();
         let displacement: Vec<f64> = (0..5000).map(moved).collect();
         let force = displacement.clone();
-        let all = [Trajectory::new(
-            "two",
-            1e-3,
-            &displacement,
-            force,
-            None,
-            None,
-        )];
+        let trajectory = Trajectory::new("two", 1e-3, &displacement, force, None, None);
+        let all = [trajectory];
         let few = strides(&all, 1, |_, _| true);
         let law = |form: &str, shapes: &[f64], sizes: &[f64]| Solution {
             law: vec![LawNode {

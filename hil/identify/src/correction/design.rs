@@ -255,7 +255,7 @@ impl<'a> Design<'a> {
     }
 
     /// As [`Design::recall`], in a table over `range`.
-    pub fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
+    fn recall_within(&self, of: Remembered, range: [f64; 2]) -> Option<Recalled> {
         let cells = self.through(of, range, |_, cells| cells)?;
         Some(Recalled { of, range, cells })
     }

@@ -31,7 +31,7 @@ pub(super) fn comparable(
     with: &[RelativeError],
 ) -> [Vec<RelativeError>; 2] {
     let pairs = alone.iter().zip(with);
-    let (alone, with) = pairs.filter(|(alone, _)| alone.error.is_finite()).unzip();
+    let (alone, with) = pairs.filter(|(alone, _)| alone.is_run()).unzip();
     [alone, with]
 }
 
@@ -80,8 +80,8 @@ pub(super) fn simplest_of_best(
         (mean, (squares / (count - 1.0) / count).sqrt())
     };
     // A law that cannot be run on some condition is none.
-    let finite = |law: &usize| laws[*law].iter().all(|one| one.error.is_finite());
-    let candidates = (1..laws.len()).filter(finite);
+    let is_run = |law: &usize| laws[*law].iter().all(RelativeError::is_run);
+    let candidates = (1..laws.len()).filter(is_run);
     let candidates: Vec<OfLaw> = candidates.map(|law| (law, log_ratio(law, 0))).collect();
     let by_mean = |a: &&OfLaw, b: &&OfLaw| a.1.0.total_cmp(&b.1.0);
     let Some(&(best, _)) = candidates.iter().min_by(by_mean) else {
@@ -120,8 +120,8 @@ fn gains_by(gain: f64, alone: &[RelativeError], with: &[RelativeError]) -> bool 
     let logs = pairs().map(|[alone, with]| (with / alone).ln());
     let mean_ratio = (logs.sum::<f64>() / alone.len() as f64).exp();
     // The error beyond the noise is 0 for NaN.
-    let finite = with.iter().all(|one| one.error.is_finite());
-    finite && squares[1] < gain * gain * squares[0] && mean_ratio < gain
+    let is_run = with.iter().all(RelativeError::is_run);
+    is_run && squares[1] < gain * gain * squares[0] && mean_ratio < gain
 }
 
 #[cfg(test)]

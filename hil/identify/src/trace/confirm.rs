@@ -131,7 +131,7 @@ impl Confirmation {
     /// negative if it cannot with it.
     fn gain(&self) -> f64 {
         let left = || self.left.iter().flatten();
-        if left().any(|[_, with]| !with.error.is_finite()) {
+        if !left().all(|[_, with]| with.is_run()) {
             return f64::NEG_INFINITY;
         }
         let logs =

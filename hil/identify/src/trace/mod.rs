@@ -375,7 +375,8 @@ fn search(
     let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(progress)?;
     // Two laws are compared by the same weights.
-    let same = for_all.beside_left(each.left.clone()).refit(&each.found);
+    let same = for_all.beside_left(each.left.clone());
+    let same = same.refit(&each.found.solution);
     let as_good = same
         .ok()
         .filter(|same| !each.found.score.beats(&same.score));

@@ -27,6 +27,11 @@ impl RelativeError {
         most: f64::INFINITY,
     };
 
+    /// Whether the law can be run.
+    pub fn is_run(&self) -> bool {
+        self.error.is_finite()
+    }
+
     /// Over the samples that are `is_fair`, each with its `weight`; `None` if there are none.
     pub fn of(
         trajectory: &Trajectory,
@@ -73,7 +78,7 @@ impl RelativeError {
     /// The geometric mean of their errors [beyond the noise](beyond_noise()), in which each counts equally. It is
     /// infinite for a law that cannot be run on one of the conditions.
     pub fn geometric_mean(errors: &[Self]) -> f64 {
-        if errors.iter().any(|one| !one.error.is_finite()) {
+        if !errors.iter().all(Self::is_run) {
             return f64::INFINITY;
         }
         let logs = errors.iter().map(|one| one.beyond_noise().ln());

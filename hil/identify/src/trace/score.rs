@@ -211,14 +211,8 @@ mod tests {
         let force = displacement.iter().enumerate();
         let force: Vec<f64> = force.map(|(n, y)| y + more(n) * y.powi(3)).collect();
         let predicted = [displacement.clone()];
-        let trajectories = [Trajectory::new(
-            "two",
-            1e-3,
-            &displacement,
-            force,
-            None,
-            None,
-        )];
+        let trajectory = Trajectory::new("two", 1e-3, &displacement, force, None, None);
+        let trajectories = [trajectory];
         let mut roles = Roles::all_fit(&trajectories);
         roles.keep_apart(&trajectories, Role::Validation);
         let few = strides(&trajectories, 100, |_, _| true);

@@ -72,7 +72,7 @@ impl OverNoise {
 /// Whether effects that change the errors on conditions held out in turn from `without` to `with` describe conditions other than those
 /// they were fitted to.
 pub(super) fn generalises(without: &[RelativeError], with: &[RelativeError]) -> bool {
-    if with.iter().any(|one| !one.error.is_finite()) {
+    if !with.iter().all(RelativeError::is_run) {
         return false;
     }
     let [without, with] = comparable(without, with);
@@ -143,10 +143,10 @@ pub(super) fn rivals(selection: &Selection) -> Vec<&Candidate> {
     let is_listed = of_step().any(|candidate| is_as_found(&candidate));
     let mut known: Vec<Vec<Family>> = Vec::new();
     of_step()
-        .filter(|candidate| !(candidate.added && is_listed) || is_as_found(candidate))
         // A law that replaced others at a later step, or was refined, may be better than all candidates of that step.
         .filter(|candidate| {
-            candidate.fitted.families() == families || !found.score.beats(&candidate.fitted.score)
+            let is_replaced = candidate.added && is_listed;
+            is_as_found(candidate) || !is_replaced && !found.score.beats(&candidate.fitted.score)
         })
         .filter(|candidate| {
             let families = candidate.fitted.families();

@@ -106,10 +106,9 @@ fn over(trajectory: &Trajectory, longest: usize) -> Vec<Stride> {
                     && controls.all(|&(values, limits)| is_straight(values, &step, limits))
             })
         };
-        let powers = (0..=longest.ilog2()).rev().map(|power| 1 << power);
-        let mut fitting = powers
-            .filter(|&step| (end - start).is_multiple_of(step) && (step == 1 || permits(step)));
-        let step = fitting.next().unwrap_or(1);
+        let mut longer = (1..=longest.ilog2()).rev().map(|power| 1 << power);
+        let fits = |step: &usize| (end - start).is_multiple_of(*step) && permits(*step);
+        let step = longer.find(fits).unwrap_or(1);
         match strides.last_mut().filter(|stride| stride.step == step) {
             Some(stride) => stride.samples.end = end,
             None => strides.push(Stride {

@@ -8,7 +8,7 @@ use crate::trace::fitted::Fitted;
 impl Search<'_> {
     /// The fit of a candidate that is `law` with a mass in addition, if that is better.
     pub(super) fn heavier(&self, candidate: &Candidate, law: &Fitted) -> Option<Fitted> {
-        let heavier = self.refit(&candidate.fitted).ok()?;
+        let heavier = self.refit(&candidate.fitted.solution).ok()?;
         (heavier.is_admissible() && self.is_better(&heavier, law)).then_some(heavier)
     }
 

@@ -175,7 +175,7 @@ impl<'a> Search<'a> {
     /// # Errors
     /// The crate refuses the law as it is.
     pub fn reweighed(&self, law: &Fitted) -> Result<Fitted, ModelError> {
-        let again = self.refit(law);
+        let again = self.refit(&law.solution);
         again.or_else(|_| self.scored(law.solution.clone()))
     }
 
@@ -313,9 +313,9 @@ impl<'a> Search<'a> {
     ///
     /// # Errors
     /// The crate refuses a fitted law.
-    pub fn refit(&self, law: &Fitted) -> Result<Fitted, ModelError> {
-        let problem = Problem::new(&self.rows, &self.extent, &law.solution.terms());
-        self.scored(problem.solve_near(&law.solution))
+    pub fn refit(&self, law: &Solution) -> Result<Fitted, ModelError> {
+        let problem = Problem::new(&self.rows, &self.extent, &law.terms());
+        self.scored(problem.solve_near(law))
     }
 
     fn scored(&self, solution: Solution) -> Result<Fitted, ModelError> {

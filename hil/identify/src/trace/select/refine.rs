@@ -5,7 +5,6 @@ use mesh_damper_model::Family;
 use super::super::fitted::Fitted;
 use super::super::separating::Rivals;
 use super::Search;
-use crate::problem::Problem;
 use crate::term::Term;
 
 impl Search<'_> {
@@ -97,8 +96,7 @@ impl Search<'_> {
                 continue;
             }
             let rest = found.solution.without(index);
-            let problem = Problem::new(&self.rows, &self.extent, &rest.terms());
-            match self.scored(problem.solve_near(&rest)) {
+            match self.refit(&rest) {
                 Ok(without) if !self.is_better(&found, &without) => {
                     found = without;
                     index = 0;
@@ -121,6 +119,7 @@ mod tests {
     use super::super::super::split::{Role, Roles};
     use super::*;
     use crate::families::Form;
+    use crate::problem::Problem;
     use crate::uncertainty::Uncertainty;
 
     const TICK: f64 = 2e-3;

@@ -3,7 +3,6 @@
 use mesh_damper_model::Family;
 
 use super::Search;
-use crate::problem::Problem;
 use crate::solution::Solution;
 use crate::term::Term;
 use crate::trace::select::SelectPolicy;
@@ -12,11 +11,7 @@ impl Search<'_> {
     /// Laws made of `rest` and one effect of a family that `law` does not have in addition to it, which predict the validation cycles
     /// as well as `law`: the best for each family. None if the crate refuses one of the two as it is fitted here.
     pub fn rivals(&self, law: &Solution, rest: &Solution) -> Vec<Solution> {
-        let refit = |known: &Solution| {
-            let problem = Problem::new(&self.rows, &self.extent, &known.terms());
-            self.scored(problem.solve_near(known))
-        };
-        let (Ok(law), Ok(rest)) = (refit(law), refit(rest)) else {
+        let (Ok(law), Ok(rest)) = (self.refit(law), self.refit(rest)) else {
             return Vec::new();
         };
         let families = law.families();
