@@ -41,6 +41,8 @@ pub(super) struct Basis<'r, 'a> {
 #[derive(Clone)]
 pub(super) struct Columns {
     at: Vec<f64>,
+    /// Whether other fits may start from here too.
+    is_start: bool,
     moved: Option<Arc<Moved>>,
     law: Arc<LawColumns>,
     /// The forces of each term with size 1 at every row.
@@ -174,6 +176,10 @@ impl<'r, 'a> Basis<'r, 'a> {
 
     /// The columns at `at`; unchanged ones are taken from `known`.
     pub fn columns(&self, at: &[f64], known: Option<&Columns>) -> Columns {
+        self.columns_as(at, known, known.is_none())
+    }
+
+    fn columns_as(&self, at: &[f64], known: Option<&Columns>, is_start: bool) -> Columns {
         let same = |range: Range<usize>| known.filter(|known| known.at[range.clone()] == at[range]);
         let stays = |is_of: fn(Entry) -> bool| {
             (0..self.terms.len())
@@ -194,7 +200,7 @@ impl<'r, 'a> Basis<'r, 'a> {
             .map(
                 |term| match same(self.slot(term)).filter(|_| motion_stays) {
                     Some(known) => known.added[term].clone(),
-                    None => self.added(at, term, &moved, known.is_none()),
+                    None => self.added(at, term, &moved, is_start),
                 },
             )
             .collect();
@@ -204,6 +210,7 @@ impl<'r, 'a> Basis<'r, 'a> {
         };
         Columns {
             at: at.to_vec(),
+            is_start,
             moved,
             law,
             added,
@@ -284,52 +291,79 @@ impl<'r, 'a> Basis<'r, 'a> {
         if slot < self.rows.nodes.len() {
             return self.exponent_slope(columns, linear, slot);
         }
+        if let Some(units) = self.unit_slopes(columns, slot) {
+            return self.slope_of(&units, linear, slot);
+        }
+        let (columns, beside, step) = self.beside(columns, slot);
+        let (here, there) = (self.force(&columns, linear), self.force(&beside, linear));
+        let pairs = here.iter().zip(there);
+        pairs.map(|(here, there)| (there - here) / step).collect()
+    }
+
+    /// The derivatives of a term's forces with size 1 with respect to one of its searched parameters, at every row; `None` for a term that
+    /// does not only add a force.
+    pub fn unit_slopes(&self, columns: &Columns, slot: usize) -> Option<Vec<Vec<f64>>> {
+        let term = self.term_of(slot)?;
+        if !matches!(self.terms[term].form.entry, Entry::Adds(_)) {
+            return None;
+        }
+        let (columns, beside, step) = self.beside(columns, slot);
+        let pairs = columns.added[term].iter().zip(&beside.added[term]);
+        let slopes = pairs.map(|(here, there)| {
+            let rows = here.iter().zip(there.iter());
+            rows.map(|(here, there)| (there - here) / step).collect()
+        });
+        Some(slopes.collect())
+    }
+
+    /// The derivative of the force with the `linear` unknowns, from those with size 1.
+    pub fn slope_of(&self, units: &[Vec<f64>], linear: &[f64], slot: usize) -> Vec<f64> {
+        let before = self
+            .terms
+            .iter()
+            .take(self.term_of(slot).unwrap_or_default());
+        let before: usize = before.map(Term::fitted_sizes).sum();
+        let sizes = &linear[3 * self.rows.nodes.len() + before..];
+        let mut slope = vec![0.0; self.rows.len()];
+        for (size, unit) in sizes.iter().zip(units) {
+            let rows = slope.iter_mut().zip(unit);
+            rows.for_each(|(slope, unit)| *slope += size * unit);
+        }
+        slope
+    }
+
+    /// The columns at both ends of a difference, and the change of the parameter between them.
+    fn beside(&self, columns: &Columns, slot: usize) -> (Columns, Columns, f64) {
         let [from, to] = self.ends(columns.at[slot], slot);
         let at = |value: f64| {
             let mut at = columns.at.clone();
             at[slot] = value;
-            self.columns(&at, Some(columns))
+            self.columns_as(&at, Some(columns), columns.is_start)
         };
-        let (columns, beside) = (&at(from), at(to));
-        let step = to - from;
-        let mut slope = if Arc::ptr_eq(&columns.law, &beside.law) {
-            vec![0.0; self.rows.len()]
-        } else {
-            let (here, there) = (
-                self.law_force(columns, linear),
-                self.law_force(&beside, linear),
-            );
-            let pairs = here.iter().zip(there);
-            pairs.map(|(here, there)| (there - here) / step).collect()
-        };
-        if let (Some(here), Some(there)) = (&columns.held, &beside.held)
-            && !Arc::ptr_eq(here, there)
-        {
-            for (slope, (here, there)) in slope.iter_mut().zip(here.iter().zip(there.iter())) {
-                *slope += (there - here) / step;
-            }
-        }
-        let sizes = &linear[3 * self.rows.nodes.len()..];
-        let added = columns
-            .added
-            .iter()
-            .flatten()
-            .zip(beside.added.iter().flatten());
-        for (size, (here, there)) in sizes.iter().zip(added) {
-            if Arc::ptr_eq(here, there) {
-                continue;
-            }
-            for (slope, (here, there)) in slope.iter_mut().zip(here.iter().zip(there.iter())) {
-                *slope += size * (there - here) / step;
-            }
-        }
-        slope
+        (at(from), at(to), to - from)
+    }
+
+    /// The term that a searched parameter belongs to; `None` for an exponent of the law.
+    fn term_of(&self, slot: usize) -> Option<usize> {
+        (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot))
+    }
+
+    /// Whether a term's force with size 1 and its derivatives are practically the same at two places: its shapes and those of terms that
+    /// move the motion differ by less than `part`.
+    pub fn is_near(&self, slot: usize, [here, there]: [&[f64]; 2], part: f64) -> bool {
+        let own = self.term_of(slot);
+        let moves = |term: &usize| self.terms[*term].form.entry == Entry::Moves;
+        let mut terms = (0..self.terms.len()).filter(|term| Some(*term) == own || moves(term));
+        terms.all(|term| {
+            let mut slots = self.slot(term);
+            slots.all(|slot| (here[slot] - there[slot]).abs() < part)
+        })
     }
 
     /// The two values of a term's searched parameter between which the difference is taken, for the present value `at`: from here
     /// away from the nearer end of its range, where it is held.
     fn ends(&self, at: f64, slot: usize) -> [f64; 2] {
-        let term = (0..self.terms.len()).find(|&term| self.slot(term).contains(&slot));
+        let term = self.term_of(slot);
         let form = term.map(|term| self.terms[term].form);
         let shape = term.zip(form).and_then(|(term, form)| {
             let place = slot - self.slot(term).start;

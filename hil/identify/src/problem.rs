@@ -4,6 +4,9 @@
 //! effects. So the search (Levenberg–Marquardt) covers only exponents and shapes, and each of its steps solves the linear part
 //! exactly (Golub and Pereyra 1973).
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use mesh_damper_model::LawNode;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
@@ -41,6 +44,10 @@ const fn enough(purpose: Purpose) -> [f64; 2] {
         Purpose::Result => [1e-5, 1e-7],
     }
 }
+
+/// Derivatives are kept until a shape changes by this fraction. Convention: a step of a fit is then wrong by about as much of itself, and
+/// the next one makes up for it.
+const NEAR: f64 = 0.02;
 
 /// Eq 13 and terms, to be fitted to rows.
 pub struct Problem<'r, 'a> {
@@ -93,7 +100,10 @@ impl<'r, 'a> Problem<'r, 'a> {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
-            solution = exact::refined(&self.basis(), solution);
+            // A search compares laws by their own force, so that its fits need not be exact.
+            if self.rows.purpose != Purpose::Search {
+                solution = exact::refined(&self.basis(), solution);
+            }
         }
         solution
     }
@@ -163,6 +173,8 @@ struct Search<'b, 'r, 'a> {
     at: DVector<f64>,
     columns: Columns,
     projected: Projected,
+    /// Of each searched parameter that has some: where they were computed last, and the derivatives with size 1.
+    slopes: RefCell<HashMap<usize, (Vec<f64>, Vec<Vec<f64>>)>>,
 }
 
 /// The linear part, solved.
@@ -183,7 +195,27 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
             at,
             projected: project(basis, &columns),
             columns,
+            slopes: RefCell::default(),
         }
+    }
+
+    /// The derivative of the force by a searched parameter. Those of terms that moved little since are not computed again: each takes a run
+    /// of the term.
+    fn slope(&self, slot: usize) -> Vec<f64> {
+        let linear = self.projected.linear.as_slice();
+        let at = self.at.as_slice();
+        let mut known = self.slopes.borrow_mut();
+        if let Some((there, units)) = known.get(&slot)
+            && self.basis.is_near(slot, [at, there], NEAR)
+        {
+            return self.basis.slope_of(units, linear, slot);
+        }
+        let Some(units) = self.basis.unit_slopes(&self.columns, slot) else {
+            return self.basis.slope(&self.columns, linear, slot);
+        };
+        let slope = self.basis.slope_of(&units, linear, slot);
+        known.insert(slot, (at.to_vec(), units));
+        slope
     }
 
     fn solution(&self) -> Solution {
@@ -251,7 +283,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, '_, '_> {
         let first_size = 3 * rows.nodes.len();
         let mut jacobian = DMatrix::zeros(rows.len(), self.at.len());
         for (slot, mut column) in jacobian.column_iter_mut().enumerate() {
-            let slope = self.basis.slope(&self.columns, linear, slot);
+            let slope = self.slope(slot);
             let mut products = vec![0.0; linear.len()];
             for (index, slope) in slope.iter().enumerate() {
                 let weighted = rows.weight[index].powi(2) * slope;

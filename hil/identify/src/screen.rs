@@ -60,10 +60,14 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
 
     /// The starts of `term`, the best first; a term without shapes has one.
     pub fn starts(&self, term: Term) -> Vec<Start> {
+        let moved = (term.form.entry == Entry::Moves).then(|| {
+            let terms: Vec<Term> = self.solution.terms().into_iter().chain([term]).collect();
+            Basis::new(self.basis.rows, self.extent, &terms).around(self.solution)
+        });
         let mut starts: Vec<Start> = grid(self.extent, term.form)
             .into_iter()
             .map(|shapes| Start {
-                gain: self.gain(term, &shapes),
+                gain: self.gain(term, moved.as_ref(), &shapes),
                 shapes,
             })
             .collect();
@@ -77,13 +81,17 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
     }
 
-    fn gain(&self, term: Term, shapes: &[f64]) -> f64 {
+    /// `moved` has the term if that moves the motion.
+    fn gain(&self, term: Term, moved: Option<&Basis>, shapes: &[f64]) -> f64 {
         let Some(factor) = &self.factor else {
             return 0.0;
         };
         let left = factor.left(&self.normal);
         let saved = match term.form.entry {
-            Entry::Moves => left - self.left_when_moved(term, shapes).unwrap_or(left),
+            Entry::Moves => {
+                let moved = moved.and_then(|basis| self.left_when_moved(basis, shapes));
+                left - moved.unwrap_or(left)
+            }
             Entry::Scales(count) => {
                 let columns: Vec<Vec<f64>> = (0..count)
                     .map(|size| {
@@ -171,14 +179,12 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         products
     }
 
-    /// The squared error of the law when the motion is changed.
-    fn left_when_moved(&self, term: Term, shapes: &[f64]) -> Option<f64> {
-        let terms: Vec<Term> = self.solution.terms().into_iter().chain([term]).collect();
-        let basis = Basis::new(self.basis.rows, self.extent, &terms).around(self.solution);
+    /// The squared error of the law when the motion is changed, by the last term of `basis`.
+    fn left_when_moved(&self, basis: &Basis, shapes: &[f64]) -> Option<f64> {
         let known = self.solution.search.iter().copied();
         let at: Vec<f64> = known.chain(shapes.iter().map(|shape| shape.ln())).collect();
         let columns = basis.columns(&at, None);
-        let tangent = Tangent::of(&basis, &columns, self.solution);
+        let tangent = self.tangent.moved(basis, &columns, self.solution);
         let to_explain = basis.to_explain(&columns);
         let (normal, factor) = normal_of(self.basis.rows, &to_explain, &tangent);
         Some(factor?.left(&normal))

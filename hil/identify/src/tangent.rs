@@ -17,8 +17,28 @@ impl Tangent {
     /// At `columns` of `basis` with the coefficients of `solution`. There are no derivatives with respect to the parameters of a
     /// term that `solution` lacks.
     pub fn of(basis: &Basis, columns: &Columns, solution: &Solution) -> Self {
-        let motion = basis.motion(columns);
         let linear = solution.linear();
+        Self::with_slopes(basis, columns, solution, |slot, _| {
+            basis.slope(columns, &linear, slot)
+        })
+    }
+
+    /// The same with the derivatives by the searched parameters of terms from another motion: where it differs little, they do too, and
+    /// each takes a run of its term.
+    pub fn moved(&self, basis: &Basis, columns: &Columns, solution: &Solution) -> Self {
+        Self::with_slopes(basis, columns, solution, |_, place| {
+            self.shared[place].clone()
+        })
+    }
+
+    /// `slope` gives the derivative by the searched parameter at a slot, which is at a place among the shared ones.
+    fn with_slopes(
+        basis: &Basis,
+        columns: &Columns,
+        solution: &Solution,
+        slope: impl Fn(usize, usize) -> Vec<f64>,
+    ) -> Self {
+        let motion = basis.motion(columns);
         let local = columns
             .law()
             .iter()
@@ -28,15 +48,13 @@ impl Tangent {
             })
             .collect();
         let mut added = columns.added().into_iter();
-        let mut shared = Vec::new();
+        let mut shared: Vec<Vec<f64>> = Vec::new();
         for (index, value) in solution.terms.iter().enumerate() {
             let count = value.term.fitted_sizes();
             shared.extend(added.by_ref().take(count).map(<[f64]>::to_vec));
-            shared.extend(
-                basis
-                    .slot(index)
-                    .map(|slot| basis.slope(columns, &linear, slot)),
-            );
+            for slot in basis.slot(index) {
+                shared.push(slope(slot, shared.len()));
+            }
         }
         Self {
             node: motion.node.clone(),
