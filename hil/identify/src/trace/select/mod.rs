@@ -269,6 +269,9 @@ impl<'a> Search<'a> {
                 *first = found.clone();
             }
         }
+        if !search.is_settled(&found) {
+            found = search.exchanged(found);
+        }
         found = search.prune(search.unrefined(found));
         ruled_out::in_the_end(&mut candidates, &found);
         Ok(Selection {

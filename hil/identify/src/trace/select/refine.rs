@@ -4,8 +4,9 @@ use mesh_damper_model::Family;
 
 use super::super::fitted::Fitted;
 use super::super::separating::Rivals;
-use super::Search;
+use super::{MOST_TERMS, Search};
 use crate::term::Term;
+use crate::trace::select::SelectPolicy;
 
 impl Search<'_> {
     /// The law with its last effect in a refined form, if that is clearly better and the data distinguish it from a simpler one;
@@ -84,6 +85,39 @@ impl Search<'_> {
             .filter(|(_, other)| other.is_admissible())
             .min_by(|(_, a), (_, b)| a.score.nrmse().total_cmp(&b.score.nrmse()));
         best.filter(|(_, best)| !found.score.beats(&best.score))
+    }
+
+    /// The law with another effect in the place of one, as long as that is clearly better, or as good with fewer parameters: what a search
+    /// added first had to stand for effects that it found later.
+    pub(super) fn exchanged(&self, found: Fitted) -> Fitted {
+        let mut found = found;
+        for _ in 0..MOST_TERMS {
+            let mut indices = 0..found.solution.terms.len();
+            match indices.find_map(|index| self.instead(&found, index)) {
+                Some(better) => found = better,
+                None => break,
+            }
+        }
+        found
+    }
+
+    /// The law with another effect in the place of the one at `index`.
+    fn instead(&self, found: &Fitted, index: usize) -> Option<Fitted> {
+        let old = found.solution.terms[index].term;
+        if old.is_known || found.solution.found().count() < 2 {
+            return None;
+        }
+        // The crate may refuse the law without the effect.
+        let rest = self.scored(found.solution.without(index)).ok()?;
+        let mut others = self.steps();
+        others.retain(|term| term.form != old.form);
+        let others = self.beside(&rest, &others, SelectPolicy::in_use().fitted);
+        let others = others.into_iter().map(|(_, law, _)| self.refined(&law));
+        let is_simpler =
+            |law: &Fitted| law.parameters() < found.parameters() && !found.score.beats(&law.score);
+        let better = others.filter(|law| law.score.beats(&found.score) || is_simpler(law));
+        let better = better.filter(|law| self.rejected_by(law).is_none());
+        better.min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.

@@ -42,24 +42,12 @@ impl Search<'_> {
     /// All forms in addition to each law of `beam`, the best first and inadmissible ones last; at most `most` for each law are
     /// fitted.
     pub(super) fn step(&self, beam: &[Fitted], step: usize, most: usize) -> Vec<Candidate> {
-        // A refined form of another family's effect is no separate step: see `refined`.
-        let is_step = |term: &&Term| {
-            !term.form.refines || term.form.special_cases.contains(&term.form.family)
-        };
-        let steps: Vec<Term> = self.terms.iter().filter(is_step).copied().collect();
+        let steps = self.steps();
         let mut tried: Vec<Candidate> = beam
             .par_iter()
             .flat_map(|law| self.beside(law, &steps, most))
             .map(|(term, fitted, was_fitted)| {
-                let rejected_by = if !fitted.is_admissible() {
-                    Some(Rule::NotPassive)
-                } else if fitted.has_tone(self.of_motion()) {
-                    Some(Rule::InStepWithMotion)
-                } else {
-                    // A law that the crate refuses without its drift is inadmissible with it.
-                    let stands_still = self.stands_still(&fitted).unwrap_or(true);
-                    stands_still.then_some(Rule::StandsStill)
-                };
+                let rejected_by = self.rejected_by(&fitted);
                 Candidate {
                     family: term.form.family(),
                     step,
@@ -124,6 +112,27 @@ impl Search<'_> {
         }
         ruled_out::by_the_best(&mut tried);
         tried
+    }
+
+    /// The terms that a step may add. A refined form of another family's effect is no separate step: see `refined`.
+    pub(super) fn steps(&self) -> Vec<Term> {
+        let is_step = |term: &&Term| {
+            !term.form.refines || term.form.special_cases.contains(&term.form.family)
+        };
+        self.terms.iter().filter(is_step).copied().collect()
+    }
+
+    /// The reason why a law is not admissible.
+    pub(super) fn rejected_by(&self, law: &Fitted) -> Option<Rule> {
+        if !law.is_admissible() {
+            return Some(Rule::NotPassive);
+        }
+        if law.has_tone(self.of_motion()) {
+            return Some(Rule::InStepWithMotion);
+        }
+        // A law that the crate refuses without its drift is inadmissible with it.
+        let stands_still = self.stands_still(law).unwrap_or(true);
+        stands_still.then_some(Rule::StandsStill)
     }
 
     /// Whether two simpler effects that the last one contains are better in its place. Without this test it would replace any two of
