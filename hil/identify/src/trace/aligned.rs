@@ -79,16 +79,18 @@ impl<'r> Aligned<'r> {
         Ok(aligned)
     }
 
+    /// By how much, in s, the force was found late, or early if it is below 0; none if it was not moved.
+    pub fn late(&self) -> Option<f64> {
+        self.shifted().map(|shifted| shifted.late)
+    }
+
     /// A force that was moved back too far is late, and a model finds a late force better than anything finds an early one. Moves
-    /// all forces again by less: by the delay that `model` found, or, if it found none, as the channels show. Returns whether any
+    /// all forces, which were found `late`, again by less: by the delay that `model` found, or, if it found none, as the channels show. Returns whether any
     /// moved.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn follow(&mut self, model: &Model) -> Result<bool, InputError> {
-        let Some(late) = self.shifted().map(|shifted| shifted.late) else {
-            return Ok(false);
-        };
+    pub fn follow(&mut self, late: f64, model: &Model) -> Result<bool, InputError> {
         let mut effects = model.effects.iter();
         let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
         let less = delay.and_then(|effect| Some(late + delay::lag(&effect.parameters)?));

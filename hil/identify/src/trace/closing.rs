@@ -49,6 +49,8 @@ pub(super) struct Closed {
     pub model: Model,
     /// For the fitted recordings, then for the held-out ones.
     pub forces: Vec<Forces>,
+    /// The law that the search found.
+    pub found: Solution,
 }
 
 /// The role of each sample of a recording, and the force there of the mixed damping law alone and of the result, kN.
@@ -122,6 +124,11 @@ impl<'a> Closing<'a> {
         }
     }
 
+    /// The law of `selection`, fitted to all open samples.
+    pub fn solution(&self, selection: &Selection) -> Solution {
+        self.fit_there(&self.rows[0], &selection.found.solution)
+    }
+
     /// Fits the mixed damping law alone and with the effects of `selection`, and reports.
     pub fn close(
         &self,
@@ -130,7 +137,7 @@ impl<'a> Closing<'a> {
     ) -> Result<Closed, ModelError> {
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
-        let solution = self.fit_there(rows, &selection.found.solution);
+        let solution = self.solution(selection);
         let left_out = LeftOut::of(self.trajectories, self.roles);
         let found = solution.clone();
         let Concluded {
@@ -382,6 +389,7 @@ impl<'a> Closing<'a> {
             baseline,
             model,
             forces,
+            found: selection.found.solution.clone(),
         })
     }
 

@@ -53,6 +53,8 @@ use mesh_damper_recording::zero::ZeroPolicy;
 use mesh_damper_recording::{Recording, check_consistency, check_held_out};
 
 use crate::base_law::BaseLaw;
+use crate::families::delay;
+use crate::solution::Solution;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
 use controlled::Controlled;
@@ -197,8 +199,7 @@ pub fn trace_for(
     }
     progress("estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
-    let mut closed = conclude(&mut aligned, sought, progress)?;
-    closed = follow(&mut aligned, closed, sought, progress)?;
+    let mut closed = conclude(&mut aligned, sought, None, progress)?;
     let effects = |of: &Closed| of.model.effects.len();
     if (is_more_missing(&closed.result) || closed.model.effects.iter().any(early::stands_for_it))
         && !aligned.is_moved()
@@ -206,8 +207,7 @@ pub fn trace_for(
     {
         aligned.move_early(late)?;
         progress("correcting a force that is early");
-        let moved = conclude(&mut aligned, sought, progress)?;
-        let moved = follow(&mut aligned, moved, sought, progress)?;
+        let moved = conclude(&mut aligned, sought, None, progress)?;
         let less = moved.result.augmented.nrmse_fitted
             < ShiftPolicy::in_use().better * closed.result.augmented.nrmse_fitted;
         let is_simpler = is_more_missing(&closed.result) || effects(&moved) < effects(&closed);
@@ -222,17 +222,17 @@ pub fn trace_for(
             break;
         }
         progress("correcting zero steps of the force");
-        closed = conclude(&mut aligned, sought, progress)?;
+        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
     }
     if is_more_missing(&closed.result) && aligned.take_zeros(&closed)? {
         progress("correcting zero offsets between recordings");
-        closed = conclude(&mut aligned, sought, progress)?;
+        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
     }
     // What the motion predicts is no noise.
     let is_noise = !closed.result.explainable.is_some_and(|one| one.counts());
     if is_noise && is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("estimating noise that grows towards low frequencies");
-        closed = conclude(&mut aligned, sought, progress)?;
+        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
     closed
@@ -265,23 +265,6 @@ pub fn trace_for(
     Ok(trace)
 }
 
-/// Moves forces that were found early or late again by what the model shows, and searches again.
-fn follow(
-    aligned: &mut Aligned,
-    mut closed: Closed,
-    sought: &Sought,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<Closed, TraceError> {
-    for _ in 0..MOST_MOVES {
-        if !aligned.follow(&closed.model)? {
-            break;
-        }
-        progress("correcting time shifts of the force");
-        closed = conclude(aligned, sought, progress)?;
-    }
-    Ok(closed)
-}
-
 /// Whether the error of the law with its effects is above the noise.
 fn is_more_missing(result: &TraceResult) -> bool {
     result.verdict == Verdict::Unlisted || result.remainder.is_some()
@@ -292,12 +275,44 @@ fn most_amplitudes() -> usize {
     CyclesPolicy::in_use().most_amplitudes
 }
 
-/// Searches for missing effects and completes the trace.
+/// The result of a search, with the roles of the samples that it used.
+struct Searched {
+    roles: Roles,
+    validation: Roles,
+    /// Whether eq 13 has other coefficients at each amplitude.
+    over_amplitude: bool,
+    selection: Selection,
+}
+
+/// Searches for missing effects, `from` the law of an earlier search if there is one, and completes the trace. Forces that were found early
+/// or late are moved again by what the law shows.
 fn conclude(
     aligned: &mut Aligned,
     sought: &Sought,
+    from: Option<&Solution>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Closed, TraceError> {
+    let mut searched = search_in(aligned, sought, from, progress)?;
+    for _ in 0..MOST_MOVES {
+        let Some(late) = aligned.late() else { break };
+        let law = closing(aligned, &searched, sought).solution(&searched.selection);
+        if !aligned.follow(late, &law.model())? {
+            break;
+        }
+        progress("correcting time shifts of the force");
+        let still = law.without_family(delay::FORMS[0].family());
+        searched = search_in(aligned, sought, Some(&still), progress)?;
+    }
+    progress("fitting the effects found to all data that is not held out");
+    Ok(closing(aligned, &searched, sought).close(&searched.selection, progress)?)
+}
+
+fn search_in(
+    aligned: &mut Aligned,
+    sought: &Sought,
+    from: Option<&Solution>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Searched, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
         return Err(InputError::new(
@@ -328,17 +343,25 @@ fn conclude(
     let predicted = fitted.iter().map(|one| rough.predicted(one)).collect();
     let left = unexplained(fitted, &validation, predicted);
     set_unexplained(fitted, &left);
-    let (over_amplitude, selection) = search(fitted, &validation, sought, progress)?;
+    let (over_amplitude, selection) = search(fitted, &validation, sought, from, progress)?;
     set_unexplained(fitted, &selection.left);
-    let (fitted, held) = (&*fitted, &*held);
-    progress("fitting the effects found to all data that is not held out");
+    Ok(Searched {
+        roles,
+        validation,
+        over_amplitude,
+        selection,
+    })
+}
+
+fn closing<'a>(aligned: &'a Aligned, searched: &'a Searched, sought: &'a Sought) -> Closing<'a> {
+    let [fitted, held] = &aligned.trajectories;
     let mut nodes = vec![vec![0.0]];
-    let over = amplitude_nodes(fitted, &roles);
+    let over = amplitude_nodes(fitted, &searched.roles);
     if sought.law != BaseLaw::None && (2..=most_amplitudes()).contains(&over.len()) {
-        nodes.insert(usize::from(!over_amplitude), over);
+        nodes.insert(usize::from(!searched.over_amplitude), over);
     }
-    let closing = Closing::new(fitted, [&validation, &roles], held, nodes, sought);
-    Ok(closing.close(&selection, progress)?)
+    let roles = [&searched.validation, &searched.roles];
+    Closing::new(fitted, roles, held, nodes, sought)
 }
 
 /// Variance that a law leaves of each recording beyond the tolerance, on the samples that the search fits. `predicted` is its force.
@@ -365,15 +388,16 @@ fn search(
     fitted: &[Trajectory],
     validation: &Roles,
     sought: &Sought,
+    from: Option<&Solution>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, validation);
     let for_all = Search::new(fitted, validation, vec![0.0], sought);
     if sought.law == BaseLaw::None || nodes.len() < 2 || nodes.len() > most_amplitudes() {
-        return Ok((false, for_all.run(progress)?));
+        return Ok((false, for_all.run(from, progress)?));
     }
     let for_each = for_all.with_nodes(nodes.clone());
-    let each = for_each.run(progress)?;
+    let each = for_each.run(from, progress)?;
     // Two laws are compared by the same weights.
     let same = for_all.beside_left(each.left.clone());
     let same = same.refit(&each.found.solution);
@@ -394,7 +418,7 @@ fn search(
     {
         return Ok((true, each));
     }
-    let one = for_all.run(progress)?;
+    let one = for_all.run(Some(&each.found.solution), progress)?;
     let by_one = for_each.beside_left(one.left.clone());
     let by_one = by_one.reweighed(&each.found)?.score;
     if !by_one.beats(&one.found.score) {

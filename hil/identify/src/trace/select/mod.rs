@@ -182,9 +182,16 @@ impl<'a> Search<'a> {
     /// Adds effects while one of them clearly reduces the error on the validation cycles, then drops those that became unnecessary.
     /// `progress` is called before each step with a description of it.
     ///
+    /// A search `from` the law of another, in which the motion, the force or the amplitudes differed a little, begins with that law but its
+    /// last effect, which has to win again over all others.
+    ///
     /// # Errors
     /// The crate refuses a fitted law.
-    pub fn run(&self, progress: &(dyn Fn(&str) + Sync)) -> Result<Selection, ModelError> {
+    pub fn run(
+        &self,
+        from: Option<&Solution>,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Selection, ModelError> {
         progress("fitting the law");
         let mut search = self.clone();
         let mut baseline = self.scored(self.without_more())?;
@@ -193,9 +200,16 @@ impl<'a> Search<'a> {
             search = sharper;
         }
         let mut found = baseline.clone();
-        let mut beam = vec![baseline.clone()];
+        if let Some(start) = from.and_then(|from| search.start(from, &baseline)) {
+            found = start;
+            if let Some(sharper) = search.sharper(&found)? {
+                found = sharper.reweighed(&found)?;
+                search = sharper;
+            }
+        }
+        let mut beam = vec![found.clone()];
         let mut candidates = Vec::new();
-        for step in 1..=MOST_TERMS {
+        for step in found.solution.found().count() + 1..=MOST_TERMS {
             progress(&format!(
                 "trying {} forms of effects in addition to {}",
                 search.terms.len(),
@@ -281,6 +295,14 @@ impl<'a> Search<'a> {
             goal: search.goal(),
             left: search.rows.left().to_vec(),
         })
+    }
+
+    /// The law that a search `from` another law begins with; none if it is no better than the law alone.
+    fn start(&self, from: &Solution, alone: &Fitted) -> Option<Fitted> {
+        let last = from.terms.iter().rposition(|value| !value.term.is_known)?;
+        let start = self.refit(&from.without(last)).ok()?;
+        let is_start = self.is_better(&start, alone) && self.rejected_by(&start).is_none();
+        is_start.then_some(start)
     }
 
     /// The law with the known effects.
@@ -394,7 +416,7 @@ mod tests {
         let roles = roles(&trajectories);
         set_unexplained(&mut trajectories, &[1.0; 2]);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
-        let selection = search.run(&|_| ()).unwrap();
+        let selection = search.run(None, &|_| ()).unwrap();
         let left = &selection.left;
         let predicted = selection.found.solution.predicted(&trajectories).unwrap();
         let by_found = unexplained(&trajectories, &roles, predicted);
