@@ -284,6 +284,16 @@ impl<'a> Rows<'a> {
         self.pick(&shown)
     }
 
+    /// The rate of change per s at the rows, of values at every sample of every trajectory.
+    pub(super) fn rate_of(&self, per_trajectory: &[Vec<f64>]) -> Vec<f64> {
+        let rate = |&(which, sample): &(usize, usize)| {
+            let (values, tick) = (&per_trajectory[which], self.trajectories[which].tick);
+            let (before, after) = (sample.saturating_sub(1), (sample + 1).min(values.len() - 1));
+            (values[after] - values[before]) / ((after - before) as f64 * tick)
+        };
+        self.origin.iter().map(rate).collect()
+    }
+
     /// The values at the rows, from values at every sample of every trajectory.
     pub(super) fn pick(&self, per_trajectory: &[Vec<f64>]) -> Vec<f64> {
         self.origin

@@ -81,6 +81,13 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
     }
 
+    /// The size that a force, in kN at every row with size 1, has in addition to the law's, to first order; 0 if the law has it already.
+    pub fn size_of(&self, force: &[f64]) -> f64 {
+        let beside = |factor: &Factor| self.beside(factor, &[force]);
+        let beside = self.factor.as_ref().and_then(beside);
+        beside.map_or(0.0, |(_, sizes)| sizes[0])
+    }
+
     /// `moved` has the term if that moves the motion.
     fn gain(&self, term: Term, moved: Option<&Basis>, shapes: &[f64]) -> f64 {
         let Some(factor) = &self.factor else {
@@ -133,6 +140,17 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
 
     /// The squared error that columns save in addition to the law's.
     fn saved_by(&self, factor: &Factor, columns: &[&[f64]], positive: bool) -> f64 {
+        let Some((force, sizes)) = self.beside(factor, columns) else {
+            return 0.0;
+        };
+        match force.as_slice() {
+            [only] if positive && *only <= 0.0 => 0.0,
+            _ => force.dot(&sizes),
+        }
+    }
+
+    /// The force along each column beside the law, and the sizes that the columns have then; none if they are not independent.
+    fn beside(&self, factor: &Factor, columns: &[&[f64]]) -> Option<(DVector<f64>, DVector<f64>)> {
         let products: Vec<Vec<f64>> = columns
             .iter()
             .map(|column| self.products_with_base(column))
@@ -155,12 +173,8 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
             let least = if i == j { 1e-9 * product } else { 0.0 };
             factor.beside(&products[i], &products[j], product) + least
         });
-        if let (true, [only]) = (positive, force.as_slice())
-            && *only <= 0.0
-        {
-            return 0.0;
-        }
-        Cholesky::new(gram).map_or(0.0, |gram| force.dot(&gram.solve(&force)))
+        let sizes = Cholesky::new(gram)?.solve(&force);
+        Some((force, sizes))
     }
 
     fn products_with_base(&self, column: &[f64]) -> Vec<f64> {

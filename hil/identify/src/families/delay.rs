@@ -1,6 +1,5 @@
 //! A force recorded with a delay: by a fixed time, or through a low-pass.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
 use mesh_damper::effects::{Delay, Equations, ForceFilter};
@@ -63,12 +62,6 @@ const LATE: FormSpec = FormSpec {
 
 /// The lag of a slow force behind a low-pass, times its corner: √2/ω.
 const SLOW: f64 = SQRT_2 / TAU;
-
-/// The delay of a slow force with these parameters of an effect of this family, s.
-pub(crate) fn lag(parameters: &BTreeMap<String, f64>) -> Option<f64> {
-    let of_corner = || Some(SLOW / parameters.get("corner")?);
-    parameters.get("time").copied().or_else(of_corner)
-}
 
 /// The shortest and the longest delay of the search, s. The shortest is far below a tick, where either form has little effect and
 /// from where a search converges.

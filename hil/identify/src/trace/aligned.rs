@@ -13,8 +13,8 @@ use mesh_damper_recording::trajectory::{Known, Trajectory, Zero};
 use mesh_damper_recording::zero::{ZeroPolicy, zero_step};
 use mesh_damper_recording::zeros::{self, LeftOfOne, odd_zeros};
 
-use crate::families::delay;
 use crate::trace::closing::{Closed, Forces};
+use crate::trace::early::EarlyPolicy;
 use crate::trace::result::Verdict;
 use crate::trace::split::Role;
 
@@ -26,9 +26,6 @@ mesh_damper_recording::numbers! {
         same_zero: f64 = 0.05, Tuned("the recordings of others");
         /// Two recordings may have the same time shift of the force if their shifts differ by less than this many ticks.
         same_shift: f64 = 1.5, Tuned("the injected channel faults");
-        /// A force with a time shift is first moved so that it is this many ticks late, because a model measures a late force better than
-        /// an early one.
-        too_far: f64 = 0.5, Tuned("the injected channel faults");
     }
 }
 
@@ -37,8 +34,6 @@ pub(super) struct Aligned<'r> {
     recordings: [&'r [&'r Recording]; 2],
     /// In the same order.
     pub trajectories: [Vec<Trajectory>; 2],
-    /// Delay of the force according to the channels, s, until a model shows a better value.
-    estimate: Option<f64>,
     rig: RigFacts,
 }
 
@@ -65,16 +60,13 @@ impl<'r> Aligned<'r> {
         let mut aligned = Self {
             recordings: [fitted, held],
             trajectories: [each(fitted)?, each(held)?],
-            estimate: None,
             rig,
         };
         if rig.zero.is_none() {
             aligned.share_zero()?;
         }
-        if let Some(shifted) = aligned.shifted() {
-            let (late, tick) = (shifted.late, shifted.tick);
-            aligned.estimate = Some(late);
-            aligned.move_from(late, late - AlignedPolicy::in_use().too_far * tick)?;
+        if let Some(late) = aligned.late() {
+            aligned.move_from(late, late)?;
         }
         Ok(aligned)
     }
@@ -84,24 +76,21 @@ impl<'r> Aligned<'r> {
         self.shifted().map(|shifted| shifted.late)
     }
 
-    /// A force that was moved back too far is late, and a model finds a late force better than anything finds an early one. Moves
-    /// all forces, which were found `late`, again by less: by the delay that `model` found, or, if it found none, as the channels show. Returns whether any
-    /// moved.
+    /// Moves all forces, which were moved as if they were `late`, once more if they are still `early`, both in s. Returns whether they are by
+    /// more than is known.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn follow(&mut self, late: f64, model: &Model) -> Result<bool, InputError> {
-        let mut effects = model.effects.iter();
-        let delay = effects.find(|effect| effect.family == delay::FORMS[0].family());
-        let less = delay.and_then(|effect| Some(late + delay::lag(&effect.parameters)?));
-        let estimate = self.estimate.take();
-        // A delay in a model cannot make an early force late.
-        let bounded = |less: f64| if late < 0.0 { less.min(0.0) } else { less };
-        let Some(to) = less.map(bounded).or(estimate) else {
-            return Ok(false);
-        };
-        self.move_from(late, to)?;
-        Ok(true)
+    pub fn follow(&mut self, late: f64, early: f64) -> Result<bool, InputError> {
+        let to = late - early;
+        // What a law measures cannot make an early force late.
+        let to = if late < 0.0 { to.min(0.0) } else { to };
+        let tick = self.shifted().map_or(0.0, |shifted| shifted.tick);
+        let differs = (to - late).abs() > EarlyPolicy::in_use().within * tick;
+        if differs {
+            self.move_from(late, to)?;
+        }
+        Ok(differs)
     }
 
     /// Whether a force was moved, or its delay is stated.
@@ -109,14 +98,12 @@ impl<'r> Aligned<'r> {
         self.rig.force_delay.is_some() || self.shifted().is_some()
     }
 
-    /// Moves the force of every recording, which is early by −`late` s, too far at first, as in [`Aligned::of`]: one rig has one delay.
+    /// Moves the force of every recording, which is early by −`late` s: one rig has one delay.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
     pub fn move_early(&mut self, late: f64) -> Result<(), InputError> {
-        self.estimate = Some(late);
-        let tick = self.trajectories[0].first().map_or(0.0, |one| one.tick);
-        self.move_all(late - AlignedPolicy::in_use().too_far * tick)
+        self.move_all(late)
     }
 
     /// Takes every force as it was recorded.
@@ -124,7 +111,6 @@ impl<'r> Aligned<'r> {
     /// # Errors
     /// As [`Trajectory::of`].
     pub fn stay(&mut self) -> Result<(), InputError> {
-        self.estimate = None;
         self.move_all(0.0)
     }
 
@@ -446,28 +432,17 @@ mod tests {
         .unwrap()
     }
 
-    fn late_by(time: f64) -> Model {
-        Model {
-            law: Vec::new(),
-            effects: vec![AddedEffect {
-                family: delay::FORMS[0].family(),
-                parameters: BTreeMap::from([("time".to_owned(), time)]),
-            }],
-            correction: None,
-            controls: Vec::new(),
-        }
-    }
-
     /// Whatever the size: the force that was found early first is the one that is moved.
     #[test]
-    fn what_was_moved_is_moved_by_what_a_model_found() {
+    fn what_was_moved_is_moved_by_what_a_law_shows() {
         let early = recording("early", [1.0, 5.0], -3);
         let recordings = [&early];
         for ticks in [0.5, 2.0, 9.0] {
             let mut aligned = Aligned::of(&recordings, &[], RigFacts::default()).unwrap();
             let before = aligned.trajectories[0][0].late;
-            assert!((before / TICK + 3.5).abs() < 0.5, "{before} s");
-            assert!(aligned.follow(&late_by(ticks * TICK)).unwrap());
+            assert!((before / TICK + 3.0).abs() < 0.5, "{before} s");
+            assert!(!aligned.follow(before, 0.01 * TICK).unwrap());
+            assert!(aligned.follow(before, -ticks * TICK).unwrap());
             let expected = (before + ticks * TICK).min(0.0);
             assert_eq!(aligned.trajectories[0][0].late, expected);
         }
@@ -488,10 +463,7 @@ mod tests {
             for (fitted, held) in [([&shows], [&hides]), ([&hides], [&shows])] {
                 let aligned = Aligned::of(&fitted, &held, RigFacts::default()).unwrap();
                 let [fitted, held] = aligned.trajectories.map(|each| each[0].late / TICK);
-                assert!(
-                    (fitted + 0.5 - late as f64).abs() < 0.5,
-                    "{fitted} of {late}"
-                );
+                assert!((fitted - late as f64).abs() < 0.5, "{fitted} of {late}");
                 assert_eq!(fitted, held, "{late}");
             }
         }

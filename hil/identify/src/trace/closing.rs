@@ -30,6 +30,7 @@ use crate::basis::Basis;
 use crate::families::asymmetry;
 use crate::problem::Problem;
 use crate::rows::{Purpose, Rows};
+use crate::screen::Screen;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
@@ -124,9 +125,15 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// The law of `selection`, fitted to all open samples.
-    pub fn solution(&self, selection: &Selection) -> Solution {
-        self.fit_there(&self.rows[0], &selection.found.solution)
+    /// By how much the recorded force is earlier than that of `found`, in s: to first order, beside a change of all its parameters.
+    ///
+    /// # Errors
+    /// The crate refuses the law.
+    pub fn early_by(&self, found: &Solution) -> Result<f64, ModelError> {
+        let rows = &self.rows[0];
+        let law = self.fit_there(rows, found);
+        let rate = rows.rate_of(&law.predicted(self.trajectories)?);
+        Ok(Screen::at(rows, &self.extent, &law).size_of(&rate))
     }
 
     /// Fits the mixed damping law alone and with the effects of `selection`, and reports.
@@ -137,7 +144,7 @@ impl<'a> Closing<'a> {
     ) -> Result<Closed, ModelError> {
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
-        let solution = self.solution(selection);
+        let solution = self.fit_there(rows, &selection.found.solution);
         let left_out = LeftOut::of(self.trajectories, self.roles);
         let found = solution.clone();
         let Concluded {

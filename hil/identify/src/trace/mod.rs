@@ -53,7 +53,6 @@ use mesh_damper_recording::zero::ZeroPolicy;
 use mesh_damper_recording::{Recording, check_consistency, check_held_out};
 
 use crate::base_law::BaseLaw;
-use crate::families::delay;
 use crate::solution::Solution;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
@@ -295,13 +294,13 @@ fn conclude(
     let mut searched = search_in(aligned, sought, from, progress)?;
     for _ in 0..MOST_MOVES {
         let Some(late) = aligned.late() else { break };
-        let law = closing(aligned, &searched, sought).solution(&searched.selection);
-        if !aligned.follow(late, &law.model())? {
+        let found = &searched.selection.found.solution;
+        let early = closing(aligned, &searched, sought).early_by(found)?;
+        if !aligned.follow(late, early)? {
             break;
         }
         progress("correcting time shifts of the force");
-        let still = law.without_family(delay::FORMS[0].family());
-        searched = search_in(aligned, sought, Some(&still), progress)?;
+        searched = search_in(aligned, sought, Some(found), progress)?;
     }
     progress("fitting the effects found to all data that is not held out");
     Ok(closing(aligned, &searched, sought).close(&searched.selection, progress)?)

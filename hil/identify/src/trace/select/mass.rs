@@ -31,16 +31,8 @@ impl Search<'_> {
             let motion = &self.trajectories[which].motion;
             motion.acceleration[sample]
         };
-        let of_time = |&(which, sample): &(usize, usize)| {
-            let (force, tick) = (&predicted[which], self.trajectories[which].tick);
-            let (before, after) = (sample.saturating_sub(1), (sample + 1).min(force.len() - 1));
-            (force[after] - force[before]) / tick
-        };
-        let origin = &self.rows.origin;
-        let [mass, time] = [
-            origin.iter().map(of_mass).collect::<Vec<f64>>(),
-            origin.iter().map(of_time).collect(),
-        ];
+        let mass: Vec<f64> = self.rows.origin.iter().map(of_mass).collect();
+        let time = self.rows.rate_of(&predicted);
         screen.saving(&mass) > screen.saving(&time)
     }
 }
