@@ -173,9 +173,12 @@ struct Search<'b, 'r, 'a> {
     at: DVector<f64>,
     columns: Columns,
     projected: Projected,
-    /// Of each searched parameter that has some: where they were computed last, and the derivatives with size 1.
-    slopes: RefCell<HashMap<usize, (Vec<f64>, Vec<Vec<f64>>)>>,
+    /// Of each searched parameter that has some.
+    slopes: RefCell<HashMap<usize, Slopes>>,
 }
+
+/// The derivatives of a term's forces with size 1, and where they were computed.
+type Slopes = (Vec<f64>, Vec<Vec<f64>>);
 
 /// The linear part, solved.
 struct Projected {

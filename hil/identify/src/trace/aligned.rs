@@ -401,11 +401,9 @@ fn largest_amplitude(trajectory: &Trajectory) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
     use std::f64::consts::TAU;
 
     use super::*;
-    use mesh_damper_model::AddedEffect;
 
     const TICK: f64 = 2e-3;
 
