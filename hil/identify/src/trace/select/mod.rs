@@ -353,6 +353,7 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use mesh_damper::effects::Inertia;
+    use mesh_damper_model::Family;
     use rand::SeedableRng as _;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution as _, Normal};
@@ -428,5 +429,82 @@ mod tests {
         assert_eq!(scored.score.nrmse(), selection.found.score.nrmse());
         assert_eq!(same.goal(), selection.goal);
         selection
+    }
+
+    /// The last effect has to win again, and what the motion no longer shows goes.
+    #[test]
+    fn a_search_goes_on_from_the_law_of_another() {
+        let [light, massive] = recordings();
+        let mut trajectories = [massive.clone(), massive];
+        let roles = roles(&trajectories);
+        set_unexplained(&mut trajectories, &[1.0; 2]);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        let first = search.run(None, &|_| ()).unwrap();
+        let with = first.found.solution.clone();
+        let again = search.run(Some(&with), &|_| ()).unwrap();
+        assert_eq!(again.found.families(), first.found.families());
+        assert!(again.candidates.iter().any(|candidate| candidate.added));
+        let offset = Term {
+            form: Form::named("offset").unwrap(),
+            ..with.terms[0].term
+        };
+        let terms = [with.terms[0].term, offset];
+        let two = Problem::new(&search.rows, &search.extent, &terms).solve();
+        assert!(search.start(&two, &again.baseline).is_some());
+        let steps = search.run(Some(&two), &|_| ()).unwrap().candidates;
+        assert!(steps.iter().all(|candidate| candidate.step == 2));
+        let mut trajectories = [light.clone(), light];
+        set_unexplained(&mut trajectories, &[1.0; 2]);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        assert!(
+            search
+                .run(Some(&two), &|_| ())
+                .unwrap()
+                .found
+                .solution
+                .is_alone()
+        );
+    }
+
+    /// A branch that was added before the slider it stands for.
+    #[test]
+    fn an_effect_is_exchanged_for_another_that_is_better_in_its_place() {
+        let mut stretch = 0.0_f64;
+        let mut before = 0.0;
+        let moved = |n: i32| 0.2 * (0.03 * f64::from(n)).sin() + 0.07 * (0.13 * f64::from(n)).sin();
+        let displacement: Vec<f64> = (0..8000).map(moved).collect();
+        let noise = |n: usize| 2e-3 * (n as f64 * 1.234_567).sin() * (n as f64 * 0.789).cos();
+        let force = displacement.iter().enumerate().map(|(n, &y)| {
+            stretch = (stretch + y - before).clamp(-0.02, 0.02);
+            before = y;
+            2.0 * y + 1.5 * stretch + 0.1 + noise(n)
+        });
+        let force = force.collect();
+        let trajectories = [Trajectory::new(
+            "slides",
+            2e-3,
+            &displacement,
+            force,
+            None,
+            None,
+        )];
+        let roles = roles(&trajectories);
+        let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
+        let terms = ["relaxation", "offset"].map(|form| Term {
+            form: Form::named(form).unwrap(),
+            reference: 0.0,
+            is_known: false,
+            held: None,
+        });
+        let law = Problem::new(&search.rows, &search.extent, &terms).solve();
+        let law = search.scored(law).unwrap();
+        let better = search.exchanged(law.clone());
+        let names = |law: &Fitted| law.families().into_iter().map(Family::name).collect();
+        let [before, after]: [Vec<&str>; 2] = [names(&law), names(&better)];
+        assert_eq!(before, ["offset", "relaxation"]);
+        assert_eq!(after, ["offset", "stick_slip"]);
+        assert!(better.score.beats(&law.score));
+        let same = search.exchanged(better.clone());
+        assert_eq!(same.score.nrmse(), better.score.nrmse());
     }
 }
