@@ -93,19 +93,39 @@ impl<'r, 'a> Problem<'r, 'a> {
 
     /// The fit from `start`, a solution with these terms or with all but the last, whose shapes then are `shapes`.
     pub fn solve_from(&self, start: &Solution, shapes: &[f64]) -> Solution {
+        self.solve_from_best(start, std::iter::once(shapes))
+            .expect("there is one start")
+    }
+
+    /// The best of the fits from `start` with each of these shapes of the last term.
+    pub fn solve_from_best<'s>(
+        &self,
+        start: &Solution,
+        shapes: impl Iterator<Item = &'s [f64]>,
+    ) -> Option<Solution> {
+        let fits = shapes.map(|shapes| self.solve_in_rounds(start, shapes));
+        let best = fits.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+        Some(match self.gives_way() {
+            true => exact::refined(&self.basis(), best),
+            false => best,
+        })
+    }
+
+    /// With a spring in series, whose deflection each round takes from the round before.
+    fn solve_in_rounds(&self, start: &Solution, shapes: &[f64]) -> Solution {
         let at = self.start(start, shapes);
         let mut solution = self.minimized(self.basis().around(start), at);
-        if self.terms.iter().any(|term| term.form.gives_way) {
+        if self.gives_way() {
             for _ in 1..ProblemPolicy::in_use().series_rounds {
                 let at = solution.search.clone();
                 solution = self.minimized(self.basis().around(&solution), at);
             }
-            // A search compares laws by their own force, so that its fits need not be exact.
-            if self.rows.purpose != Purpose::Search {
-                solution = exact::refined(&self.basis(), solution);
-            }
         }
         solution
+    }
+
+    fn gives_way(&self) -> bool {
+        self.terms.iter().any(|term| term.form.gives_way)
     }
 
     /// The fit from `known`, a solution with these terms, possibly with nodes at other amplitudes.

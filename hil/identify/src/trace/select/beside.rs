@@ -68,10 +68,8 @@ impl Search<'_> {
                 let problem = Problem::new(&self.rows, &extent, &terms);
                 let is_fitted = place < most && starts[0].gain > promising;
                 let solution = if is_fitted {
-                    starts[..SelectPolicy::in_use().starts.min(starts.len())]
-                        .par_iter()
-                        .map(|start| problem.solve_from(&base, &start.shapes))
-                        .min_by(|a, b| a.squares.total_cmp(&b.squares))?
+                    let starts = starts.iter().take(SelectPolicy::in_use().starts);
+                    problem.solve_from_best(&base, starts.map(|start| &start.shapes[..]))?
                 } else {
                     problem.solve_at(&base, &starts[0].shapes)
                 };
