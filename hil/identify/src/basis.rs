@@ -279,7 +279,7 @@ impl<'r, 'a> Basis<'r, 'a> {
     }
 
     /// The part of that force due to eq 13.
-    pub fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
+    fn law_force(&self, columns: &Columns, linear: &[f64]) -> Vec<f64> {
         let rows = columns.law.unit.iter();
         rows.zip(&self.motion(columns).node)
             .map(|(row, node)| (0..3).map(|i| linear[3 * node + i] * row[i]).sum())
@@ -349,9 +349,12 @@ impl<'r, 'a> Basis<'r, 'a> {
     }
 
     /// Whether a term's force with size 1 and its derivatives are practically the same at two places: its shapes and those of terms that
-    /// move the motion differ by less than `part`.
+    /// move the motion differ by less than `part`. A tone turns over a whole recording with its frequency.
     pub fn is_near(&self, slot: usize, [here, there]: [&[f64]; 2], part: f64) -> bool {
         let own = self.term_of(slot);
+        if own.is_some_and(|term| self.terms[term].form.follows_clock) {
+            return false;
+        }
         let moves = |term: &usize| self.terms[*term].form.entry == Entry::Moves;
         let mut terms = (0..self.terms.len()).filter(|term| Some(*term) == own || moves(term));
         terms.all(|term| {

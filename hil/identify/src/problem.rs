@@ -45,8 +45,8 @@ const fn enough(purpose: Purpose) -> [f64; 2] {
     }
 }
 
-/// Derivatives are kept until a shape changes by this fraction. Convention: a step of a fit is then wrong by about as much of itself, and
-/// the next one makes up for it.
+/// A search keeps derivatives until a shape changes by this fraction. Convention: a step of a fit is then wrong by about as much of itself,
+/// and the next one makes up for it.
 const NEAR: f64 = 0.02;
 
 /// Eq 13 and terms, to be fitted to rows.
@@ -229,6 +229,7 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
         let at = self.at.as_slice();
         let mut known = self.slopes.borrow_mut();
         if let Some((there, units)) = known.get(&slot)
+            && self.basis.rows.purpose == Purpose::Search
             && self.basis.is_near(slot, [at, there], NEAR)
         {
             return self.basis.slope_of(units, linear, slot);

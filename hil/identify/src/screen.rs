@@ -81,11 +81,14 @@ impl<'s, 'r, 'a> Screen<'s, 'r, 'a> {
         factor.map_or(0.0, |factor| self.saved_by(factor, &[force], false))
     }
 
-    /// The size that a force, in kN at every row with size 1, has in addition to the law's, to first order; 0 if the law has it already.
-    pub fn size_of(&self, force: &[f64]) -> f64 {
-        let beside = |factor: &Factor| self.beside(factor, &[force]);
-        let beside = self.factor.as_ref().and_then(beside);
-        beside.map_or(0.0, |(_, sizes)| sizes[0])
+    /// The size that a force, in kN at every row with size 1, has in addition to the law's, to first order, and its deviation; none if the law
+    /// has that force.
+    pub fn size_of(&self, force: &[f64]) -> Option<(f64, f64)> {
+        let factor = self.factor.as_ref()?;
+        let (along, sizes) = self.beside(factor, &[force])?;
+        let variance = factor.left(&self.normal) / self.basis.rows.len() as f64;
+        let gram = along[0] / sizes[0];
+        (gram > 0.0).then(|| (sizes[0], (variance / gram).sqrt()))
     }
 
     /// `moved` has the term if that moves the motion.

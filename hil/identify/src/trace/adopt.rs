@@ -171,8 +171,7 @@ mod tests {
     fn a_table_may_not_fail_at_an_end_by_more_than_it_gains() {
         let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
         let fails_by = |factor: f64| {
-            let with = [[0.025, 0.05, 0.075], [0.1 * factor; 3]].concat();
-            loses_less_than_it_gains(&alone, &errors(&with[..4]))
+            loses_less_than_it_gains(&alone, &errors(&[0.025, 0.05, 0.075, 0.1 * factor]))
         };
         // The mean gain is the fourth root of 4·4·4/loss, which equals the loss where that is 4^(3/5), 2.30.
         assert!(fails_by(1.0) && fails_by(2.25));

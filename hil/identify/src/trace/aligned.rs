@@ -65,27 +65,24 @@ impl<'r> Aligned<'r> {
         if rig.zero.is_none() {
             aligned.share_zero()?;
         }
-        if let Some(late) = aligned.late() {
+        if let Some(late) = aligned.shifted().map(|shifted| shifted.late) {
             aligned.move_from(late, late)?;
         }
         Ok(aligned)
     }
 
-    /// By how much, in s, the force was found late, or early if it is below 0; none if it was not moved.
-    pub fn late(&self) -> Option<f64> {
-        self.shifted().map(|shifted| shifted.late)
-    }
-
-    /// Moves all forces, which were moved as if they were `late`, once more if they are still `early`, both in s. Returns whether they are by
-    /// more than is known.
+    /// Moves all forces that were moved, once more, if they are still `early` by some s. A law measures the rest of what the channels show, which
+    /// is at most a tick. Returns whether anything moved.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
-    pub fn follow(&mut self, late: f64, early: f64) -> Result<bool, InputError> {
-        let to = late - early;
-        // What a law measures cannot make an early force late.
-        let to = if late < 0.0 { to.min(0.0) } else { to };
-        let tick = self.shifted().map_or(0.0, |shifted| shifted.tick);
+    pub fn follow(&mut self, early: f64) -> Result<bool, InputError> {
+        let Some((late, tick)) = self.shifted().map(|one| (one.late, one.tick)) else {
+            return Ok(false);
+        };
+        let to = late - early.clamp(-tick, tick);
+        // What a law measures cannot make an early force late, nor a late one early.
+        let to = if late < 0.0 { to.min(0.0) } else { to.max(0.0) };
         let differs = (to - late).abs() > EarlyPolicy::in_use().within * tick;
         if differs {
             self.move_from(late, to)?;
@@ -98,14 +95,6 @@ impl<'r> Aligned<'r> {
         self.rig.force_delay.is_some() || self.shifted().is_some()
     }
 
-    /// Moves the force of every recording, which is early by −`late` s: one rig has one delay.
-    ///
-    /// # Errors
-    /// As [`Trajectory::of`].
-    pub fn move_early(&mut self, late: f64) -> Result<(), InputError> {
-        self.move_all(late)
-    }
-
     /// Takes every force as it was recorded.
     ///
     /// # Errors
@@ -114,7 +103,11 @@ impl<'r> Aligned<'r> {
         self.move_all(0.0)
     }
 
-    fn move_all(&mut self, late: f64) -> Result<(), InputError> {
+    /// Moves the force of every recording, which is late by `late` s, or early if that is below 0: one rig has one delay.
+    ///
+    /// # Errors
+    /// As [`Trajectory::of`].
+    pub fn move_all(&mut self, late: f64) -> Result<(), InputError> {
         self.again(|trajectory| {
             Some(Known {
                 late: Some(late),
@@ -439,9 +432,9 @@ mod tests {
             let mut aligned = Aligned::of(&recordings, &[], RigFacts::default()).unwrap();
             let before = aligned.trajectories[0][0].late;
             assert!((before / TICK + 3.0).abs() < 0.5, "{before} s");
-            assert!(!aligned.follow(before, 0.01 * TICK).unwrap());
-            assert!(aligned.follow(before, -ticks * TICK).unwrap());
-            let expected = (before + ticks * TICK).min(0.0);
+            assert!(!aligned.follow(0.01 * TICK).unwrap());
+            assert!(aligned.follow(-ticks * TICK).unwrap());
+            let expected = before + ticks.min(1.0) * TICK;
             assert_eq!(aligned.trajectories[0][0].late, expected);
         }
     }

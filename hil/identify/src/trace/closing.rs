@@ -30,7 +30,6 @@ use crate::basis::Basis;
 use crate::families::asymmetry;
 use crate::problem::Problem;
 use crate::rows::{Purpose, Rows};
-use crate::screen::Screen;
 use crate::shape::Extent;
 use crate::solution::Solution;
 use crate::staged::staged;
@@ -50,8 +49,8 @@ pub(super) struct Closed {
     pub model: Model,
     /// For the fitted recordings, then for the held-out ones.
     pub forces: Vec<Forces>,
-    /// The law that the search found.
-    pub found: Solution,
+    /// The search.
+    pub selection: Selection,
 }
 
 /// The role of each sample of a recording, and the force there of the mixed damping law alone and of the result, kN.
@@ -125,23 +124,13 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// By how much the recorded force is earlier than that of `found`, in s: to first order, beside a change of all its parameters.
-    ///
-    /// # Errors
-    /// The crate refuses the law.
-    pub fn early_by(&self, found: &Solution) -> Result<f64, ModelError> {
-        let rows = &self.rows[0];
-        let law = self.fit_there(rows, found);
-        let rate = rows.rate_of(&law.predicted(self.trajectories)?);
-        Ok(Screen::at(rows, &self.extent, &law).size_of(&rate))
-    }
-
     /// Fits the mixed damping law alone and with the effects of `selection`, and reports.
     pub fn close(
         &self,
-        selection: &Selection,
+        selected: Selection,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Closed, ModelError> {
+        let selection = &selected;
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
         let solution = self.fit_there(rows, &selection.found.solution);
@@ -396,7 +385,7 @@ impl<'a> Closing<'a> {
             baseline,
             model,
             forces,
-            found: selection.found.solution.clone(),
+            selection: selected,
         })
     }
 

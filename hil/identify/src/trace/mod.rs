@@ -53,7 +53,6 @@ use mesh_damper_recording::zero::ZeroPolicy;
 use mesh_damper_recording::{Recording, check_consistency, check_held_out};
 
 use crate::base_law::BaseLaw;
-use crate::solution::Solution;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
 use controlled::Controlled;
@@ -198,15 +197,15 @@ pub fn trace_for(
     }
     progress("estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
-    let mut closed = conclude(&mut aligned, sought, None, progress)?;
+    let mut closed = conclude_in_time(&mut aligned, sought, progress)?;
     let effects = |of: &Closed| of.model.effects.len();
     if (is_more_missing(&closed.result) || closed.model.effects.iter().any(early::stands_for_it))
         && !aligned.is_moved()
         && let Some(late) = early::found(&aligned.trajectories[0], &closed, sought)
     {
-        aligned.move_early(late)?;
+        aligned.move_all(late)?;
         progress("correcting a force that is early");
-        let moved = conclude(&mut aligned, sought, None, progress)?;
+        let moved = conclude_in_time(&mut aligned, sought, progress)?;
         let less = moved.result.augmented.nrmse_fitted
             < ShiftPolicy::in_use().better * closed.result.augmented.nrmse_fitted;
         let is_simpler = is_more_missing(&closed.result) || effects(&moved) < effects(&closed);
@@ -221,17 +220,17 @@ pub fn trace_for(
             break;
         }
         progress("correcting zero steps of the force");
-        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
+        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
     }
     if is_more_missing(&closed.result) && aligned.take_zeros(&closed)? {
         progress("correcting zero offsets between recordings");
-        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
+        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
     }
     // What the motion predicts is no noise.
     let is_noise = !closed.result.explainable.is_some_and(|one| one.counts());
     if is_noise && is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
         progress("estimating noise that grows towards low frequencies");
-        closed = conclude(&mut aligned, sought, Some(&closed.found), progress)?;
+        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
     closed
@@ -283,33 +282,48 @@ struct Searched {
     selection: Selection,
 }
 
-/// Searches for missing effects, `from` the law of an earlier search if there is one, and completes the trace. Forces that were found early
-/// or late are moved again by what the law shows.
-fn conclude(
+/// Searches for missing effects and completes the trace. Forces that were found early or late are moved again by what the law shows.
+fn conclude_in_time(
     aligned: &mut Aligned,
     sought: &Sought,
-    from: Option<&Solution>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Closed, TraceError> {
-    let mut searched = search_in(aligned, sought, from, progress)?;
+    let mut searched = search_in(aligned, sought, None, progress)?;
     for _ in 0..MOST_MOVES {
-        let Some(late) = aligned.late() else { break };
+        let moved = aligned.trajectories[0].iter().map(|one| one.late != 0.0);
+        let moved: Vec<bool> = moved.collect();
+        if !moved.contains(&true) {
+            break;
+        }
         let found = &searched.selection.found.solution;
-        let early = closing(aligned, &searched, sought).early_by(found)?;
-        if !aligned.follow(late, early)? {
+        let nodes = found.law.iter().map(|node| node.amplitude).collect();
+        let [fitted, _] = &aligned.trajectories;
+        let search = Search::new(fitted, &searched.validation, nodes, sought);
+        let early = search.early_by(found, &moved);
+        if !aligned.follow(early.unwrap_or_default())? {
             break;
         }
         progress("correcting time shifts of the force");
-        searched = search_in(aligned, sought, Some(found), progress)?;
+        searched = search_in(aligned, sought, Some(&searched.selection), progress)?;
     }
-    progress("fitting the effects found to all data that is not held out");
-    Ok(closing(aligned, &searched, sought).close(&searched.selection, progress)?)
+    close(aligned, searched, sought, progress)
+}
+
+/// Searches again after a repair, `from` the law found before, and completes the trace.
+fn conclude(
+    aligned: &mut Aligned,
+    sought: &Sought,
+    from: &Selection,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Closed, TraceError> {
+    let searched = search_in(aligned, sought, Some(from), progress)?;
+    close(aligned, searched, sought, progress)
 }
 
 fn search_in(
     aligned: &mut Aligned,
     sought: &Sought,
-    from: Option<&Solution>,
+    from: Option<&Selection>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Searched, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
@@ -352,7 +366,13 @@ fn search_in(
     })
 }
 
-fn closing<'a>(aligned: &'a Aligned, searched: &'a Searched, sought: &'a Sought) -> Closing<'a> {
+fn close(
+    aligned: &Aligned,
+    searched: Searched,
+    sought: &Sought,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Closed, TraceError> {
+    progress("fitting the effects found to all data that is not held out");
     let [fitted, held] = &aligned.trajectories;
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &searched.roles);
@@ -360,7 +380,8 @@ fn closing<'a>(aligned: &'a Aligned, searched: &'a Searched, sought: &'a Sought)
         nodes.insert(usize::from(!searched.over_amplitude), over);
     }
     let roles = [&searched.validation, &searched.roles];
-    Closing::new(fitted, roles, held, nodes, sought)
+    let closing = Closing::new(fitted, roles, held, nodes, sought);
+    Ok(closing.close(searched.selection, progress)?)
 }
 
 /// Variance that a law leaves of each recording beyond the tolerance, on the samples that the search fits. `predicted` is its force.
@@ -387,7 +408,7 @@ fn search(
     fitted: &[Trajectory],
     validation: &Roles,
     sought: &Sought,
-    from: Option<&Solution>,
+    from: Option<&Selection>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, validation);
@@ -417,7 +438,7 @@ fn search(
     {
         return Ok((true, each));
     }
-    let one = for_all.run(Some(&each.found.solution), progress)?;
+    let one = for_all.run(Some(&each), progress)?;
     let by_one = for_each.beside_left(one.left.clone());
     let by_one = by_one.reweighed(&each.found)?.score;
     if !by_one.beats(&one.found.score) {

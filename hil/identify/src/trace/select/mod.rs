@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
     /// The crate refuses a fitted law.
     pub fn run(
         &self,
-        from: Option<&Solution>,
+        from: Option<&Selection>,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Selection, ModelError> {
         progress("fitting the law");
@@ -200,15 +200,20 @@ impl<'a> Search<'a> {
             search = sharper;
         }
         let mut found = baseline.clone();
-        if let Some(start) = from.and_then(|from| search.start(from, &baseline)) {
+        let mut candidates = Vec::new();
+        if let Some(from) = from
+            && let Some(start) = search.start(&from.found.solution, &baseline)
+        {
             found = start;
+            let steps = found.solution.found().count();
+            let before = from.candidates.iter().filter(|one| one.step <= steps);
+            candidates.extend(before.cloned());
             if let Some(sharper) = search.sharper(&found)? {
                 found = sharper.reweighed(&found)?;
                 search = sharper;
             }
         }
         let mut beam = vec![found.clone()];
-        let mut candidates = Vec::new();
         for step in found.solution.found().count() + 1..=MOST_TERMS {
             progress(&format!(
                 "trying {} forms of effects in addition to {}",
@@ -297,8 +302,11 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The law that a search `from` another law begins with; none if it is no better than the law alone.
+    /// The law that a search `from` another law begins with; none if it is no better than the law alone, or that is within the noise.
     fn start(&self, from: &Solution, alone: &Fitted) -> Option<Fitted> {
+        if self.is_settled(alone) {
+            return None;
+        }
         let last = from.terms.iter().rposition(|value| !value.term.is_known)?;
         let start = self.refit(&from.without(last)).ok()?;
         let is_start = self.is_better(&start, alone) && self.rejected_by(&start).is_none();
@@ -441,18 +449,32 @@ mod tests {
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
         let first = search.run(None, &|_| ()).unwrap();
         let with = first.found.solution.clone();
-        let again = search.run(Some(&with), &|_| ()).unwrap();
-        assert_eq!(again.found.families(), first.found.families());
-        assert!(again.candidates.iter().any(|candidate| candidate.added));
         let offset = Term {
             form: Form::named("offset").unwrap(),
             ..with.terms[0].term
         };
         let terms = [with.terms[0].term, offset];
         let two = Problem::new(&search.rows, &search.extent, &terms).solve();
-        assert!(search.start(&two, &again.baseline).is_some());
-        let steps = search.run(Some(&two), &|_| ()).unwrap().candidates;
-        assert!(steps.iter().all(|candidate| candidate.step == 2));
+        let start = search.start(&two, &first.baseline).unwrap();
+        assert_eq!(start.families(), first.found.families());
+        let two = Selection {
+            found: search.scored(two).unwrap(),
+            ..first.clone()
+        };
+        let again = search.run(Some(&two), &|_| ()).unwrap();
+        assert_eq!(again.found.families(), first.found.families(), "no offset");
+        let steps = |step: usize| again.candidates.iter().filter(move |one| one.step == step);
+        let first_step = first.candidates.iter().filter(|one| one.step == 1);
+        assert_eq!(
+            steps(1).count(),
+            first_step.count(),
+            "that of the law it starts from"
+        );
+        assert!(steps(2).count() > 0 && steps(2).all(|one| !one.added));
+        assert!(
+            search.start(&two.found.solution, &first.found).is_none(),
+            "within the noise"
+        );
         let mut trajectories = [light.clone(), light];
         set_unexplained(&mut trajectories, &[1.0; 2]);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());

@@ -87,8 +87,8 @@ impl Search<'_> {
         best.filter(|(_, best)| !found.score.beats(&best.score))
     }
 
-    /// The law with another effect in the place of one, as long as that is clearly better, or as good with fewer parameters: what a search
-    /// added first had to stand for effects that it found later.
+    /// The law with another effect in the place of one, as long as that is clearly better, or as good with fewer parameters than one at the
+    /// limit of a shape: what a search added first had to stand for effects that it found later.
     pub(super) fn exchanged(&self, found: Fitted) -> Fitted {
         let mut found = found;
         for _ in 0..MOST_TERMS {
@@ -112,11 +112,17 @@ impl Search<'_> {
         let mut others = self.steps();
         others.retain(|term| term.form != old.form);
         let others = self.beside(&rest, &others, SelectPolicy::in_use().fitted);
-        let others = others.into_iter().map(|(_, law, _)| self.refined(&law));
-        let is_simpler =
-            |law: &Fitted| law.parameters() < found.parameters() && !found.score.beats(&law.score);
+        let fitted = others.into_iter().filter(|(_, _, was_fitted)| *was_fitted);
+        let others = fitted.map(|(_, law, _)| self.refined(&law));
+        // At the limit of a shape an effect may be a simpler one.
+        let is_simpler = |law: &Fitted| {
+            found.is_degenerate(&self.extent)
+                && law.parameters() < found.parameters()
+                && !found.score.beats(&law.score)
+        };
         let better = others.filter(|law| law.score.beats(&found.score) || is_simpler(law));
-        let better = better.filter(|law| self.rejected_by(law).is_none());
+        let better = better
+            .filter(|law| self.rejected_by(law).is_none() && !law.is_degenerate(&self.extent));
         better.min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
     }
 
