@@ -10,6 +10,9 @@ mesh_damper_recording::numbers! {
         gain: f64 = 0.98, Convention("two per cent is no gain");
         /// A law is clearly better than another if its error beyond the noise is below this fraction of the other's.
         better: f64 = 0.95, Tuned("the blind trial");
+        /// A table is adopted only if on no condition held out in turn its error beyond the noise exceeds this many times that of the law
+        /// alone. Tables that help lose up to 1.2 at an end of their range, those that fail beyond it 1.5 and more.
+        most_lost: f64 = 1.25, Tuned("the trial of conditions");
     }
 }
 
@@ -35,16 +38,12 @@ pub(super) fn comparable(
     [alone, with]
 }
 
-/// Whether the law `with` more loses on no condition by a larger factor than it gains on average, against the law `alone`. A table fits any
-/// force, and so may be far off beyond the motions that it was fitted to: the conditions at the ends of a range are such motions for the
-/// others.
-pub(super) fn loses_less_than_it_gains(alone: &[RelativeError], with: &[RelativeError]) -> bool {
-    let [alone, with] = comparable(alone, with);
-    let pairs = alone.iter().zip(&with);
-    let gains = pairs.map(|(alone, with)| (alone.beyond_noise() / with.beyond_noise()).ln());
-    let gains: Vec<f64> = gains.collect();
-    let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-    gains.iter().all(|gain| -gain <= mean) && with.iter().all(RelativeError::is_run)
+/// Whether the law `with` more is on no condition [far worse](AdoptPolicy::most_lost) than the law `alone`. A table fits any force, and so
+/// may be far off beyond the motions that it was fitted to: the conditions at the ends of a range are such motions for the others.
+pub(super) fn is_nowhere_far_worse(alone: &[RelativeError], with: &[RelativeError]) -> bool {
+    let mut pairs = alone.iter().zip(with);
+    let most = AdoptPolicy::in_use().most_lost;
+    pairs.all(|(alone, with)| with.beyond_noise() <= most * alone.beyond_noise())
 }
 
 /// Index of the smallest of these errors, starting with the preferred law: a later one has to be clearly smaller.
@@ -168,17 +167,15 @@ mod tests {
     }
 
     #[test]
-    fn a_table_may_not_fail_at_an_end_by_more_than_it_gains() {
+    fn a_table_may_not_fail_at_an_end() {
         let alone = errors(&[0.1, 0.2, 0.3, 0.1]);
-        let fails_by = |factor: f64| {
-            loses_less_than_it_gains(&alone, &errors(&[0.025, 0.05, 0.075, 0.1 * factor]))
-        };
-        // The mean gain is the fourth root of 4·4·4/loss, which equals the loss where that is 4^(3/5), 2.30.
-        assert!(fails_by(1.0) && fails_by(2.25));
-        assert!(!fails_by(2.35) && !fails_by(20.0));
+        let fails_by =
+            |factor: f64| !is_nowhere_far_worse(&alone, &errors(&[0.01, 0.01, 0.01, 0.1 * factor]));
+        assert!(!fails_by(0.1) && !fails_by(1.24));
+        assert!(fails_by(1.26) && fails_by(20.0));
         let cannot_be_run = [&alone[..3], &[RelativeError::NONE]].concat();
-        assert!(!loses_less_than_it_gains(&alone, &cannot_be_run));
-        assert!(loses_less_than_it_gains(&cannot_be_run, &alone));
+        assert!(!is_nowhere_far_worse(&alone, &cannot_be_run));
+        assert!(is_nowhere_far_worse(&cannot_be_run, &alone));
     }
 
     #[test]

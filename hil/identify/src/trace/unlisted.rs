@@ -4,7 +4,7 @@ use mesh_damper_model::predict::{predict, predict_embedded};
 use mesh_damper_model::{Model, ModelError};
 use rayon::prelude::*;
 
-use super::adopt::{clearly_best, loses_less_than_it_gains, simplest_of_best};
+use super::adopt::{clearly_best, is_nowhere_far_worse, simplest_of_best};
 use super::closing::Closing;
 use super::confirm::Confirmed;
 use super::left_out::{LeftOut, Picked, Samples};
@@ -126,8 +126,7 @@ impl Closing<'_> {
         };
         let errors: Vec<&[RelativeError]> = candidates.iter().map(|c| &c.errors[..]).collect();
         let is_safe = |number: usize| {
-            candidates[number].choice.is_none()
-                || loses_less_than_it_gains(errors[0], errors[number])
+            candidates[number].choice.is_none() || is_nowhere_far_worse(errors[0], errors[number])
         };
         let (chosen, best) = simplest_of_best(&errors, is_safe);
         let is_insisted = self.sought.adopt && chosen == 0 && best > 0;
