@@ -665,12 +665,7 @@ mod tests {
         let extent = Extent::of(&trajectories);
         // The tone has two sizes: of its sine and of its cosine.
         let forms = [offset::FORMS[0], periodic::FORMS[0], stop::FORMS[0]];
-        let terms = forms.map(|form| Term {
-            form,
-            reference: 0.0,
-            is_known: false,
-            held: None,
-        });
+        let terms = forms.map(|form| Term::sought(form, 0.0));
         let basis = Basis::new(&rows, &extent, &terms);
         let columns = basis.columns(&[0.5, 5.0_f64.ln(), 0.05_f64.ln()], None);
         // The law's largest force is 0.1 kN, and the wall's deepest contact 0.05 mm.

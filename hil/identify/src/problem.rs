@@ -222,20 +222,22 @@ impl<'b, 'r, 'a> Search<'b, 'r, 'a> {
         }
     }
 
-    /// The derivative of the force by a searched parameter. Those of terms that moved little since are not computed again: each takes a run
-    /// of the term.
+    /// The derivative of the force by a searched parameter. In a search of effects, those of terms that moved little since are not computed
+    /// again: each takes a run of the term.
     fn slope(&self, slot: usize) -> Vec<f64> {
         let linear = self.projected.linear.as_slice();
         let at = self.at.as_slice();
+        let fresh = || self.basis.slope(&self.columns, linear, slot);
+        if self.basis.rows.purpose != Purpose::Search {
+            return fresh();
+        }
         let mut known = self.slopes.borrow_mut();
-        if let Some((there, units)) = known.get(&slot)
-            && self.basis.rows.purpose == Purpose::Search
-            && self.basis.is_near(slot, [at, there], NEAR)
-        {
+        let is_near = |(there, _): &&Slopes| self.basis.is_near(slot, [at, there.as_slice()], NEAR);
+        if let Some((_, units)) = known.get(&slot).filter(is_near) {
             return self.basis.slope_of(units, linear, slot);
         }
         let Some(units) = self.basis.unit_slopes(&self.columns, slot) else {
-            return self.basis.slope(&self.columns, linear, slot);
+            return fresh();
         };
         let slope = self.basis.slope_of(&units, linear, slot);
         known.insert(slot, (at.to_vec(), units));

@@ -212,12 +212,7 @@ mod tests {
                 alpha: 0.5,
             }],
             terms: vec![TermValue {
-                term: Term {
-                    form: Form::named(form).unwrap(),
-                    reference: 0.0,
-                    is_known: false,
-                    held: None,
-                },
+                term: Term::sought(Form::named(form).unwrap(), 0.0),
                 sizes: sizes.to_vec(),
                 shapes: shapes.to_vec(),
             }],

@@ -22,6 +22,16 @@ pub struct Term {
 }
 
 impl Term {
+    /// An effect that is sought: it is not known before, and its size is fitted. `reference` is the temperature at which the law holds, °C.
+    pub fn sought(form: Form, reference: f64) -> Self {
+        Self {
+            form,
+            reference,
+            is_known: false,
+            held: None,
+        }
+    }
+
     /// The number of its sizes that a fit determines among the linear unknowns.
     pub(crate) fn fitted_sizes(&self) -> usize {
         match self.form.entry {

@@ -361,12 +361,7 @@ mod tests {
     fn effect_of(form: Form) -> &'static str {
         let reference = 20.0;
         let value = TermValue {
-            term: Term {
-                form,
-                reference,
-                is_known: false,
-                held: None,
-            },
+            term: Term::sought(form, reference),
             sizes: vec![0.1; form.sizes()],
             shapes: vec![1.0; form.shape_names.len()],
         };

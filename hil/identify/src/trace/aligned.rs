@@ -71,8 +71,8 @@ impl<'r> Aligned<'r> {
         Ok(aligned)
     }
 
-    /// Moves all forces that were moved, once more, if they are still `early` by some s. A law measures the rest of what the channels show, which
-    /// is at most a tick. Returns whether anything moved.
+    /// Moves all forces that were moved, once more, if they are still `early` by some s. A law measures the rest of what the channels show,
+    /// which is at most a tick. Returns whether anything moved.
     ///
     /// # Errors
     /// As [`Trajectory::of`].
@@ -93,14 +93,6 @@ impl<'r> Aligned<'r> {
     /// Whether a force was moved, or its delay is stated.
     pub fn is_moved(&self) -> bool {
         self.rig.force_delay.is_some() || self.shifted().is_some()
-    }
-
-    /// Takes every force as it was recorded.
-    ///
-    /// # Errors
-    /// As [`Trajectory::of`].
-    pub fn stay(&mut self) -> Result<(), InputError> {
-        self.move_all(0.0)
     }
 
     /// Moves the force of every recording, which is late by `late` s, or early if that is below 0: one rig has one delay.

@@ -1,5 +1,7 @@
 //! A law during a search: fitted, scored, and compared with others by its effects.
 
+use std::cmp::Ordering;
+
 use mesh_damper_model::Family;
 
 use super::score::Score;
@@ -19,6 +21,11 @@ pub struct Fitted {
 }
 
 impl Fitted {
+    /// The order of laws by their error on the validation cycles, the best first.
+    pub(super) fn by_error(&self, other: &Self) -> Ordering {
+        self.score.nrmse().total_cmp(&other.score.nrmse())
+    }
+
     /// The families of its effects in the order of their names, each once.
     pub fn families(&self) -> Vec<Family> {
         let mut families = self.solution.families();

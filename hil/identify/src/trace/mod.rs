@@ -212,7 +212,7 @@ pub fn trace_for(
         if less || !is_more_missing(&moved.result) && is_simpler {
             closed = moved;
         } else {
-            aligned.stay()?;
+            aligned.move_all(0.0)?;
         }
     }
     for _ in 0..ZeroPolicy::in_use().most {

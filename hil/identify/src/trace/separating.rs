@@ -420,12 +420,7 @@ mod tests {
         ]);
         let law = |name: &str| {
             let form = Form::named(name).unwrap();
-            let term = Term {
-                form,
-                reference: 0.0,
-                is_known: false,
-                held: None,
-            };
+            let term = Term::sought(form, 0.0);
             let value = TermValue {
                 term,
                 sizes: vec![1.0; 2],

@@ -36,12 +36,7 @@ fn the_error_of_a_fit_is_that_of_the_law_that_comes_of_it() {
     );
     let extent = Extent::of(&trajectories).with_tones(vec![41.0]);
     let alone = Problem::new(&rows, &extent, &[]).solve();
-    let term = |form| Term {
-        form,
-        reference: 20.0,
-        is_known: false,
-        held: None,
-    };
+    let term = |form| Term::sought(form, 20.0);
     // Delayed by whole ticks and a fraction of one.
     let shapes = |form: Form, law: &Solution| match form.name {
         "delay" => vec![6.7e-3],

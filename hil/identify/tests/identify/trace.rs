@@ -342,12 +342,7 @@ fn the_verdict_does_not_depend_on_the_scale() {
 #[ignore = "half a minute: in the full tier"]
 fn intervals_hold_the_truth() {
     let runs = 100;
-    let term = Term {
-        form: Form::named("jenkins").unwrap(),
-        reference: 0.0,
-        is_known: false,
-        held: None,
-    };
+    let term = Term::sought(Form::named("jenkins").unwrap(), 0.0);
     let (mut sizes, mut shapes) = (0, 0);
     for seed in 0..runs {
         let recording = record("fitted", &BLOCKS, 0.01, 100 + seed, slider(0.9, 0.04));

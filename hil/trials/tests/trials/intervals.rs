@@ -196,12 +196,7 @@ fn intervals(case: &Case, recording: &Recording) -> Vec<(&'static str, Interval)
         // A spectrum would show it; this test does not cover the search for the line.
         extent = extent.with_tones(vec![frequency]);
     }
-    let term = Term {
-        form: case.form,
-        reference: 20.0,
-        is_known: false,
-        held: None,
-    };
+    let term = Term::sought(case.form, 20.0);
     let law = Problem::new(&rows, &extent, &[]).solve();
     let terms = [term];
     let problem = Problem::new(&rows, &extent, &terms);

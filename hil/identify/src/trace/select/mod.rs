@@ -102,12 +102,7 @@ impl<'a> Search<'a> {
         let terms = Form::all()
             .filter(|&form| sought.has(form.family()))
             .filter(|form| form.is_seen_in(trajectories))
-            .map(|form| Term {
-                form,
-                reference: temperature.unwrap_or_default(),
-                is_known: false,
-                held: None,
-            })
+            .map(|form| Term::sought(form, temperature.unwrap_or_default()))
             .collect();
         let law = sought.law;
         let has = |role: Role| move |which, sample| roles.of(which, sample) == role;
@@ -512,12 +507,8 @@ mod tests {
         )];
         let roles = roles(&trajectories);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
-        let terms = ["relaxation", "offset"].map(|form| Term {
-            form: Form::named(form).unwrap(),
-            reference: 0.0,
-            is_known: false,
-            held: None,
-        });
+        let terms =
+            ["relaxation", "offset"].map(|form| Term::sought(Form::named(form).unwrap(), 0.0));
         let law = Problem::new(&search.rows, &search.extent, &terms).solve();
         let law = search.scored(law).unwrap();
         let better = search.exchanged(law.clone());

@@ -1,4 +1,4 @@
-//! A search refines the form of an effect, and afterwards simplifies or drops what became unnecessary.
+//! A search refines the form of an effect, and afterwards exchanges, simplifies or drops what other effects made unnecessary.
 
 use mesh_damper_model::Family;
 
@@ -29,7 +29,7 @@ impl Search<'_> {
                 && refined.score.beats(&law.score)
         });
         better
-            .min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
+            .min_by(Fitted::by_error)
             .unwrap_or_else(|| law.clone())
     }
 
@@ -77,13 +77,13 @@ impl Search<'_> {
         let is_simpler =
             |other: &&Term| !other.form.refines && form.special_cases.contains(&other.form.family);
         let simpler: Vec<Term> = self.terms.iter().filter(is_simpler).copied().collect();
-        // The crate may refuse the law without the effect.
-        let rest = self.scored(found.solution.without(index)).ok()?;
-        let others = self.beside(&rest, &simpler, simpler.len()).into_iter();
-        let others = others.map(|(term, other, _)| (term.form.family(), other));
+        let others = self.in_place(found, index, &simpler, simpler.len())?;
+        let others = others
+            .into_iter()
+            .map(|(term, other, _)| (term.form.family(), other));
         let best = others
             .filter(|(_, other)| other.is_admissible())
-            .min_by(|(_, a), (_, b)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+            .min_by(|(_, a), (_, b)| a.by_error(b));
         best.filter(|(_, best)| !found.score.beats(&best.score))
     }
 
@@ -107,11 +107,9 @@ impl Search<'_> {
         if old.is_known || found.solution.found().count() < 2 {
             return None;
         }
-        // The crate may refuse the law without the effect.
-        let rest = self.scored(found.solution.without(index)).ok()?;
         let mut others = self.steps();
         others.retain(|term| term.form != old.form);
-        let others = self.beside(&rest, &others, SelectPolicy::in_use().fitted);
+        let others = self.in_place(found, index, &others, SelectPolicy::in_use().fitted)?;
         let fitted = others.into_iter().filter(|(_, _, was_fitted)| *was_fitted);
         let others = fitted.map(|(_, law, _)| self.refined(&law));
         // At the limit of a shape an effect may be a simpler one.
@@ -123,7 +121,19 @@ impl Search<'_> {
         let better = others.filter(|law| law.score.beats(&found.score) || is_simpler(law));
         let better = better
             .filter(|law| self.rejected_by(law).is_none() && !law.is_degenerate(&self.extent));
-        better.min_by(|a, b| a.score.nrmse().total_cmp(&b.score.nrmse()))
+        better.min_by(Fitted::by_error)
+    }
+
+    /// Each of `terms` in the place of the effect at `index`, as in [`beside`](Self::beside); none if the crate refuses the law without that.
+    fn in_place(
+        &self,
+        found: &Fitted,
+        index: usize,
+        terms: &[Term],
+        most: usize,
+    ) -> Option<Vec<(Term, Fitted, bool)>> {
+        let rest = self.scored(found.solution.without(index)).ok()?;
+        Some(self.beside(&rest, terms, most))
     }
 
     /// Drops terms without which the validation cycles are predicted equally well.
@@ -189,12 +199,7 @@ mod tests {
         let mut roles = Roles::all_fit(&trajectories);
         roles.keep_apart(&trajectories, Role::Validation);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
-        let term = Term {
-            form: Form::named("yielding").unwrap(),
-            reference: 0.0,
-            is_known: false,
-            held: None,
-        };
+        let term = Term::sought(Form::named("yielding").unwrap(), 0.0);
         let law = Problem::new(&search.rows, &search.extent, &[term]).solve();
         let found = search.scored(law).unwrap();
         let uncertainty = Uncertainty::of(&search.rows, &search.extent, &found.solution);

@@ -19,7 +19,7 @@ impl Search<'_> {
         let others: Vec<Term> = self.terms.iter().filter(is_other).copied().collect();
         let mut beside = self.beside(&rest, &others, SelectPolicy::in_use().fitted);
         beside.retain(|(_, rival, _)| rival.is_admissible() && !law.score.beats(&rival.score));
-        beside.sort_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+        beside.sort_by(|(_, a, _), (_, b, _)| a.by_error(b));
         let mut known: Vec<Family> = Vec::new();
         beside.retain(|(term, ..)| {
             let is_new = !known.contains(&term.form.family());

@@ -44,12 +44,7 @@ impl Search<'_> {
         };
         let mut best = fit(&[])?;
         // On a slow test the mass is undetermined, and the fit may give one that the crate refuses.
-        let massive = fit(&[Term {
-            form: inertia::FORMS[0],
-            reference: 0.0,
-            is_known: false,
-            held: None,
-        }]);
+        let massive = fit(&[Term::sought(inertia::FORMS[0], 0.0)]);
         if let Ok(massive) = massive
             && massive.is_admissible()
             && massive.score.beats(&best.score)

@@ -154,8 +154,7 @@ impl Search<'_> {
         for _ in 0..2 {
             let beside = self.beside(&rest, &simpler, simpler.len());
             let admissible = beside.into_iter().filter(|(_, law, _)| law.is_admissible());
-            let better = admissible
-                .min_by(|(_, a, _), (_, b, _)| a.score.nrmse().total_cmp(&b.score.nrmse()));
+            let better = admissible.min_by(|(_, a, _), (_, b, _)| a.by_error(b));
             let Some((_, better, _)) = better else {
                 return false;
             };
