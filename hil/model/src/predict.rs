@@ -234,7 +234,7 @@ pub fn predict_embedded(model: &Model, trajectory: &Trajectory) -> Result<Vec<f6
 }
 
 /// The law's inputs at one sample, with the control inputs in the order of the trajectory.
-#[inline]
+#[inline(always)]
 pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
     rounded(&Motion {
         displacement: trajectory.motion.displacement[index],
@@ -247,7 +247,7 @@ pub fn motion_at<R: Real>(trajectory: &Trajectory, index: usize) -> Motion<R> {
 }
 
 /// The same inputs in another float.
-#[inline]
+#[inline(always)]
 fn rounded<R: Real>(motion: &Motion<f64>) -> Motion<R> {
     Motion {
         displacement: R::from_f64(motion.displacement),
@@ -260,7 +260,7 @@ fn rounded<R: Real>(motion: &Motion<f64>) -> Motion<R> {
 }
 
 /// The first control inputs of the trajectory, with 0 for each one that is absent.
-#[inline]
+#[inline(always)]
 fn controls_at(trajectory: &Trajectory, index: usize) -> [f64; CONTROLS] {
     let mut controls = [0.0; CONTROLS];
     for (control, channel) in controls.iter_mut().zip(trajectory.controls.iter()) {

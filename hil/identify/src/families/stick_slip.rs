@@ -1,5 +1,7 @@
 //! Rate-independent friction with elastic pre-sliding, in four forms.
 
+mod curve;
+
 use mesh_damper::effects::{BoucWen, HardeningFriction, MAX_STICK_SLIP_ELEMENTS, StickSlip};
 
 use super::{Element, Entry, Form, FormSpec, one, run};
@@ -94,8 +96,10 @@ pub const FORMS: [Form; 4] = [
         },
         unit_forces: |shapes, path| {
             let hardening = ShapePolicy::in_use().hardening;
-            let friction = HardeningFriction::new(1.0, shapes[0], shapes[1], hardening, shapes[2]);
-            Ok(vec![run(friction, path)?])
+            let [limit, sharpness, loss] = [shapes[0], shapes[1], shapes[2]];
+            HardeningFriction::new(1.0, limit, sharpness, hardening, loss)?;
+            let stretched = curve::stretched(limit, sharpness, hardening, loss, path);
+            Ok(vec![stretched])
         },
         elements: |value| {
             one(vec![

@@ -5,11 +5,13 @@
 //! of the force.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use mesh_damper_model::AddedEffect;
 use mesh_damper_recording::faults::{Shift, ShiftPolicy};
 use mesh_damper_recording::motion::MotionEstimate;
 use mesh_damper_recording::trajectory::Trajectory;
+use mesh_damper_recording::trajectory::strides::{Stride, strides};
 
 use super::closing::Closed;
 use super::sought::Sought;
@@ -68,7 +70,9 @@ pub(super) fn found(fitted: &[Trajectory], closed: &Closed, sought: &Sought) -> 
         within,
     } = *EarlyPolicy::in_use();
     let tick = fitted.first()?.tick;
-    let left_at = |ticks: f64| left_at(fitted, closed, sought, &all, ticks);
+    let is_open = |which: usize, sample: usize| closed.forces[which].roles[sample] != Role::HeldOut;
+    let strides = Arc::new(strides(fitted, Purpose::InTurn.rows(), is_open));
+    let left_at = |ticks: f64| left_at(fitted, &strides, is_open, sought, &all, ticks);
     let left = |ticks: usize| left_at(ticks as f64);
     let most = ((reach / (highest * tick)) as usize).max(2);
     let mut stride = most.div_ceil(steps);
@@ -123,7 +127,8 @@ pub(super) fn stands_for_it(effect: &AddedEffect) -> bool {
 /// rest: between ticks the interpolated force has less noise, and the motion has none to lose.
 fn left_at(
     fitted: &[Trajectory],
-    closed: &Closed,
+    strides: &Arc<Vec<Vec<Stride>>>,
+    is_open: impl Fn(usize, usize) -> bool,
     sought: &Sought,
     known: &[KnownTerm],
     ticks: f64,
@@ -135,13 +140,8 @@ fn left_at(
         ..one.clone()
     });
     let moved: Vec<Trajectory> = moved.collect();
-    let rows = Rows::gather(
-        &moved,
-        sought.law,
-        vec![0.0],
-        Purpose::Search.rows(),
-        |which, sample| closed.forces[which].roles[sample] != Role::HeldOut,
-    );
+    let purpose = Purpose::InTurn;
+    let rows = Rows::along(strides, &moved, sought.law, vec![0.0], purpose, is_open);
     let extent = Extent::of(&moved);
     let mut terms: Vec<Term> = Vec::new();
     let mut law = Problem::new(&rows, &extent, &terms).solve();

@@ -565,6 +565,7 @@ impl Trajectory {
     }
 
     /// Temperature at a sample, °C; 20 °C where none was measured.
+    #[inline]
     pub fn temperature_at(&self, index: usize) -> f64 {
         self.temperature
             .as_ref()
