@@ -13,6 +13,7 @@ use super::confirm::Confirmed;
 use super::estimates::law_estimates;
 use super::left_out::{LeftOut, Picked};
 use super::operating;
+use super::progress::Progress;
 use super::relative_error::RelativeError;
 use super::result::{
     Baseline, CorrectionSummary, Errors, FoundEffect, OnTarget, TraceResult, Verdict,
@@ -125,11 +126,7 @@ impl<'a> Closing<'a> {
     }
 
     /// Fits the mixed damping law alone and with the effects of `selection`, and reports.
-    pub fn close(
-        &self,
-        selected: Selection,
-        progress: &(dyn Fn(&str) + Sync),
-    ) -> Result<Closed, ModelError> {
+    pub fn close(&self, selected: Selection, progress: Progress) -> Result<Closed, ModelError> {
         let selection = &selected;
         let rows = &self.rows[0];
         let alone = self.fit_near(rows, &selection.baseline.solution);
@@ -149,7 +146,7 @@ impl<'a> Closing<'a> {
                 true => solution,
                 false => self.preferred(selection, &left_out, solution)?,
             };
-            self.unlisted(&left_out, alone, found, progress)?
+            self.unlisted(&left_out, alone, found, progress.within([0.1, 0.9]))?
         } else {
             Laws {
                 rows,
@@ -271,7 +268,7 @@ impl<'a> Closing<'a> {
 
         let (separating_test, separating_blocks) = match (verdict, &rivals) {
             (_, Some(rivals)) => {
-                progress("looking for a test that tells the candidates apart");
+                progress.at(0.9, "looking for a test that tells the candidates apart");
                 let (text, blocks) = separating_test(rivals, self.trajectories, self.sought.law)?;
                 (Some(text), blocks)
             }
@@ -306,6 +303,12 @@ impl<'a> Closing<'a> {
         if !left_out.differ() {
             warnings.push(
                 "only one amplitude and one frequency were fitted: what the model does at others is unknown; record more of them".to_owned(),
+            );
+        }
+        if selection.warms_along && solution.law.len() > 1 {
+            warnings.push(
+                "coefficients over amplitude explain the recordings, and so does a change with the temperature, which rose or fell along \
+                 with the amplitude: record one amplitude at two temperatures".to_owned(),
             );
         }
         warnings.extend(in_doubt);

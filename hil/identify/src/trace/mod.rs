@@ -19,6 +19,7 @@ pub(crate) mod held_range;
 mod left_in_cycles;
 pub(crate) mod left_out;
 mod operating;
+mod progress;
 mod relative_error;
 pub(crate) mod remainder;
 pub mod result;
@@ -56,6 +57,7 @@ use crate::base_law::BaseLaw;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
 use controlled::Controlled;
+use progress::Progress;
 use result::{TraceResult, Verdict};
 use select::{Search, Selection, amplitude_nodes, error_between};
 
@@ -195,17 +197,20 @@ pub fn trace_for(
     for recording in recordings.iter().chain(&held_out) {
         recording.check_force()?;
     }
-    progress("estimating the motion");
+    let progress = Progress::of(progress);
+    progress.at(0.0, "estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
-    let mut closed = conclude_in_time(&mut aligned, sought, progress)?;
+    let mut closed = conclude_in_time(&mut aligned, sought, progress.within([0.1, 1.0]))?;
+    // What is repaired takes about half as long again as all before.
+    let again = progress.within([0.65, 1.0]);
     let effects = |of: &Closed| of.model.effects.len();
     if (is_more_missing(&closed.result) || closed.model.effects.iter().any(early::stands_for_it))
         && !aligned.is_moved()
         && let Some(late) = early::found(&aligned.trajectories[0], &closed, sought)
     {
         aligned.move_all(late)?;
-        progress("correcting a force that is early");
-        let moved = conclude_in_time(&mut aligned, sought, progress)?;
+        again.at(0.0, "correcting a force that is early");
+        let moved = conclude_in_time(&mut aligned, sought, again)?;
         let less = moved.result.augmented.nrmse_fitted
             < ShiftPolicy::in_use().better * closed.result.augmented.nrmse_fitted;
         let is_simpler = is_more_missing(&closed.result) || effects(&moved) < effects(&closed);
@@ -219,18 +224,18 @@ pub fn trace_for(
         if closed.result.verdict == Verdict::None || !aligned.take_zero_steps(&closed)? {
             break;
         }
-        progress("correcting zero steps of the force");
-        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
+        again.at(0.0, "correcting zero steps of the force");
+        closed = conclude(&mut aligned, sought, &closed.selection, again)?;
     }
     if is_more_missing(&closed.result) && aligned.take_zeros(&closed)? {
-        progress("correcting zero offsets between recordings");
-        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
+        again.at(0.0, "correcting zero offsets between recordings");
+        closed = conclude(&mut aligned, sought, &closed.selection, again)?;
     }
     // What the motion predicts is no noise.
     let is_noise = !closed.result.explainable.is_some_and(|one| one.counts());
     if is_noise && is_more_missing(&closed.result) && aligned.take_pink_noise(&closed.forces) {
-        progress("estimating noise that grows towards low frequencies");
-        closed = conclude(&mut aligned, sought, &closed.selection, progress)?;
+        again.at(0.0, "estimating noise that grows towards low frequencies");
+        closed = conclude(&mut aligned, sought, &closed.selection, again)?;
     }
     aligned.say_odd_zeros(&mut closed)?;
     closed
@@ -273,6 +278,9 @@ fn most_amplitudes() -> usize {
     CyclesPolicy::in_use().most_amplitudes
 }
 
+/// The part of a conclusion that its search takes. Convention: what closes it takes nearly as long.
+const SEARCH: [f64; 2] = [0.0, 0.6];
+
 /// The result of a search, with the roles of the samples that it used.
 struct Searched {
     roles: Roles,
@@ -286,9 +294,9 @@ struct Searched {
 fn conclude_in_time(
     aligned: &mut Aligned,
     sought: &Sought,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Progress,
 ) -> Result<Closed, TraceError> {
-    let mut searched = search_in(aligned, sought, None, progress)?;
+    let mut searched = search_in(aligned, sought, None, progress.within(SEARCH))?;
     for _ in 0..MOST_MOVES {
         let moved = aligned.trajectories[0].iter().map(|one| one.late != 0.0);
         let moved: Vec<bool> = moved.collect();
@@ -303,10 +311,11 @@ fn conclude_in_time(
         if !aligned.follow(early.unwrap_or_default())? {
             break;
         }
-        progress("correcting time shifts of the force");
-        searched = search_in(aligned, sought, Some(&searched.selection), progress)?;
+        let search = progress.within([0.4, 0.6]);
+        search.at(0.0, "correcting time shifts of the force");
+        searched = search_in(aligned, sought, Some(&searched.selection), search)?;
     }
-    close(aligned, searched, sought, progress)
+    close(aligned, searched, sought, progress.within([SEARCH[1], 1.0]))
 }
 
 /// Searches again after a repair, `from` the law found before, and completes the trace.
@@ -314,17 +323,17 @@ fn conclude(
     aligned: &mut Aligned,
     sought: &Sought,
     from: &Selection,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Progress,
 ) -> Result<Closed, TraceError> {
-    let searched = search_in(aligned, sought, Some(from), progress)?;
-    close(aligned, searched, sought, progress)
+    let searched = search_in(aligned, sought, Some(from), progress.within(SEARCH))?;
+    close(aligned, searched, sought, progress.within([SEARCH[1], 1.0]))
 }
 
 fn search_in(
     aligned: &mut Aligned,
     sought: &Sought,
     from: Option<&Selection>,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Progress,
 ) -> Result<Searched, TraceError> {
     let [fitted, held] = &mut aligned.trajectories;
     if let Some(known) = held.iter().find(|held| brings_nothing_new(held, fitted)) {
@@ -370,9 +379,12 @@ fn close(
     aligned: &Aligned,
     searched: Searched,
     sought: &Sought,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Progress,
 ) -> Result<Closed, TraceError> {
-    progress("fitting the effects found to all data that is not held out");
+    progress.at(
+        0.0,
+        "fitting the effects found to all data that is not held out",
+    );
     let [fitted, held] = &aligned.trajectories;
     let mut nodes = vec![vec![0.0]];
     let over = amplitude_nodes(fitted, &searched.roles);
@@ -409,7 +421,7 @@ fn search(
     validation: &Roles,
     sought: &Sought,
     from: Option<&Selection>,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Progress,
 ) -> Result<(bool, Selection), ModelError> {
     let nodes = amplitude_nodes(fitted, validation);
     let for_all = Search::new(fitted, validation, vec![0.0], sought);
@@ -417,7 +429,7 @@ fn search(
         return Ok((false, for_all.run(from, progress)?));
     }
     let for_each = for_all.with_nodes(nodes.clone());
-    let each = for_each.run(from, progress)?;
+    let each = for_each.run(from, progress.within([0.0, 0.6]))?;
     // Two laws are compared by the same weights.
     let same = for_all.beside_left(each.left.clone());
     let same = same.refit(&each.found.solution);
@@ -436,15 +448,22 @@ fn search(
         .beside_left(each.left.clone())
         .is_settled(&each.found)
     {
-        return Ok((true, each));
+        let warms_along = for_all.warms_along(&each);
+        return Ok((
+            true,
+            Selection {
+                warms_along,
+                ..each
+            },
+        ));
     }
-    let one = for_all.run(Some(&each), progress)?;
+    let one = for_all.run(Some(&each), progress.within([0.6, 0.9]))?;
     let by_one = for_each.beside_left(one.left.clone());
     let by_one = by_one.reweighed(&each.found)?.score;
     if !by_one.beats(&one.found.score) {
         return Ok((false, one));
     }
-    progress("testing amplitudes between the fitted ones");
+    progress.at(0.9, "testing amplitudes between the fitted ones");
     let inner = &nodes[1..nodes.len() - 1];
     let between = |nodes: &[f64], found: &Selection| {
         let law = (&found.found.solution, sought.law);

@@ -8,6 +8,7 @@ use super::adopt::{clearly_best, is_nowhere_far_worse, simplest_of_best};
 use super::closing::Closing;
 use super::confirm::Confirmed;
 use super::left_out::{LeftOut, Picked, Samples};
+use super::progress::Progress;
 use super::relative_error::RelativeError;
 use super::result::{OnTarget, Rejected};
 use super::rule::Rule;
@@ -59,9 +60,9 @@ impl Closing<'_> {
         left_out: &LeftOut,
         alone: Solution,
         found: Solution,
-        progress: &(dyn Fn(&str) + Sync),
+        progress: Progress,
     ) -> Result<Laws<'_>, ModelError> {
-        progress("holding out each condition in turn");
+        progress.at(0.0, "holding out each condition in turn");
         let in_turn = |rows: &Rows, law: &Solution, choice: Option<&Choice>| {
             left_out.in_turn(Samples::All, &|picked| {
                 let law = self.refit_model(rows, law, picked);
@@ -97,7 +98,7 @@ impl Closing<'_> {
             });
         }
 
-        progress("fitting a residual table");
+        progress.at(0.4, "fitting a residual table");
         let open: Picked = &|which, sample| left_out.is_open(which, sample);
         let is_seen = |with: &Model, without: &Model| left_out.is_seen_within_blocks(with, without);
         // Names say more than a table: where both do equally well, the law with names is written.

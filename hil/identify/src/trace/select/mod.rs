@@ -18,6 +18,7 @@ use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::trajectory::strides::{Stride, strides};
 
 use super::fitted::Fitted;
+use super::progress::Progress;
 use super::ruled_out;
 use super::score::ValidationSamples;
 use super::sought::Sought;
@@ -70,6 +71,8 @@ pub struct Selection {
     pub goal: f64,
     /// The least that a law which the samples were weighted for leaves of each recording, kN².
     pub left: Vec<f64>,
+    /// Whether its coefficients over amplitude may as well be a [change with the temperature](Search::warms_along).
+    pub warms_along: bool,
 }
 
 /// The search over one set of data.
@@ -175,7 +178,7 @@ impl<'a> Search<'a> {
     }
 
     /// Adds effects while one of them clearly reduces the error on the validation cycles, then drops those that became unnecessary.
-    /// `progress` is called before each step with a description of it.
+    /// `progress` says what each step does.
     ///
     /// A search `from` the law of another, in which the motion, the force or the amplitudes differed a little, begins with that law but its
     /// last effect, which has to win again over all others.
@@ -185,9 +188,9 @@ impl<'a> Search<'a> {
     pub fn run(
         &self,
         from: Option<&Selection>,
-        progress: &(dyn Fn(&str) + Sync),
+        progress: Progress,
     ) -> Result<Selection, ModelError> {
-        progress("fitting the law");
+        progress.at(0.0, "fitting the law");
         let mut search = self.clone();
         let mut baseline = self.scored(self.without_more())?;
         if let Some(sharper) = self.sharper(&baseline)? {
@@ -210,11 +213,14 @@ impl<'a> Search<'a> {
         }
         let mut beam = vec![found.clone()];
         for step in found.solution.found().count() + 1..=MOST_TERMS {
-            progress(&format!(
+            // Most searches end after two or three steps.
+            let done = 1.0 - 0.6_f64.powi(step as i32 - 1);
+            let what = format!(
                 "trying {} forms of effects in addition to {}",
                 search.terms.len(),
                 found.named()
-            ));
+            );
+            progress.at(done, &what);
             let may_add = !search.is_settled(&found);
             let mut tried = search.step(
                 &beam,
@@ -294,6 +300,7 @@ impl<'a> Search<'a> {
             candidates,
             goal: search.goal(),
             left: search.rows.left().to_vec(),
+            warms_along: false,
         })
     }
 
@@ -420,7 +427,7 @@ mod tests {
         let roles = roles(&trajectories);
         set_unexplained(&mut trajectories, &[1.0; 2]);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
-        let selection = search.run(None, &|_| ()).unwrap();
+        let selection = search.run(None, Progress::of(&|_| ())).unwrap();
         let left = &selection.left;
         let predicted = selection.found.solution.predicted(&trajectories).unwrap();
         let by_found = unexplained(&trajectories, &roles, predicted);
@@ -442,7 +449,7 @@ mod tests {
         let roles = roles(&trajectories);
         set_unexplained(&mut trajectories, &[1.0; 2]);
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
-        let first = search.run(None, &|_| ()).unwrap();
+        let first = search.run(None, Progress::of(&|_| ())).unwrap();
         let with = first.found.solution.clone();
         let offset = Term {
             form: Form::named("offset").unwrap(),
@@ -456,7 +463,7 @@ mod tests {
             found: search.scored(two).unwrap(),
             ..first.clone()
         };
-        let again = search.run(Some(&two), &|_| ()).unwrap();
+        let again = search.run(Some(&two), Progress::of(&|_| ())).unwrap();
         assert_eq!(again.found.families(), first.found.families(), "no offset");
         let steps = |step: usize| again.candidates.iter().filter(move |one| one.step == step);
         let first_step = first.candidates.iter().filter(|one| one.step == 1);
@@ -475,7 +482,7 @@ mod tests {
         let search = Search::new(&trajectories, &roles, vec![0.0], &Sought::default());
         assert!(
             search
-                .run(Some(&two), &|_| ())
+                .run(Some(&two), Progress::of(&|_| ()))
                 .unwrap()
                 .found
                 .solution

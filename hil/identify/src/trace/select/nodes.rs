@@ -9,11 +9,13 @@ use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::trajectory::strides::strides;
 
 use super::super::split::{Role, Roles};
+use super::{Search, Selection};
 use crate::base_law::BaseLaw;
 use crate::problem::Problem;
 use crate::rows::{Purpose, Rows};
 use crate::shape::Extent;
 use crate::solution::Solution;
+use crate::term::Term;
 
 /// How well a law with coefficients at the amplitudes `nodes` predicts an amplitude that it was not fitted to. Each inner node in
 /// turn is left out; returns the root of the summed squared error there, kN, or infinity if the crate refuses a law that was fitted so.
@@ -64,6 +66,24 @@ pub fn error_between(
     error.sqrt()
 }
 
+impl Search<'_> {
+    /// Whether one set of coefficients that changes with the temperature predicts as well as `each`, which has one for each amplitude:
+    /// the temperature then changed along with the amplitude.
+    pub fn warms_along(&self, each: &Selection) -> bool {
+        let same = self.beside_left(each.left.clone());
+        let terms = self.terms.iter().copied();
+        let warm: Vec<Term> = terms
+            .filter(|term| term.form.family().depends_on_temperature())
+            .collect();
+        let Ok(law) = same.refit(&each.found.solution) else {
+            return false;
+        };
+        let warmed = same.beside(&law, &warm, warm.len()).into_iter();
+        let mut warmed = warmed.map(|(_, law, _)| law);
+        warmed.any(|law| law.is_admissible() && !each.found.score.beats(&law.score))
+    }
+}
+
 /// The levels of amplitude in mm of the fitted blocks. What is fitted of a block must move as far as its amplitude, or as the
 /// block does if it grows to it: a part near zero, as the first cycle left out leaves it, does not determine k3 there.
 pub fn amplitude_nodes(trajectories: &[Trajectory], roles: &Roles) -> Vec<f64> {
@@ -97,7 +117,42 @@ mod tests {
 
     use mesh_damper_recording::Recording;
 
+    use super::super::super::progress::Progress;
+    use super::super::super::sought::Sought;
     use super::*;
+
+    /// Blocks of three amplitudes at these temperatures, of a spring that loses 1 % per K.
+    fn warmed(temperatures: [f64; 3]) -> Trajectory {
+        const TICK: f64 = 2e-3;
+        let at = |n: usize| {
+            let sine = (TAU * 5.0 * TICK * n as f64).sin();
+            ([0.1, 0.2, 0.4][n / 2000] * sine, temperatures[n / 2000])
+        };
+        let noise = |n: usize| 1e-3 * (n as f64 * 1.234_567).sin() * (n as f64 * 0.789).cos();
+        let displacement: Vec<f64> = (0..6000).map(|n| at(n).0).collect();
+        let force = (0..6000).map(|n| 2.0 * (1.2 - 0.01 * at(n).1) * at(n).0 + noise(n));
+        let temperature = (0..6000).map(|n| at(n).1).collect();
+        let (force, temperature) = (force.collect(), Some(temperature));
+        Trajectory::new("warms", TICK, &displacement, force, None, temperature)
+    }
+
+    #[test]
+    fn a_temperature_that_rises_with_the_amplitude_may_be_what_coefficients_over_it_show() {
+        let sought = Sought::default();
+        let warms_along = |temperatures: [f64; 3], seen: [f64; 3]| {
+            let mut trajectories = [warmed(temperatures)];
+            trajectories[0].temperature = warmed(seen).temperature;
+            let mut roles = Roles::all_fit(&trajectories);
+            roles.keep_apart(&trajectories, Role::Validation);
+            let nodes = amplitude_nodes(&trajectories, &roles);
+            let for_all = Search::new(&trajectories, &roles, vec![0.0], &sought);
+            let each = for_all.with_nodes(nodes);
+            let each = each.run(None, Progress::of(&|_| ())).unwrap();
+            for_all.warms_along(&each)
+        };
+        assert!(warms_along([20.0, 24.0, 30.0], [20.0, 24.0, 30.0]));
+        assert!(!warms_along([20.0, 24.0, 30.0], [20.0, 35.0, 21.0]));
+    }
 
     #[test]
     fn an_amplitude_of_which_only_a_part_is_fitted_has_no_coefficients() {
