@@ -201,7 +201,7 @@ pub fn trace_for(
     progress.at(0.0, "estimating the motion");
     let mut aligned = Aligned::of(&recordings, &held_out, sought.rig)?;
     let mut closed = conclude_in_time(&mut aligned, sought, progress.within([0.1, 0.75]))?;
-    // A repair takes about as long again as all before.
+    // The first repair takes about as long again as all before; later ones less.
     let again = progress.within([0.5, 1.0]);
     let effects = |of: &Closed| of.model.effects.len();
     if (is_more_missing(&closed.result) || closed.model.effects.iter().any(early::stands_for_it))

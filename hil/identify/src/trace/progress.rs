@@ -48,7 +48,7 @@ impl<'p> Progress<'p> {
 /// The text with the time that is left after `elapsed` s, in which this fraction was done.
 fn timed(what: &str, elapsed: f64, done: f64) -> String {
     let left = elapsed * (1.0 - done) / done;
-    if elapsed < SILENT || left.is_nan() {
+    if elapsed < SILENT || done <= 0.0 {
         return what.to_owned();
     }
     let left = match left {
@@ -69,6 +69,7 @@ mod tests {
     fn what_is_left_is_as_long_as_what_is_done_took() {
         for (elapsed, done, expected) in [
             (1.9, 0.1, "fitting"),
+            (3.0, 0.0, "fitting"),
             (3.0, 0.5, "fitting; about 3 s left"),
             (20.0, 0.4, "fitting; about 30 s left"),
             (21.0, 0.4, "fitting; about 40 s left"),
@@ -90,7 +91,7 @@ mod tests {
         assert_eq!(
             *said.lock().unwrap(),
             ["searching"],
-            "at the begin no time is said"
+            "at the beginning no time is said"
         );
     }
 }

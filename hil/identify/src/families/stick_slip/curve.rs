@@ -36,6 +36,8 @@ impl Curve {
             let d = slope(z + step * c);
             stretch.push(z + step * (a + 2.0 * (b + c) + d) / 6.0);
         }
+        // Next to 0 the bluntest one is not followed exactly.
+        stretch[STEPS] = 1.0;
         Self {
             step,
             slope: stretch.iter().map(|&z| slope(z)).collect(),
@@ -62,13 +64,23 @@ impl Curve {
             + part * part * ((1.0 + 2.0 * rest) * z1 - rest * s1)
     }
 
-    /// The way to a stretch of 0 to 1.
+    /// The way to a stretch of 0 to 1, by bisection: the motion may turn at every sample, so that errors would add up.
     fn way_to(&self, stretch: f64) -> f64 {
         let after = self.stretch.partition_point(|&z| z <= stretch);
         let cell = after.clamp(1, STEPS) - 1;
-        let way = self.step * cell as f64 + (stretch - self.stretch[cell]) / self.slope[cell];
-        // The slope grows along the curve, so that the tangent leads too far.
-        way - (self.at(way) - stretch) / self.slope[cell + 1]
+        if stretch >= 1.0 {
+            return self.longest();
+        }
+        let [mut low, mut high] = [cell, cell + 1].map(|cell| self.step * cell as f64);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.at(middle) < stretch {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
     }
 }
 
@@ -98,6 +110,10 @@ pub(super) fn stretched(
             .clamped()
             .displacement();
         let step = (displacement - before.replace(displacement).unwrap_or(displacement)) / limit;
+        if step == 0.0 {
+            stretched[sample] = limit * stretch;
+            continue;
+        }
         let is_upwards = step > 0.0;
         let sign = if is_upwards { 1.0 } else { -1.0 };
         let is_away = sign * stretch >= 0.0;
@@ -149,6 +165,20 @@ mod tests {
 
     use super::super::super::run;
     use super::*;
+
+    #[test]
+    fn a_turn_changes_no_stretch() {
+        for sharpness in [0.5, 1.0, 3.0] {
+            for rise in [4.0, 44.0, 164.0] {
+                let curve = Curve::of(rise, sharpness);
+                assert_eq!(curve.way_to(1.0), curve.longest());
+                for z in (0..1000).map(|n| f64::from(n) / 1000.0) {
+                    let off = (curve.at(curve.way_to(z)) - z).abs();
+                    assert!(off < 1e-9, "{sharpness} {rise} {z}: {off}");
+                }
+            }
+        }
+    }
 
     /// Beside the crate, in steps of at most a three-hundredth of the limit.
     #[test]

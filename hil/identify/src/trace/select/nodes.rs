@@ -75,6 +75,9 @@ impl Search<'_> {
         let warm: Vec<Term> = terms
             .filter(|term| term.form.family().depends_on_temperature())
             .collect();
+        if warm.is_empty() {
+            return false;
+        }
         let Ok(law) = same.refit(&each.found.solution) else {
             return false;
         };
