@@ -114,6 +114,16 @@ pub(crate) fn is_obeyed(letter: char) -> bool {
         )
 }
 
+/// A time in s, with the precision that matters.
+pub fn duration(seconds: f64) -> String {
+    let whole = seconds.ceil() as u64;
+    match whole {
+        0..100 => format!("{whole} s"),
+        100..6000 => format!("{} min", whole.div_ceil(60)),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -97,6 +97,7 @@ pub const FORMS: [Form; 4] = [
         unit_forces: |shapes, path| {
             let hardening = ShapePolicy::in_use().hardening;
             let [limit, sharpness, loss] = [shapes[0], shapes[1], shapes[2]];
+            // The crate's limits hold along the curves too.
             HardeningFriction::new(1.0, limit, sharpness, hardening, loss)?;
             let stretched = curve::stretched(limit, sharpness, hardening, loss, path);
             Ok(vec![stretched])

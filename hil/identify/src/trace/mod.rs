@@ -57,6 +57,7 @@ use crate::base_law::BaseLaw;
 use aligned::Aligned;
 use closing::{Closed, Closing, brings_nothing_new};
 use controlled::Controlled;
+use fitted::Fitted;
 use progress::Progress;
 use result::{TraceResult, Verdict};
 use select::{Search, Selection, amplitude_nodes, error_between};
@@ -311,7 +312,7 @@ fn conclude_in_time(
         if !aligned.follow(early.unwrap_or_default())? {
             break;
         }
-        let search = progress.within([0.4, 0.6]);
+        let search = progress.within([0.4, SEARCH[1]]);
         search.at(0.0, "correcting time shifts of the force");
         searched = search_in(aligned, sought, Some(&searched.selection), search)?;
     }
@@ -431,15 +432,13 @@ fn search(
     let for_each = for_all.with_nodes(nodes.clone());
     let each = for_each.run(from, progress.within([0.0, 0.6]))?;
     // Two laws are compared by the same weights.
-    let same = for_all.beside_left(each.left.clone());
-    let same = same.refit(&each.found.solution);
-    let as_good = same
-        .ok()
-        .filter(|same| !each.found.score.beats(&same.score));
-    if let Some(same) = as_good {
+    let weighted = for_all.beside_left(each.left.clone());
+    let same = weighted.refit(&each.found.solution);
+    let is_as_good = |same: &Fitted| !each.found.score.beats(&same.score);
+    if let Some(same) = same.as_ref().ok().filter(|same| is_as_good(same)) {
         // The same effects with fewer coefficients.
         let found = Selection {
-            found: same,
+            found: same.clone(),
             ..each
         };
         return Ok((false, found));
@@ -448,7 +447,7 @@ fn search(
         .beside_left(each.left.clone())
         .is_settled(&each.found)
     {
-        let warms_along = for_all.warms_along(&each);
+        let warms_along = same.is_ok_and(|law| weighted.warms_along(&each, &law));
         return Ok((
             true,
             Selection {

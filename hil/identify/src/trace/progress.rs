@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use mesh_damper_output::terminal::duration;
+
 /// Before this, in s, nothing is said of the time. Convention: whoever waits has not asked yet.
 const SILENT: f64 = 2.0;
 
@@ -24,7 +26,7 @@ impl<'p> Progress<'p> {
         }
     }
 
-    /// That of a part of the present one. Its ends are what a trace of some blocks of sines took.
+    /// That of a part of the present one. Its ends are rough: a trace does not know what it will find.
     #[must_use]
     pub fn within(self, [from, to]: [f64; 2]) -> Self {
         Self {
@@ -51,12 +53,12 @@ fn timed(what: &str, elapsed: f64, done: f64) -> String {
     if elapsed < SILENT || done <= 0.0 {
         return what.to_owned();
     }
-    let left = match left {
-        ..10.0 => format!("{:.0} s", left.ceil()),
-        ..100.0 => format!("{:.0} s", 10.0 * (left / 10.0).ceil()),
-        _ => format!("{:.0} min", (left / 60.0).ceil()),
+    // It is not known to the second.
+    let rounded = match left {
+        ..10.0 => left,
+        _ => 10.0 * (left / 10.0).ceil(),
     };
-    format!("{what}; about {left} left")
+    format!("{what}; about {} left", duration(rounded))
 }
 
 #[cfg(test)]

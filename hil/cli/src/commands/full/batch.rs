@@ -11,6 +11,7 @@ use mesh_damper_batch::{Batch, List, Progress as Done, Settings, Summary};
 use mesh_damper_identify::trace::conclusion::Conclusion;
 use mesh_damper_identify::trace::result::Verdict;
 use mesh_damper_output::error::InputError;
+use mesh_damper_output::terminal::duration;
 
 use crate::commands::progress::Progress;
 use crate::commands::reading::RecordingFiles;
@@ -152,16 +153,6 @@ fn far(done: Done) -> String {
         text.push_str(&format!(", {rate:.1} a second, {} left", duration(left)));
     }
     text
-}
-
-/// A time in s, with the precision that matters.
-fn duration(seconds: f64) -> String {
-    let whole = seconds.ceil() as u64;
-    match whole {
-        0..100 => format!("{whole} s"),
-        100..6000 => format!("{} min", whole.div_ceil(60)),
-        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
-    }
 }
 
 fn counted(count: usize, what: &str) -> String {

@@ -7,7 +7,7 @@ use mesh_damper_model::predict::motion_at;
 
 use super::super::Path;
 
-/// Steps of a curve. Convention: cubics between so many are far nearer to it than the steps of a recording.
+/// Steps of a curve. Convention: cubics between them are far nearer to it than the steps of a recording.
 const STEPS: usize = 256;
 
 /// z over the way w of dz/dw = 1 + rise·zⁿ from 0 to 1.
@@ -66,11 +66,11 @@ impl Curve {
 
     /// The way to a stretch of 0 to 1, by bisection: the motion may turn at every sample, so that errors would add up.
     fn way_to(&self, stretch: f64) -> f64 {
-        let after = self.stretch.partition_point(|&z| z <= stretch);
-        let cell = after.clamp(1, STEPS) - 1;
         if stretch >= 1.0 {
             return self.longest();
         }
+        let after = self.stretch.partition_point(|&z| z <= stretch);
+        let cell = after.clamp(1, STEPS) - 1;
         let [mut low, mut high] = [cell, cell + 1].map(|cell| self.step * cell as f64);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
@@ -85,7 +85,7 @@ impl Curve {
 }
 
 /// Where the stretch is on a curve.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 struct Place {
     is_upwards: bool,
     is_away: bool,
@@ -104,7 +104,7 @@ pub(super) fn stretched(
     let mut stretched = vec![0.0; path.motion.len()];
     let mut before = None;
     let mut stretch = 0.0;
-    let mut place = None;
+    let mut place: Option<Place> = None;
     for sample in path.strides.iter().flat_map(|stride| stride.visits()) {
         let displacement = motion_at::<f64>(path.motion, sample)
             .clamped()
@@ -117,41 +117,25 @@ pub(super) fn stretched(
         let is_upwards = step > 0.0;
         let sign = if is_upwards { 1.0 } else { -1.0 };
         let is_away = sign * stretch >= 0.0;
-        let at = place.filter(|at: &Place| at.is_upwards == is_upwards && at.is_away == is_away);
-        let size = f64::abs(stretch);
-        let way = at.map(|at| at.way).unwrap_or_else(|| {
-            if is_away {
-                away.way_to(size)
-            } else {
-                back.way_to(size)
-            }
+        let curve = if is_away { &away } else { &back };
+        let goes_on = |at: &Place| at.is_upwards == is_upwards && at.is_away == is_away;
+        let known = place.filter(goes_on).map(|at| at.way);
+        let way = known.unwrap_or_else(|| curve.way_to(f64::abs(stretch)));
+        let (is_away, way) = match is_away {
+            true => (true, way + step.abs()),
+            false if way > step.abs() => (false, way - step.abs()),
+            // Beyond 0 it goes on away from there.
+            false => (true, step.abs() - way),
+        };
+        stretch = match is_away {
+            true => sign * away.at(way),
+            false => -sign * back.at(way),
+        };
+        place = Some(Place {
+            is_upwards,
+            is_away,
+            way,
         });
-        let left = way - step.abs();
-        let now = if is_away {
-            Place {
-                is_upwards,
-                is_away,
-                way: (way + step.abs()).min(away.longest()),
-            }
-        } else if left > 0.0 {
-            Place {
-                is_upwards,
-                is_away,
-                way: left,
-            }
-        } else {
-            Place {
-                is_upwards,
-                is_away: true,
-                way: (-left).min(away.longest()),
-            }
-        };
-        stretch = if now.is_away {
-            sign * away.at(now.way)
-        } else {
-            -sign * back.at(now.way)
-        };
-        place = Some(now);
         stretched[sample] = limit * stretch;
     }
     stretched

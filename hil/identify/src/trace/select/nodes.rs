@@ -8,6 +8,7 @@ use mesh_damper_recording::extremes::least_and_largest;
 use mesh_damper_recording::trajectory::Trajectory;
 use mesh_damper_recording::trajectory::strides::strides;
 
+use super::super::fitted::Fitted;
 use super::super::split::{Role, Roles};
 use super::{Search, Selection};
 use crate::base_law::BaseLaw;
@@ -68,9 +69,8 @@ pub fn error_between(
 
 impl Search<'_> {
     /// Whether one set of coefficients that changes with the temperature predicts as well as `each`, which has one for each amplitude:
-    /// the temperature then changed along with the amplitude.
-    pub fn warms_along(&self, each: &Selection) -> bool {
-        let same = self.beside_left(each.left.clone());
+    /// the temperature then changed along with the amplitude. `law` has the same effects with one set, fitted by this search.
+    pub fn warms_along(&self, each: &Selection, law: &Fitted) -> bool {
         let terms = self.terms.iter().copied();
         let warm: Vec<Term> = terms
             .filter(|term| term.form.family().depends_on_temperature())
@@ -78,10 +78,7 @@ impl Search<'_> {
         if warm.is_empty() {
             return false;
         }
-        let Ok(law) = same.refit(&each.found.solution) else {
-            return false;
-        };
-        let warmed = same.beside(&law, &warm, warm.len()).into_iter();
+        let warmed = self.beside(law, &warm, warm.len()).into_iter();
         let mut warmed = warmed.map(|(_, law, _)| law);
         warmed.any(|law| law.is_admissible() && !each.found.score.beats(&law.score))
     }
@@ -151,7 +148,9 @@ mod tests {
             let for_all = Search::new(&trajectories, &roles, vec![0.0], &sought);
             let each = for_all.with_nodes(nodes);
             let each = each.run(None, Progress::of(&|_| ())).unwrap();
-            for_all.warms_along(&each)
+            let weighted = for_all.beside_left(each.left.clone());
+            let law = weighted.refit(&each.found.solution).unwrap();
+            weighted.warms_along(&each, &law)
         };
         assert!(warms_along([20.0, 24.0, 30.0], [20.0, 24.0, 30.0]));
         assert!(!warms_along([20.0, 24.0, 30.0], [20.0, 35.0, 21.0]));
